@@ -35,6 +35,7 @@ test: ## run the tests, unit to browser
 	wait $$debian && exit $$installed
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
+	.venv/bin/lint-imports --no-cache --no-logo
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md deploy/*/README.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy & mypy=$$!; \
 	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal $(thorough); tests=$$?; \

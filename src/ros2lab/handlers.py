@@ -7,7 +7,7 @@ import builtins
 from collections import defaultdict
 from collections.abc import Iterable
 
-from ros2lab.diagnose.static_value import dotted
+from ros2lab.diagnose.sources.static_value import dotted
 
 
 def _is_no_error(kind: type) -> bool:

@@ -155,7 +155,7 @@ def node_graph(node: Any) -> Picture:
     Args:
         node: an rclpy node, such as `session.node`.
     """
-    from ros2lab.diagnose.ros_graph import graph_of, observe, words  # the other pictures need no ROS
+    from ros2lab.diagnose.nodes.ros_graph import graph_of, observe, words  # the other pictures need no ROS
 
     graph = graph_of(observe(node))
     boxes = {part.name: f"n{number}" for number, part in enumerate(graph.nodes)}

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ros2lab import assignments
-from ros2lab.diagnose.python_source import read_text
+from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.grading.package_facts import own_words
 from ros2lab.handlers import Handlers
 from ros2lab.table import Table

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import read_source
 
 
 def sources_of(text: str, folder: Path, name: str = "node") -> NodeSources:

@@ -9,12 +9,12 @@ import pytest
 from right_workspace import right_workspace
 
 from ros2lab.diagnose import of_text, of_workspace
-from ros2lab.diagnose.calls import meant_call
-from ros2lab.diagnose.commands import corrected
+from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.explaining.commands import corrected
+from ros2lab.diagnose.explaining.usage import accepted_form
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.syntax import syntax_finding
-from ros2lab.diagnose.usage import accepted_form
+from ros2lab.diagnose.sources.calls import meant_call
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 IMPORTS = """\
 import rclpy

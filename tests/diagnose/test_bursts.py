@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
-from ros2lab.diagnose.bursts import burst_faults
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.bursts import burst_faults
 
 NODES = """
     import time

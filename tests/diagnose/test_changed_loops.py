@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
-from ros2lab.diagnose.changed_loops import changed_loops
+from ros2lab.diagnose.code.changed_loops import changed_loops
 from ros2lab.diagnose.finding import Finding
 
 NODE = """

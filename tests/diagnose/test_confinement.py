@@ -13,9 +13,10 @@ import pytest
 from right_workspace import right_workspace
 
 from deadlines import DEADLINE
-from ros2lab.diagnose import confinement, interfaces, of_workspace
+from ros2lab.diagnose import confinement, of_workspace
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.sources import interfaces
 
 LAUNCH = "launch/robot.launch.py"
 ATTACKS = """

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
-from ros2lab.diagnose.defined_once import defined_once
+from ros2lab.diagnose.code.defined_once import defined_once
 from ros2lab.diagnose.finding import Finding
 
 HEAD = """

@@ -15,7 +15,7 @@ from workspace_files import NAMES, Files
 
 from deadlines import DEADLINE
 from ros2lab.cli import app
-from ros2lab.diagnose.steps import go_step_by_step
+from ros2lab.diagnose.explaining.steps import go_step_by_step
 
 
 def typed(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
@@ -61,7 +61,7 @@ def test_a_right_workspace_ends_with_0(tmp_path: Path) -> None:
 def test_a_launch_file_that_could_not_be_loaded_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ros2lab.diagnose.launch_child.LONGEST", 1)
+    monkeypatch.setattr("ros2lab.diagnose.launching.launch_child.LONGEST", 1)
     waits = "import time\n\ntime.sleep(1000)\n"
     files = Files.right(NAMES[0]).change(
         "launch/robot.launch.py", "from launch import", f"{waits}from launch import"

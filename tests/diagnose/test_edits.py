@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.trials import Edit
+from ros2lab.diagnose.checking.trials import Edit
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 TEXT = """\
 class Arm:

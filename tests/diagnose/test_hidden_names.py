@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
+from ros2lab.diagnose.code.hidden_names import hidden_names
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.hidden_names import hidden_names
 
 FILE = """
     import math

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from launch import LaunchContext
-from ros2lab.diagnose.launch_values import used_too_early
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.launching.launch_values import used_too_early
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 HEAD = """\
 from launch.actions import DeclareLaunchArgument

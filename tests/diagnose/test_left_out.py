@@ -9,8 +9,8 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_text
-from ros2lab.diagnose.calls import meant_call
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.calls import meant_call
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 CLASS = "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom std_srvs.srv import Trigger\n\n\nclass A(Node):\n    def heard(self, msg):\n        pass\n\n    def __init__(self):\n        super().__init__('a')\n"
 LEFT_OUT = {

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
+from ros2lab.diagnose.code.line_ends import line_end_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.line_ends import line_end_faults
 
 NODE = """
     import sys

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
+from ros2lab.diagnose.code.locks import lock_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.locks import lock_faults
 
 NODE = """\
 import threading

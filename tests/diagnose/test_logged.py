@@ -11,8 +11,8 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
-from ros2lab.diagnose.logged import as_logged
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.launching.logged import as_logged
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 PRINTS = [
     "print('tic', self.n, flush=True)",

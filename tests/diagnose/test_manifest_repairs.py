@@ -11,8 +11,8 @@ from workspace_files import NAMES, Files
 from ros2lab.checks import CheckError
 from ros2lab.checks.manifests import manifest_of
 from ros2lab.diagnose import of_workspace
-from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.xml_repairs import repaired
+from ros2lab.diagnose.packaging.xml_repairs import repaired
+from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.package_faults import manifest_fault
 
 MANIFEST = """\
@@ -140,7 +140,7 @@ def test_a_mistake_of_our_own_is_none_of_the_manifest(
     def broken(manifest: object) -> object:
         raise TypeError(manifest)
 
-    monkeypatch.setattr("ros2lab.diagnose.package._where_they_hold", broken)
+    monkeypatch.setattr("ros2lab.diagnose.sources.package._where_they_hold", broken)
     (package_folder / "package.xml").write_text(MANIFEST)
     with pytest.raises(TypeError):
         _ = SourcePackage(package_folder).manifest

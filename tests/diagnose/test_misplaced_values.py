@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ros2lab.diagnose.misplaced_values import misplaced_values
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.launching.misplaced_values import misplaced_values
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 
 def told(keywords: str) -> list[str]:

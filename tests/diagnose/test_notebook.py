@@ -9,8 +9,9 @@ import pytest
 from IPython.core.interactiveshell import InteractiveShell
 from IPython.utils.capture import RichOutput, capture_output
 
-from ros2lab.diagnose import Finding, notebook
-from ros2lab.diagnose.steps import go_step_by_step
+from ros2lab.diagnose import Finding
+from ros2lab.diagnose.explaining import notebook
+from ros2lab.diagnose.explaining.steps import go_step_by_step
 from ros2lab.terminal import magic
 
 NODE = """\

@@ -12,12 +12,12 @@ import pytest
 from right_workspace import right_workspace
 
 from ros2lab.diagnose import look, net, of_text, of_workspace
-from ros2lab.diagnose.calls import fitting
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.look import Look, text_faults
-from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.signatures import Parameter
-from ros2lab.diagnose.static_value import LARGEST, evaluate
+from ros2lab.diagnose.sources.calls import fitting
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.signatures import Parameter
+from ros2lab.diagnose.sources.static_value import LARGEST, evaluate
 from ros2lab.grading import files
 from ros2lab.grading.build_plan import plan_for
 from ros2lab.grading.reports.evidence_json import plain
@@ -208,7 +208,7 @@ def test_the_tests_see_a_rule_that_fails(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
 def test_an_explanation_that_fails_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv(net.STRICT)
-    monkeypatch.setattr("ros2lab.diagnose.explanation.read_error", _broken)
+    monkeypatch.setattr("ros2lab.diagnose.explaining.explanation.read_error", _broken)
     (said,) = of_text("NameError: name 'x' is not defined")
     assert isinstance(said, net.Unjudged)
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
+from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.one_time import one_time_faults
 
 NODE = """
     import csv

@@ -14,7 +14,7 @@ from workspace_files import NAMES, Files
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.parameter_file import (
+from ros2lab.diagnose.sources.parameter_file import (
     ParameterFileError,
     UnreadParameterFileError,
     kind_of,

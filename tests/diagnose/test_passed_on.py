@@ -13,8 +13,8 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import Finding, of_text
-from ros2lab.diagnose.error_text import MOST_READ, read_error, read_printed
 from ros2lab.diagnose.finding import SAID
+from ros2lab.diagnose.printed.error_text import MOST_READ, read_error, read_printed
 from ros2lab.environment import lab_environment
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.placeholders import placeholder_faults
-from ros2lab.diagnose.python_source import read_source
+from ros2lab.diagnose.sources.python_source import read_source
 
 NODE = """\
 class Counter(Node):

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from ros2lab.diagnose.code.private_names import private_name_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.private_names import private_name_faults
-from ros2lab.diagnose.python_source import read_source
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import read_source
 
 BASE = """
     from rclpy.node import Node

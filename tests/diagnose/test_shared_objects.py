@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
+from ros2lab.diagnose.code.shared_objects import shared_objects
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.shared_objects import shared_objects
-from ros2lab.diagnose.uses import Uses
+from ros2lab.diagnose.sources.uses import Uses
 
 NODE = """
     import copy

@@ -8,7 +8,7 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_text, of_workspace
-from ros2lab.diagnose.typed_message import as_message
+from ros2lab.diagnose.explaining.typed_message import as_message
 
 NAME = NAMES[1]
 PACKAGE = f"src/{NAME.package}"

@@ -8,7 +8,7 @@ import pytest
 from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.life_faults import life_faults
+from ros2lab.diagnose.nodes.life_faults import life_faults
 
 NODE = """\
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn

@@ -9,7 +9,8 @@ import pytest
 from styles import MAIN
 from workspace_files import NAMES, Files
 
-from ros2lab.diagnose import of_text, of_workspace, type_checker
+from ros2lab.diagnose import of_text, of_workspace
+from ros2lab.diagnose.checking import type_checker
 
 TALK = "        self.count += 1\n"
 FAULTS = [

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
+from ros2lab.diagnose.code.units import unit_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.units import unit_faults
 
 NODE = """\
 import time

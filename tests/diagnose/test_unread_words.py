@@ -8,9 +8,9 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.launch_file import Launched
+from ros2lab.diagnose.launching.launch_file import Launched
+from ros2lab.diagnose.launching.unread_words import unread_words
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.unread_words import unread_words
 
 NAME = NAMES[0]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import evidences
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.build import underlay
 from ros2lab.grading.evidence import Build, Executable, Files, Run
 from ros2lab.grading.files import _simulated

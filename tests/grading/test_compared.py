@@ -2,7 +2,7 @@
 
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.compared import compared
 from ros2lab.grading.running import running
 

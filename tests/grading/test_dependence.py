@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.dependence import depended_on
 from ros2lab.grading.running import running
 

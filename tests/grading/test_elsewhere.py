@@ -16,7 +16,7 @@ from typing import Any
 import evidences
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading import stand_in
 from ros2lab.grading.absent import named_places
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Evidence, WrittenEnd

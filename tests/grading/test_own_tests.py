@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from ros2lab.diagnose.python_source import read_source
+from ros2lab.diagnose.sources.python_source import read_source
 from ros2lab.grading import own_tests, spoiler
 from ros2lab.grading.build import underlay
 from ros2lab.grading.build_plan import WORKSPACE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.written_ends import written_ends
 

@@ -12,7 +12,7 @@ import pytest
 from test_files import REFERENCE, Texts, right_package, write
 
 from ros2lab import assignments
-from ros2lab.diagnose import launch_loaded
+from ros2lab.diagnose.launching import launch_loaded
 from ros2lab.grading import reader, reading
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.observe import SHOWN

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.hidden_ends import hidden_ends
 from ros2lab.grading.written_ends import ends_elsewhere, written_ends

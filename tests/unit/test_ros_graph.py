@@ -6,7 +6,7 @@ import pytest
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from ros2lab.diagnose.ros_graph import (
+from ros2lab.diagnose.nodes.ros_graph import (
     End,
     Fault,
     Graph,

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from ros2lab import course
 from ros2lab.checks import CheckError
 from ros2lab.diagnose.finding import Finding, stops_build
-from ros2lab.diagnose.installed import changed_sources, installed_entry_points, prefix_of
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.packaging.installed import changed_sources, installed_entry_points, prefix_of
+from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.workspace import Workspace
 
 

@@ -28,7 +28,7 @@ from ros2lab.checks.first_node_program import (
     observe_program,
     topic_hint,
 )
-from ros2lab.diagnose.notebook import find_cause
+from ros2lab.diagnose.explaining.notebook import find_cause
 from ros2lab.domain_lease import discovery
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.topics import type_name

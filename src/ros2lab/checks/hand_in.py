@@ -14,7 +14,7 @@ from ros2lab.assessment import NOT_RUN, POINTS, Assessment, judged
 from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.repositories import expect_nothing_built, expect_repository, in_last_commit
 from ros2lab.clean_build import built_from_nothing, differing, digests, folder_apart, is_readme, listed
-from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.git import git
 from ros2lab.hand_in import (
     COMMAND_TOPIC,

@@ -21,7 +21,7 @@ from ros2lab.checks.watched_program import (
     WatchedProgram,
     running,
 )
-from ros2lab.diagnose.error_text import read_error
+from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.hand_in import PACKAGE
 from ros2lab.judge import case_of, lost
 from ros2lab.observed_domain import ObservedDomain

@@ -41,7 +41,7 @@ from ros2lab.checks.watched_program import (
     launched,
     message_numbers,
 )
-from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.spoiler import SPOILERS, Spoiler
 from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES, shared_files

@@ -13,9 +13,9 @@ from ros2lab.checks import CheckError, Question, exercise, graded, predict_of, q
 from ros2lab.checks.patients import HEALTHY, ILL, PATIENTS, ROBOT, Change
 from ros2lab.clean_build import built_from_nothing, in_place
 from ros2lab.diagnose import of_text, of_workspace
-from ros2lab.diagnose.error_text import read_error
+from ros2lab.diagnose.explaining.steps import go_step_by_step
 from ros2lab.diagnose.finding import UNKNOWN
-from ros2lab.diagnose.steps import go_step_by_step
+from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import ObservedDomain
 from ros2lab.workspace import Workspace

@@ -16,8 +16,8 @@ from rclpy.qos import QoSProfile
 
 from ros2lab import course, diagnose, environment
 from ros2lab.checks import CheckError
-from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import UNKNOWN
+from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import SILENT_PERIODS, ObservedDomain
 from ros2lab.rhythm import distance, period_of

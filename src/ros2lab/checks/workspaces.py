@@ -9,7 +9,7 @@ from pathlib import Path
 from ros2lab import course
 from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.programs import check_last_build, overlay_of
-from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.workspace import Workspace
 
 MADE_BY_COLCON = ("build", "install", "log")

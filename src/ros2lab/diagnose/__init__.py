@@ -57,14 +57,14 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     Raises:
         NotADirectoryError: if there is no such folder.
     """
-    from ros2lab.diagnose.called_at_once import called_at_once
-    from ros2lab.diagnose.compared_types import compared_types
+    from ros2lab.diagnose.checking.called_at_once import called_at_once
+    from ros2lab.diagnose.checking.compared_types import compared_types
+    from ros2lab.diagnose.checking.type_checker import type_faults
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
+    from ros2lab.diagnose.mending.repairs import worth_typing
     from ros2lab.diagnose.net import changed, guarded
-    from ros2lab.diagnose.repairs import worth_typing
-    from ros2lab.diagnose.spots import statement_around
-    from ros2lab.diagnose.type_checker import type_faults
+    from ros2lab.diagnose.printed.spots import statement_around
 
     path = path.expanduser().absolute()
     if not path.is_dir():
@@ -100,7 +100,7 @@ def of_text(
         sources: texts of files that are on no disk, such as the cells of a notebook, by the names in the text.
         loads: whether launch itself may load launch files, which are programs.
     """
-    from ros2lab.diagnose.explanation import explain
+    from ros2lab.diagnose.explaining.explanation import explain
 
     root = workspace.expanduser().absolute() if workspace else None
     return explain(text, root, sources or {}, loads=loads)
@@ -108,6 +108,6 @@ def of_text(
 
 def of_graph(node: Node | LabSession) -> list[Finding]:
     """Look at the running nodes: topics nearly alike, types and qualities of service that differ, equal names."""
-    from ros2lab.diagnose.graph import graph_findings
+    from ros2lab.diagnose.nodes.graph import graph_findings
 
     return graph_findings(node if hasattr(node, "get_topic_names_and_types") else node.node)

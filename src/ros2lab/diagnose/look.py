@@ -8,43 +8,43 @@ from functools import cached_property
 from pathlib import Path
 
 from ros2lab import course
-from ros2lab.diagnose.argument_names import argument_name_faults
-from ros2lab.diagnose.bursts import burst_faults
-from ros2lab.diagnose.changed_loops import changed_loops
-from ros2lab.diagnose.defined_once import defined_once
-from ros2lab.diagnose.expression_faults import expression_faults
+from ros2lab.diagnose.code.argument_names import argument_name_faults
+from ros2lab.diagnose.code.changed_loops import changed_loops
+from ros2lab.diagnose.code.defined_once import defined_once
+from ros2lab.diagnose.code.expression_faults import expression_faults
+from ros2lab.diagnose.code.flow_faults import flow_faults
+from ros2lab.diagnose.code.hidden_names import hidden_names
+from ros2lab.diagnose.code.imports import hidden_types, import_faults, shadow_faults
+from ros2lab.diagnose.code.line_ends import line_end_faults
+from ros2lab.diagnose.code.locks import lock_faults
+from ros2lab.diagnose.code.one_time import one_time_faults
+from ros2lab.diagnose.code.private_names import private_name_faults
+from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.units import unit_faults
 from ros2lab.diagnose.finding import Finding, ranked
-from ros2lab.diagnose.flow_faults import flow_faults
-from ros2lab.diagnose.for_ros import is_for_ros
-from ros2lab.diagnose.hidden_names import hidden_names
-from ros2lab.diagnose.imports import hidden_types, import_faults, shadow_faults
-from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
-from ros2lab.diagnose.launch_faults import launch_faults
-from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
-from ros2lab.diagnose.launch_loaded import load
-from ros2lab.diagnose.launch_order import set_back
-from ros2lab.diagnose.layout_faults import layout_faults
-from ros2lab.diagnose.life_faults import life_faults
-from ros2lab.diagnose.line_ends import line_end_faults
-from ros2lab.diagnose.locks import lock_faults
-from ros2lab.diagnose.manifest_faults import dependency_circle, manifest_faults
-from ros2lab.diagnose.message_faults import message_faults
+from ros2lab.diagnose.launching.launch_faults import launch_faults
+from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
+from ros2lab.diagnose.launching.launch_loaded import load
+from ros2lab.diagnose.launching.launch_order import set_back
+from ros2lab.diagnose.launching.parameter_names import passed_over
+from ros2lab.diagnose.launching.started_faults import Started, started_faults, started_in
 from ros2lab.diagnose.net import guarded
-from ros2lab.diagnose.node_faults import node_faults
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.one_time import one_time_faults
-from ros2lab.diagnose.package import SourcePackage, discover
-from ros2lab.diagnose.packaging_faults import packaging_faults
-from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
-from ros2lab.diagnose.parameter_names import passed_over
-from ros2lab.diagnose.private_names import private_name_faults
-from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.started_faults import Started, started_faults, started_in
-from ros2lab.diagnose.syntax import syntax_finding
-from ros2lab.diagnose.taken_names import taken_packages
-from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
-from ros2lab.diagnose.units import unit_faults
-from ros2lab.diagnose.use_faults import use_faults
+from ros2lab.diagnose.nodes.bursts import burst_faults
+from ros2lab.diagnose.nodes.life_faults import life_faults
+from ros2lab.diagnose.nodes.message_faults import message_faults
+from ros2lab.diagnose.nodes.node_faults import node_faults
+from ros2lab.diagnose.nodes.parameter_faults import file_faults, parameter_faults
+from ros2lab.diagnose.nodes.taken_names import taken_packages
+from ros2lab.diagnose.nodes.topic_faults import ends_of, service_faults, topic_faults
+from ros2lab.diagnose.nodes.use_faults import use_faults
+from ros2lab.diagnose.packaging.for_ros import is_for_ros
+from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
+from ros2lab.diagnose.packaging.layout_faults import layout_faults
+from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, manifest_faults
+from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.package import SourcePackage, discover
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 
 def workspace_around(folder: Path) -> Path | None:
@@ -181,6 +181,11 @@ class Look:
             for path in package.launch_files
         }
         return load(read, self.packages) if self.loads else [*read.values()]
+
+    @property
+    def launch_paths(self) -> list[Path]:
+        """Where they are, in the same order."""
+        return [path for package in self.packages for path in package.launch_files]
 
     @cached_property
     def launched(self) -> dict[tuple[str, str], Started]:

@@ -8,11 +8,11 @@ import sys
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.imports import ROS_1
-from ros2lab.diagnose.launch_file import read_launch_file
-from ros2lab.diagnose.python_source import PythonSource, read_text
-from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.code.imports import ROS_1
+from ros2lab.diagnose.launching.launch_file import read_launch_file
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.files import launch_files, shares_named
 from ros2lab.grading.graded_package import Package
 

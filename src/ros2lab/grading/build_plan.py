@@ -9,7 +9,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose.python_source import read_source, read_text
+from ros2lab.diagnose.sources.python_source import read_source, read_text
 from ros2lab.grading import stand_in
 from ros2lab.grading.absent import (
     MARKERS,

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ros2lab.diagnose.interfaces import is_interface
-from ros2lab.diagnose.static_value import UNKNOWN
+from ros2lab.diagnose.sources.interfaces import is_interface
+from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 _COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,

@@ -11,10 +11,10 @@ from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose import net
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.diagnose.topic_faults import End, ends_of, timers_of
+from ros2lab.diagnose.nodes.topic_faults import End, ends_of, timers_of
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.compared import compared
 from ros2lab.grading.notes import Kind
 from ros2lab.grading.running import running

@@ -11,9 +11,9 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import cached_property
 
-from ros2lab.diagnose.interfaces import fields_of
-from ros2lab.diagnose.node_source import LOG_METHODS, Creation, NodeSources
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.sources.interfaces import fields_of
+from ros2lab.diagnose.sources.node_source import LOG_METHODS, Creation, NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.publishing import Publishing
 

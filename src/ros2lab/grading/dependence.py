@@ -11,8 +11,8 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from functools import cached_property
 
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.compared import compared
 from ros2lab.grading.running import Code
 

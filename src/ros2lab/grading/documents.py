@@ -12,8 +12,8 @@ import tokenize
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose.interfaces import PACKAGES
-from ros2lab.diagnose.python_source import Function, PythonSource, read_text
+from ros2lab.diagnose.sources.interfaces import PACKAGES
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
 from ros2lab.grading import markdown, restructured
 from ros2lab.grading.submission import FoundPackage, Submission
 

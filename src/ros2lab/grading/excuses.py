@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ros2lab.assignments import Part
-from ros2lab.diagnose.interfaces import fields_of
+from ros2lab.diagnose.sources.interfaces import fields_of
 from ros2lab.grading.deeds import CLAUSES, PACED, PUBLISHES, READS
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
 from ros2lab.grading.player import PLAIN_SETTINGS, Player, is_for_want, lacked

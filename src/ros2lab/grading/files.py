@@ -20,13 +20,13 @@ from ros2lab import assignments
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import net
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.interfaces import PACKAGES, is_installed
-from ros2lab.diagnose.launch_file import read_launch_file
+from ros2lab.diagnose.launching.launch_file import read_launch_file
 from ros2lab.diagnose.look import Look, text_faults
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.parameter_faults import declared_in
-from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
-from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.compared import compared
 from ros2lab.grading.dependence import depended_on
 from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings

@@ -10,8 +10,8 @@ import ast
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 
-from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.python_source import PythonSource, walk
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.grading.evidence import WrittenEnd
 
 # What finds something by a text, and which of its arguments that is.

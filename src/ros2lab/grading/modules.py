@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.graded_package import Package
 
 _OF_TERMINALS = frozenset(

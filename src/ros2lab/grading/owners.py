@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable
 from pathlib import PurePosixPath
 
-from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.sources import interfaces
 from ros2lab.grading.grade import Fault, Judgement
 from ros2lab.grading.player import is_near
 from ros2lab.grading.players import Case

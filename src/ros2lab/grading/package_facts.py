@@ -12,11 +12,11 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.manifest_faults import manifest_faults
-from ros2lab.diagnose.packaging_faults import packaging_faults
-from ros2lab.diagnose.python_source import read_text
-from ros2lab.diagnose.setup_script import SetupScript
-from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
+from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.setup_script import SetupScript
+from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.graded_package import Package, written_modules
 from ros2lab.manifest_words import describes, is_to_be_done
 

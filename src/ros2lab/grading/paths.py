@@ -7,7 +7,7 @@ import builtins
 import contextlib
 from collections.abc import Collection, Iterable, Iterator
 
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.cases import leaves, text_of
 from ros2lab.grading.possible import Facts, Possible
 

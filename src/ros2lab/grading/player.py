@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ros2lab.assignments import Part
-from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import (
     GIVEN,
     CommandSeen,

@@ -15,10 +15,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
-from ros2lab.diagnose.interfaces import fields_of, is_interface
-from ros2lab.diagnose.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, parameters
-from ros2lab.diagnose.static_value import UNKNOWN
+from ros2lab.diagnose.sources.interfaces import fields_of, is_interface
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.grading.assigned import Store, assigned
 from ros2lab.grading.cases import Case, Given, Member, changed, leaves, samples, text_of, value_of
 

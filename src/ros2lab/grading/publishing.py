@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ros2lab.diagnose.interfaces import fields_of, is_interface, members_of
-from ros2lab.diagnose.node_source import Creation, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.interfaces import fields_of, is_interface, members_of
+from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.cases import Given, text_of
 from ros2lab.grading.possible import Possible, Values
 

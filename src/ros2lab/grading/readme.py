@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
 from ros2lab import every_node
-from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import Build, Files, Run
 from ros2lab.grading.readme_operands import Operands
 from ros2lab.grading.shell_lines import is_run

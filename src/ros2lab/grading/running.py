@@ -12,9 +12,9 @@ import ast
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 
-from ros2lab.diagnose.interfaces import members_of
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.paths import Paths
 from ros2lab.grading.possible import Facts, Possible
 

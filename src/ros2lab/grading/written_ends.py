@@ -9,9 +9,9 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import LARGEST_FILE, PythonSource
-from ros2lab.diagnose.topic_faults import ends_of, timers_of
+from ros2lab.diagnose.nodes.topic_faults import ends_of, timers_of
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource
 from ros2lab.grading.deeds import Deeds
 from ros2lab.grading.documents import is_prose
 from ros2lab.grading.evidence import WrittenEnd

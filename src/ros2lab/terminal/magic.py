@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from IPython.core.magic_arguments import argument, magic_arguments, parse_argstring
 
 from ros2lab import edition, environment, neighbours
-from ros2lab.diagnose import notebook
+from ros2lab.diagnose.explaining import notebook
 from ros2lab.interrupts import interrupted_says
 from ros2lab.terminal.bash import Terminal, TerminalError
 from ros2lab.terminal.editor import save_cell

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ros2lab.diagnose import of_text
-from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import UNKNOWN, Finding
+from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.grading.evidence import Run
 
 if TYPE_CHECKING:

@@ -18,15 +18,15 @@ from typing import Any
 
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
-from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import Finding, ranked
-from ros2lab.diagnose.installed import prefix_of
+from ros2lab.diagnose.launching.started_faults import Started
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
-from ros2lab.diagnose.python_source import read_text
-from ros2lab.diagnose.started_faults import Started
-from ros2lab.diagnose.topic_faults import ends_of, word_sources
+from ros2lab.diagnose.nodes.topic_faults import ends_of, word_sources
+from ros2lab.diagnose.packaging.installed import prefix_of
+from ros2lab.diagnose.printed.error_text import read_error
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.domain_lease import leased
 from ros2lab.grading.box import Box, Limits
 from ros2lab.grading.compared import compared

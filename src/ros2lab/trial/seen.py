@@ -14,13 +14,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ros2lab import every_node
 from ros2lab.assignments import Assignment
-from ros2lab.diagnose.entrance import Entrance
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
-from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, goes_on, timers_of, word_sources
+from ros2lab.diagnose.nodes.graph import EXPECTED_TOPICS, finding_of
+from ros2lab.diagnose.nodes.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
+from ros2lab.diagnose.nodes.topic_faults import COURSE_TOPICS, ends_of, goes_on, timers_of, word_sources
+from ros2lab.diagnose.sources.entrance import Entrance
+from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.reactions import is_still, sense

@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import Creation, NodeSources
-from ros2lab.diagnose.static_value import evaluate
-from ros2lab.diagnose.topic_faults import publishing_timers
+from ros2lab.diagnose.nodes.topic_faults import publishing_timers
+from ros2lab.diagnose.sources.node_source import Creation, NodeSources
+from ros2lab.diagnose.sources.static_value import evaluate
 from ros2lab.grading.evidence import Heard, Run
 
 if TYPE_CHECKING:

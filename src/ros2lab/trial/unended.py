@@ -7,10 +7,10 @@ import copy
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ros2lab.diagnose.entrance import Call, Entrance
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.python_source import walk
-from ros2lab.diagnose.static_value import expression
+from ros2lab.diagnose.sources.entrance import Call, Entrance
+from ros2lab.diagnose.sources.python_source import walk
+from ros2lab.diagnose.sources.static_value import expression
 from ros2lab.grading.evidence import Run
 
 if TYPE_CHECKING:

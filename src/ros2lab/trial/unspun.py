@@ -7,12 +7,12 @@ import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ros2lab.diagnose.entrance import Entrance
-from ros2lab.diagnose.error_text import Frame
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import PythonSource, walk
-from ros2lab.diagnose.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.printed.error_text import Frame
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.sources.entrance import Entrance
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.grading.evidence import Run
 
 if TYPE_CHECKING:

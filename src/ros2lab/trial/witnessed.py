@@ -14,7 +14,7 @@ from typing import Any
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.trial.witness import WATCHED
 
 LEAST = 3  # times that a condition was asked, or a loop begun

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ros2lab.diagnose.steps import Step, is_step_by_step, is_text_step_by_step, next_step, told
+from ros2lab.diagnose.explaining.steps import Step, is_step_by_step, is_text_step_by_step, next_step, told
 
 if TYPE_CHECKING:
     from ros2lab.diagnose import Finding
@@ -82,9 +82,9 @@ def diagnose(
 def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
     """Return what is found of the text that is read, whether it is told in steps, and what was looked at."""
     from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
-    from ros2lab.diagnose.error_text import read_error, read_printed  # noqa: PLC0415
+    from ros2lab.diagnose.explaining.needed import of_needed  # noqa: PLC0415
     from ros2lab.diagnose.look import Look, seen_of  # noqa: PLC0415
-    from ros2lab.diagnose.needed import of_needed  # noqa: PLC0415
+    from ros2lab.diagnose.printed.error_text import read_error, read_printed  # noqa: PLC0415
 
     text = read_printed(sys.stdin.buffer)
     findings = of_text(text, here)

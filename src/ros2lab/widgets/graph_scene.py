@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 from rclpy.duration import Infinite
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
-from ros2lab.diagnose.graph import finding_of
-from ros2lab.diagnose.ros_graph import (
+from ros2lab.diagnose.nodes.graph import finding_of
+from ros2lab.diagnose.nodes.ros_graph import (
     Edge,
     End,
     Fault,

@@ -13,8 +13,8 @@ import traitlets
 from matplotlib.figure import Figure
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from ros2lab.diagnose.graph import EXPECTED_TOPICS
-from ros2lab.diagnose.ros_graph import Graph, Observation, graph_of, observe
+from ros2lab.diagnose.nodes.graph import EXPECTED_TOPICS
+from ros2lab.diagnose.nodes.ros_graph import Graph, Observation, graph_of, observe
 from ros2lab.session import LabSession
 from ros2lab.topics import QUEUE_DEPTH, TopicLog, find_type
 from ros2lab.widgets.graph_figure import graph_figure

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 from pathlib import PurePosixPath
 
-from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, is_shut_down, listed, question, shown

@@ -1,0 +1,232 @@
+"""Errors that come as a class is made: they are raised at its first line, and are about a field in its body."""
+
+from __future__ import annotations
+
+import ast
+import keyword
+import re
+from collections.abc import Callable
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+_Field = ast.Assign | ast.AnnAssign
+_Said = Callable[["_Body", re.Match[str]], tuple[str, str] | None]
+
+
+class _Body:
+    """A class that cannot be made, and the field that is to blame.
+
+    Attributes:
+        source: the file.
+        definition: the class; None where the fields stand in a call, as in `namedtuple('P', 'x y')`.
+        fields: the fields of the class by their names, of each name the last one.
+        name: the field to blame; empty if it is the class itself.
+    """
+
+    def __init__(self, source: PythonSource, definition: ast.ClassDef | None, name: str, line: int) -> None:
+        self.source, self.definition, self.name, self._line = source, definition, name, line
+        self.fields = {one: node for node in _fields(definition) for one in _names(node)}
+
+    @property
+    def field(self) -> _Field | None:
+        """The statement that makes the field."""
+        return self.fields.get(self.name)
+
+    @property
+    def line(self) -> int:
+        """The line to change."""
+        return self.field.lineno if self.field else self._line
+
+    def imported(self, name: str) -> tuple[str, str]:
+        """Return how something of dataclasses is called here, and the import that this needs; empty if it needs none."""
+        known = {one.target: one.local for one in self.source.imports}
+        if f"dataclasses.{name}" in known:
+            return known[f"dataclasses.{name}"], ""
+        if "dataclasses" in known:
+            return f"{known['dataclasses']}.{name}", ""
+        return name, f", with `from dataclasses import {name}` at the top"
+
+
+def of_class_body(kind: str, message: str, spot: Spot) -> Finding | None:
+    """Say which field keeps a class from being made, at its own line; None if the line makes no class.
+
+    Args:
+        kind: the exception's class.
+        message: what it says.
+        spot: the line that Python names.
+    """
+    source = spot.source
+    if source is None or kind not in ("TypeError", "ValueError", "AttributeError"):
+        return None
+    definition = _class_at(source, spot.line)
+    is_call = any(isinstance(n, ast.Call) and ast.unparse(n.func).endswith("namedtuple") for n in spot.nodes)
+    if definition is None and not is_call:
+        return None
+    words = re.findall(r"\w+", message)
+    known = {one for node in _fields(definition) for one in _names(node)}
+    body = _Body(source, definition, next((one for one in words if one in known), ""), spot.line)
+    for pattern, said in _SAYINGS:
+        if (match := re.search(pattern, message)) and (told := said(body, match)):
+            return Finding("made-wrong", told[0], source.at(body.line), told[1])
+    if body.field is None:
+        return None
+    cause = (
+        f"The class {definition.name if definition else ''} cannot be made because of {body.name}: {message}."
+    )
+    return Finding(
+        "made-wrong", cause, source.at(body.line), f"change in this line what is said of {body.name}"
+    )
+
+
+def _class_at(source: PythonSource, line: int) -> ast.ClassDef | None:
+    """Return the class whose decorators, first line or fields a line belongs to."""
+    for node in source.nodes:
+        if isinstance(node, ast.ClassDef):
+            begin = min([node.lineno, *(one.lineno for one in node.decorator_list)])
+            if begin <= line < node.body[0].lineno or any(
+                one.lineno <= line <= (one.end_lineno or 0) for one in _fields(node)
+            ):
+                return node
+    return None
+
+
+def _fields(definition: ast.ClassDef | None) -> list[_Field]:
+    body = definition.body if definition else []
+    return [node for node in body if isinstance(node, (ast.Assign, ast.AnnAssign))]
+
+
+def _names(node: _Field) -> list[str]:
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    return [ast.unparse(one) for one in targets]
+
+
+def _mutable(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
+    node = body.field
+    if node is None or node.value is None:
+        return None
+    value, text = node.value, ast.unparse(node.value)
+    empty = {"[]": "list", "{}": "dict", "set()": "set"}
+    is_bare = isinstance(value, ast.Call) and not value.args and not value.keywords
+    made = empty.get(text) or (ast.unparse(value.func) if is_bare else f"lambda: {text}")  # type: ignore[attr-defined]
+    name, needs = body.imported("field")
+    kind = f": {ast.unparse(node.annotation)}" if isinstance(node, ast.AnnAssign) else ""
+    cause = f"{body.name} has `{text}` as its default, which all objects of the class would share; dataclass does not take that."
+    return cause, f"write {body.name}{kind} = {name}(default_factory={made}){needs}"
+
+
+def _late(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
+    """Say that a field without a default stands behind one that has one."""
+    node = body.field
+    if node is None:
+        return None
+    before = [one for one in body.fields.values() if one.value is not None and one.lineno < node.lineno]
+    kind = ast.unparse(node.annotation) if isinstance(node, ast.AnnAssign) else ""
+    example = {"float": "0.0", "int": "0", "str": "''", "bool": "False"}.get(kind, "None")
+    default = f"`{body.name}: {kind} = {example}`"
+    if not before:
+        cause = (
+            f"{body.name} has no default, and a field of the class from which this one is derived has one."
+        )
+        return cause, f"write {default.strip(chr(96))}"
+    cause = f"{body.name} has no default, and stands behind {_names(before[0])[0]}, which has one."
+    return cause, f"move this line above line {before[0].lineno}, or give it a default, as in {default}"
+
+
+def _without_type(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
+    node = body.field
+    if not isinstance(node, ast.Assign):
+        return None
+    factory = re.search(r"default_factory=(\w+)", ast.unparse(node.value))
+    default = re.search(r"default=(-?[\d.]+|['\"])", ast.unparse(node.value))
+    plain = {"'": "str", '"': "str"}
+    number = (plain.get(default[1]) or ("float" if "." in default[1] else "int")) if default else "..."
+    kind = factory[1] if factory and factory[1] != "lambda" else number
+    return (
+        f"{body.name} is made with field(), and has no type.",
+        f"write {body.name}: {kind} = {ast.unparse(node.value)}",
+    )
+
+
+def _twice(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
+    first = next((one for one in _fields(body.definition) if match["name"] in _names(one)), None)
+    if first is None or body.field is None or first is body.field:
+        return None
+    cause = f"{body.name} stands in line {first.lineno} already, and each member of an Enum has a name of its own."
+    return cause, "give it another name in this line, or take the line away"
+
+
+def _equal(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
+    name, other = match["name"], match["other"]
+    if other not in body.fields or name not in body.fields:
+        return None
+    value = ast.unparse(body.fields[other].value or ast.Constant(None))
+    cause = f"{name} has the same value as {other} in line {body.fields[other].lineno}, {value}, and @unique allows each once."
+    return cause, f"give {name} another value in this line, or take @unique away"
+
+
+def _bad_name(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
+    name = match["name"]
+    new = re.sub(r"\W", "_", name).strip("_") or "value"
+    new = f"{new}_" if keyword.iskeyword(new) else f"x{new}" if new[0].isdigit() else new
+    cause = f"A named tuple has no field called {name!r}: it must be a name of letters, digits and _, without a _ in front, and no word of Python's."
+    return cause, f"write {new} in place of {name}, also where it is used"
+
+
+def _frozen(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
+    if body.definition is None:
+        return None
+    name, _ = body.imported("dataclass")
+    bases = ", ".join(map(ast.unparse, body.definition.bases))
+    wanted = "(frozen=True)" if match["kind"] == "non-frozen" else ""
+    cause = f"{bases} is {'' if wanted else 'not '}frozen, and so must be each class that is derived from it."
+    return cause, f"write @{name}{wanted} above the class {body.definition.name}"
+
+
+def _extended(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
+    base = match["base"]
+    cause = f"{base} is an Enum that has members, and no other Enum can be derived from it."
+    return (
+        cause,
+        f"write Enum in place of {base} in the parentheses, and give the class all members of its own",
+    )
+
+
+def _order(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
+    bases = [*map(ast.unparse, body.definition.bases)] if body.definition else []
+    if len(bases) < 2 or body.definition is None:
+        return None
+    swapped = ", ".join([*bases[1:], bases[0]])
+    cause = f"{bases[0]} stands before a class that is derived from it in the parentheses of {body.definition.name}."
+    return cause, f"write class {body.definition.name}({swapped}):"
+
+
+def _twice_a_base(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
+    if body.definition is None:
+        return None
+    bases = ", ".join(dict.fromkeys(map(ast.unparse, body.definition.bases)))
+    return "A class stands twice in the parentheses.", f"write class {body.definition.name}({bases}):"
+
+
+def _slots(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
+    if not body.name:
+        return None
+    cause = f"{body.name} stands in __slots__, and the class gives it a value, too."
+    return cause, f"take this line away, and set self.{body.name} in __init__"
+
+
+# What Python says as it makes a class, and what that means for its body; the first one that fits counts.
+_SAYINGS: tuple[tuple[str, _Said], ...] = (
+    (r"mutable default .* for field \w+ is not allowed", _mutable),
+    (r"(?i)non-default (?:argument|namedtuple field) '?\w+'? (?:follows|cannot follow)", _late),
+    (r"is a field but has no type annotation", _without_type),
+    (r"'(?P<name>\w+)' already defined as|[Aa]ttempted to reuse key: '(?P<name2>\w+)'", _twice),
+    (r"duplicate values found in .*?: (?P<name>\w+) -> (?P<other>\w+)", _equal),
+    (r"ield names (?:cannot|must) .*: '(?P<name>.+)'", _bad_name),
+    (r"cannot inherit (?P<kind>non-frozen|frozen) dataclass", _frozen),
+    (r"cannot extend (?:<enum '|enumeration ')?(?P<base>\w+)", _extended),
+    (r"consistent method resolution", _order),
+    (r"duplicate base class", _twice_a_base),
+    (r"in __slots__ conflicts with class variable", _slots),
+)

@@ -1,0 +1,105 @@
+"""A fault in a JSON file that a program reads: the file, its line, and what is to be written there."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.sources.python_source import read_text
+
+_LARGEST = 1_000_000  # characters
+_WORDS = {"True": "true", "False": "false", "None": "null", "undefined": "null"}
+_NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules"))
+
+
+@dataclass(frozen=True)
+class Repair:
+    """A change of a text: what stood there, where, what stands in its place, and why."""
+
+    start: int
+    end: int
+    new: str
+    why: str
+
+    def applied(self, text: str) -> str:
+        """Return the text with the change."""
+        return f"{text[: self.start]}{self.new}{text[self.end :]}"
+
+
+def of_data_file(kind: str, message: str, look: Look | None) -> Finding | None:
+    """Say what is wrong in the file of a workspace that json does not read; None if no file is refused with these words.
+
+    Args:
+        kind: the exception's class.
+        message: what json says.
+        look: the workspace.
+    """
+    if look is None or kind != "JSONDecodeError":
+        return None
+    for package in look.packages:
+        for path in sorted(package.folder.rglob("*.json")):
+            if _NOT_LOOKED_INTO.isdisjoint(path.relative_to(package.folder).parts):
+                text = read_text(path)
+                fault = _fault_of(text)
+                if fault is not None and str(fault) == message:
+                    return _told(fault, text, package.shown(str(path.relative_to(package.folder))))
+    return None
+
+
+def _fault_of(text: str) -> json.JSONDecodeError | None:
+    try:
+        json.loads(text[:_LARGEST])
+    except json.JSONDecodeError as fault:
+        return fault
+    except RecursionError:
+        return None
+    return None
+
+
+def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
+    name = Path(shown).name
+    for repair in _repairs(text, fault.pos):
+        after = repair.applied(text)
+        later = _fault_of(after)
+        # What comes behind it may be another fault.
+        if later is None or later.pos > fault.pos + len(repair.new):
+            line = text.count("\n", 0, repair.start) + 1
+            cause = f"json cannot read {name}: {repair.why}."
+            fix = f"write `{after.splitlines()[line - 1].strip()}`, and build again"
+            return Finding("python-error", cause, f"{shown}:{line}", fix)
+    cause = f"json cannot read {name}, which this program reads: {fault.msg} (column {fault.colno})."
+    return Finding(
+        "python-error",
+        cause,
+        f"{shown}:{fault.lineno}",
+        "compare this line, and the one before it, with a right file",
+    )
+
+
+def _repairs(text: str, at: int) -> Iterator[Repair]:
+    """Yield what may be meant where json stops at a place of a text."""
+    before, here = len(text[:at].rstrip()), text[at : at + 1]
+    last = text[before - 1 : before]
+    if here == "," and re.match(r",\s*[}\]]", text[at:]):  # as newer Pythons name it
+        yield Repair(at, at + 1, "", "a comma stands behind the last element, where JSON allows none")
+    if last == "," and here in ("}", "]"):
+        yield Repair(before - 1, before, "", "a comma stands behind the last element, where JSON allows none")
+    if comment := re.match(r"(?:#|//).*", text[at:]):
+        yield Repair(at, at + comment.end(), "", "it has a comment, and JSON has none")
+    if quoted := re.match(r"'([^'\"\n]*)'", text[at:]):
+        yield Repair(at, at + quoted.end(), f'"{quoted[1]}"', "a text stands in double quotes in JSON")
+    if word := re.match(r"[A-Za-z_]\w*", text[at:]):
+        new = _WORDS.get(word[0], f'"{word[0]}"')
+        why = f"JSON writes {new} and not {word[0]}"
+        yield Repair(at, at + word.end(), new, why)
+    if number := re.match(r"[+]?(\d*)\.(\d+)|[+](\d+)", text[at:]):
+        new = number[3] or f"{number[1] or 0}.{number[2]}"
+        yield Repair(at, at + number.end(), new, f"JSON writes the number {new} and not {number[0]}")
+    if before and last not in ",:{[":
+        yield Repair(before, before, ",", "a comma is missing between two elements")
+        yield Repair(before, before, ":", "a colon is missing behind a name")

@@ -1,0 +1,129 @@
+"""What is asked of an element of a list, a text or a message, or put into it."""
+
+from __future__ import annotations
+
+import ast
+import re
+
+from ros2lab.diagnose.causes.guards import left_out, may_be_left
+from ros2lab.diagnose.printed.spots import Spot, kind_in_words
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.spelling import nearest
+
+
+def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of what has no elements."""
+    kind = match["kind"]
+    fields = {
+        name for home in interfaces.homes_of(kind) for name in interfaces.fields_of(f"{home}.{kind}") or ()
+    }
+    for node in spot.nodes:
+        match node:
+            case ast.Subscript(value=value, slice=ast.Constant(value=str() as name)) if name in fields:
+                text = ast.unparse(value)
+                cause = f"{text} is {kind_in_words(kind)}, and its fields are taken with a dot and not with brackets."
+                return cause, f"write {text}.{name} in place of {ast.unparse(node)}"
+    cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has none."
+    fix = (
+        "take its field that is a list or a text, such as msg.data"
+        if fields
+        else "make a list or a dict of it first"
+    )
+    return cause, fix
+
+
+def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of an element that is asked for, or replaced, and that is not there."""
+    asked = key_asked(spot)
+    if asked is None:
+        cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
+        return cause, "look at len(...) first; the first element has the number 0"
+    name, index = ast.unparse(asked.value), ast.unparse(asked.slice)
+    if isinstance(asked.ctx, ast.Store):
+        cause = f"{name}[{index}] can only replace an element that is there, and {name} has not so many yet."
+        return cause, _put(spot, asked, name)
+    made = [value for value in spot.assigned(name) if isinstance(value, (ast.List, ast.Tuple))]
+    count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
+    cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
+    if isinstance(asked.slice, ast.Constant):
+        return _too_few(spot, name, index, cause)
+    return (
+        cause,
+        f"write {name}[{index} % len({name})] to begin with the first one again, or ask `if {index} < len({name}):` before",
+    )
+
+
+def key_asked(spot: Spot, key: str = "") -> ast.Subscript | None:
+    """Return the element that a line asks for; None if it asks for none, or it is not known for which of several.
+
+    Args:
+        spot: the line.
+        key: what is not there, as Python writes it.
+    """
+    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
+    named = [n for n in asked if ast.unparse(n.slice) == key]
+    marked = [spot.marked] if isinstance(spot.marked, ast.Subscript) else []
+    found = named or marked or asked
+    return found[0] if len({ast.unparse(one) for one in found}) == 1 else None
+
+
+def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
+    """Return cause and fix where a certain element is wanted: what made the list is wrong, or what it was made of."""
+    made = [one for one in spot.assigned(name) if isinstance(one, ast.Call)]
+    split = next((one for one in reversed(made) if getattr(one.func, "attr", "") == "split"), None)
+    if split is None:
+        fix = (
+            f"print {name} in the line above, and make sure that it has an element {index} whenever this runs"
+        )
+        return cause, fix
+    text = ast.unparse(split.func).removesuffix(".split")
+    sign = ast.unparse(split.args[0]) if split.args else "a space"
+    cause = f"`{ast.unparse(split)}` gave fewer parts than {name}[{index}] needs: {sign} does not stand so often in the text."
+    fix = f"print {text} above line {split.lineno}, and write there the sign that really stands between its parts in place of {sign}"
+    return cause, fix
+
+
+def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of a key that a dictionary has not."""
+    asked = key_asked(spot, match["name"])
+    if asked is None:
+        cause = f"The dictionary in `{spot.text}` has no key {match['name']}."
+        return cause, "ask first with `if ... in` whether it has the key, and compare its keys, capitals too"
+    name, key = ast.unparse(asked.value), ast.unparse(asked.slice)
+    dicts = [one for one in spot.assigned(name) if isinstance(one, ast.Dict)]
+    keys = [ast.unparse(one) for made in dicts for one in made.keys if one]
+    near = nearest(match["name"], keys)
+    cause = f"The dictionary {name} has no key {match['name']}{f', and has {near}' if near else ''}."
+    if not isinstance(asked.slice, ast.Constant):
+        if may_be_left(spot):
+            return cause, left_out(f"{key} not in {name}", f"{key} in {name}", key, spot)
+        return (
+            cause,
+            f"write {name}.get({key}, ...) in place of {name}[{key}], with a value for all other keys",
+        )
+    if near:
+        return cause, f"write {near} in place of {key}"
+    if keys:
+        more = f"; or put {key}: ... into the dictionary in line {dicts[0].lineno}"
+        return f"{cause} It has {', '.join(keys)}.", f"ask for one of these in place of {key}{more}"
+    return (
+        cause,
+        f"print {name} in the line above, and ask for one of the keys that it shows in place of {key}",
+    )
+
+
+def _put(spot: Spot, element: ast.Subscript, name: str) -> str:
+    """Say how the elements of a list are put into it that are assigned one by one, in a loop or in lines of their own."""
+    nodes = [*own_nodes(spot.function)] if spot.function else spot.nodes
+    values = {
+        ast.unparse(node.targets[0].slice): ast.unparse(node.value)
+        for node in nodes
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Subscript)
+        and ast.unparse(node.targets[0].value) == name
+    }
+    if any(isinstance(n, (ast.For, ast.While)) and element in ast.walk(n) for n in nodes):
+        return f"write `{name}.append({values[ast.unparse(element.slice)]})` in place of `{spot.text}`"
+    whole = ", ".join(value for _, value in sorted(values.items()))
+    return f"write `{name} = [{whole}]`, with all its elements, in place of {name}[...] = ..."

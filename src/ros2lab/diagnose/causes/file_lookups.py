@@ -1,0 +1,117 @@
+"""Files of a package that its programs open, and that are not where they look."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+from ros2lab.diagnose.finding import SAID, Finding, at
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.spots import is_setup, spot_at
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.setup_script import SetupScript
+from ros2lab.diagnose.sources.spelling import nearest
+
+_BUILD = "colcon build --packages-select"
+
+
+def of_missing_file(path: str, place: str, look: Look | None) -> Finding | None:
+    """Say of a file that a program opens where it is looked for; None if nothing of the package is called so."""
+    if look is None or path.startswith("~"):
+        return None
+    return of_shared_file(path, look) if path.startswith("/") else _of_relative_file(path, place, look)
+
+
+def of_shared_file(path: str, look: Look) -> Finding | None:
+    """Say why something is not in the share folder of a package of the workspace; None if it is looked for elsewhere."""
+    for package in look.packages:
+        _, is_shared, inner = path.partition(f"/share/{package.name}/")
+        if is_shared and inner and package.setup is not None:
+            return _not_shared(inner.rstrip("/"), package, package.setup)
+    return None
+
+
+def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Finding:
+    name, target = PurePosixPath(inner).name, f"share/{package.name}/{PurePosixPath(inner).parent}"
+    lies = inner if package.has(inner) else next(_files_called(name, package), "")
+    if not lies:
+        there = [one.name for one in package.folder.rglob("*") if "__pycache__" not in one.parts]
+        near = nearest(name, there)
+        cause = f"The package {package.name} has no file {inner}{f'; there is {near}' if near else ''}."
+        fix = f"write {near} in place of {name}" if near else f"make the file {package.shown(inner)}"
+        return Finding("data-file-missing", cause, package.shown(""), fix, (name,))
+    folders = {
+        to for to, files in setup.data_files if any(PurePosixPath(lies) in _and_above(f) for f in files)
+    }
+    target = target.removesuffix("/.")
+    if target in folders or f"{target}/{name}" in folders:
+        cause = f"setup.py installs {lies} of the package {package.name}, and it is not installed yet."
+        fix = f"{_BUILD} {package.name}, and run the same command again"
+        return Finding("install-stale", cause, package.shown(lies), fix, (name,))
+    place = at(setup.source.shown, setup.line("data_files"))
+    if folders:
+        cause = f"setup.py installs {lies} into {min(folders)}, and it is looked for in {target}."
+        fix = f"write {target!r} in place of {min(folders)!r} in data_files, and build again"
+        return Finding("installed-elsewhere", cause, place, fix, (name,))
+    cause = f"{lies} is in the package {package.name}, and setup.py does not install it, so it is not in {target}, where it is looked for."
+    row = installing(package, lies, inner)
+    return Finding("not-in-data-files", cause, place, f"add {row} to data_files and build again", (name,))
+
+
+def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
+    package = next((one for one in look.packages if place.startswith(one.shown(""))), None)
+    if package is None:
+        return None
+    inner = path.removeprefix(package.shown("")).lstrip("./")
+    lies = inner if package.has(inner) else next(_files_called(Path(path).name, package), "")
+    if not lies:
+        alike = next(
+            (one.name for one in package.folder.iterdir() if one.name.lower() == Path(path).name.lower()), ""
+        )
+        if alike:
+            cause = f"There is no file {path}; there is {alike}, with other capitals."
+            return Finding(SAID, cause, place, f"write {alike!r} in place of {path!r}")
+        cause = f"setup.py reads {path}, and there is no such file in the package."
+        fix = f"touch {package.shown(path)}, and write into it what it is to say; or take the line away that reads it"
+        return Finding(SAID, cause, place, fix) if is_setup(place) else None
+    parts = ", ".join(repr(part) for part in Path(lies).parts)
+    share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
+    cause = f"{path} is looked for in the folder in which the terminal stands, and not in the package {package.name}."
+    is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
+    more = "" if is_installed else f"; and add {installing(package, lies, lies)} to data_files in setup.py"
+    source = spot_at(place, look).source
+    needs = [
+        line
+        for line, name in (
+            ("import os", r"^import os\b"),
+            (
+                "from ament_index_python.packages import get_package_share_directory",
+                r"import.*get_package_share_directory",
+            ),
+        )
+        if source is None or not re.search(name, source.text, re.MULTILINE)
+    ]
+    with_them = f", with `{'; '.join(needs)}` at the top" if needs else ""
+    fix = f"write {share}{with_them}{more}"
+    return Finding(SAID, cause, place, fix)
+
+
+def installing(package: SourcePackage, lies: str, inner: str) -> str:
+    """Return the item of data_files that installs a file, or a folder with files, as `inner` of the share folder."""
+    if (package.folder / lies).is_dir():
+        files, target = f"[str(path) for path in Path({lies!r}).iterdir()]", inner
+        return f"('share/{package.name}/{target}', {files}), with `from pathlib import Path` at the top,"
+    target = f"share/{package.name}/{PurePosixPath(inner).parent}".removesuffix("/.")
+    return f"({target!r}, [{lies!r}])"
+
+
+def _files_called(name: str, package: SourcePackage) -> Iterator[str]:
+    return (
+        one.relative_to(package.folder).as_posix() for one in package.folder.rglob("*") if one.name == name
+    )
+
+
+def _and_above(file: str) -> list[PurePosixPath]:
+    """Return a file, and the folders in which it lies."""
+    return [PurePosixPath(file), *PurePosixPath(file).parents]

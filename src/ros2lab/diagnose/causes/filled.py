@@ -1,0 +1,98 @@
+"""What was put into a message, a dictionary or a list, and fails only where it is taken out and used."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose.causes.origins import kind_of_call
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.message_faults import set_field
+from ros2lab.diagnose.printed.spots import Spot, kind_in_words
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.kinds import Kinds, Scope, field_kind
+from ros2lab.diagnose.sources.node_source import NodeSources
+
+
+def of_filled(message: str, spot: Spot) -> Finding | None:
+    """Say which field of a message was given something else than it holds, where publish() fails; None if none is seen.
+
+    Args:
+        message: what Python says: what stands in the field lacks what a message of its type has.
+        spot: the line with publish().
+    """
+    said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
+    if said is None or spot.function is None or spot.source is None:
+        return None
+    wrong = [one for one in _fields_filled(spot) if said["name"] in (interfaces.fields_of(one[1]) or {})]
+    if not wrong:
+        return None
+    texts = []
+    for target, wanted, value in wrong:
+        if any("to_msg" in interfaces.members_of(home, said["kind"])[0] for home in _libraries(said["kind"])):
+            texts.append(f"write {ast.unparse(target)} = {ast.unparse(value)}.to_msg()")
+        else:
+            texts.append(set_field(target, wanted, value))
+    target, wanted, value = wrong[0]
+    name = wanted.rpartition(".")[2]
+    given = f"a {name} of rclpy" if said["kind"] == name else kind_in_words(said["kind"])
+    cause = f"{ast.unparse(target)} holds the message {name}, and `{ast.unparse(value)}` is {given}; Python notices it only in publish()."
+    more = [f"in line {one[0].lineno} {text}" for one, text in zip(wrong[1:], texts[1:], strict=True)]
+    return Finding("field-type", cause, spot.source.at(target), "; ".join([texts[0], *more]))
+
+
+def _libraries(kind: str) -> list[str]:
+    return [home for home in interfaces.homes_of(kind) if not home.endswith(".msg")]
+
+
+def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
+    """Yield every field of the published message that is a message itself and is given no such one: target, type, value."""
+    assert spot.source is not None
+    sent = [
+        n.args for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish"
+    ]
+    published = tuple(f"{ast.unparse(given[0])}." for given in sent if given)
+    sources = NodeSources({spot.source.name: spot.source})
+    kinds = Kinds(sources)
+    for owner, function, node in sources.scoped(spot.source):
+        scope = Scope(kinds, spot.source, owner, function)
+        for target in node.targets if isinstance(node, ast.Assign) and function is spot.function else ():
+            if isinstance(target, ast.Attribute) and ast.unparse(target).startswith(published):
+                wanted = field_kind((interfaces.fields_of(scope.kind(target.value)) or {}).get(target.attr))
+                if wanted and interfaces.fields_of(wanted) and scope.kind(node.value) != wanted:  # type: ignore[attr-defined]
+                    yield target, wanted, node.value  # type: ignore[attr-defined]
+
+
+def of_item(message: str, spot: Spot) -> Finding | None:
+    """Say that the functions of a dictionary or a list were called where they should be kept; None if they were not.
+
+    Args:
+        message: what Python says of the item that is called.
+        spot: the line with the call.
+    """
+    if "'NoneType' object is not callable" not in message or spot.source is None:
+        return None
+    held = [
+        ast.unparse(node.func.value)
+        for node in spot.nodes
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Subscript)
+    ]
+    for node in spot.source.nodes:
+        match node:
+            case ast.Assign(targets=[target], value=ast.Dict(values=values) | ast.List(elts=values)) if (
+                ast.unparse(target) in held
+            ):
+                called = [
+                    one
+                    for one in values
+                    if isinstance(one, ast.Call) and kind_of_call(spot.source, one) == "NoneType"
+                ]
+                if called:
+                    texts = [f"{ast.unparse(one.func)} in place of {ast.unparse(one)}" for one in called]
+                    first = ast.unparse(called[0])
+                    cause = f"`{first}` calls the function already here, and keeps what it returns in {ast.unparse(target)}: nothing."
+                    return Finding(
+                        "callback-called", cause, spot.source.at(called[0]), f"write {', '.join(texts)}"
+                    )
+    return None

@@ -1,0 +1,284 @@
+"""Errors that come out of a format text: it is filled again with values like those of the line, and changed until it can be.
+
+Only Python's own formatting is called, with plain numbers and texts in the place of the program's values.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ros2lab.diagnose.checking.trials import type_of
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.own_functions import constant_of
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+# What a format text holds that can bring an error about.
+_RAISED_BY = {
+    "AttributeError": r"\{\w*\.",
+    "KeyError": r"\{[^}:]*[^\d}:]|%\(",
+    "IndexError": r"[{\[]",
+    "TypeError": r"%|[\[:]",
+    "ValueError": "",
+}
+_PLAIN: Mapping[str, object] = {
+    "float": 1.5,
+    "int": 3,
+    "str": "a",
+    "bool": True,
+    "list": [1, 2],
+    "NoneType": None,
+}
+_FIELD = re.compile(r"\{([^{}]*)\}")
+_PERCENT = re.compile(r"%(?:\((?P<name>[^)]*)\))?(?P<form>[-+ #0]*\d*(?:\.\d*)?)(?P<letter>.?)", re.DOTALL)
+_WIDEST = 999  # letters of a field, and digits; nobody writes more by hand
+_Values = tuple[list[object], dict[str, object]]
+
+
+@dataclass(frozen=True)
+class _Use:
+    """A format text that is filled.
+
+    Attributes:
+        node: where the text stands.
+        source: the file in which it stands.
+        text: the text, or of an f-string what follows the colon.
+        values: what fills it, by place and by name, as it is written.
+        fill: what fills it.
+    """
+
+    node: ast.expr
+    source: PythonSource
+    text: str
+    values: Sequence[tuple[str, ast.expr]]
+    fill: Callable[[str, _Values], object]
+    changes: Callable[[str, _Values], Iterator[tuple[str, str, str]]]
+
+
+def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
+    """Say which place of a format text has failed, where it is written, and how it is meant; None if none has.
+
+    Args:
+        kind: the exception's class.
+        message: what it says.
+        spot: the line in which the text is filled.
+    """
+    if kind not in _RAISED_BY or spot.source is None:
+        return None
+    for use in (one for one in _uses(spot) if re.search(_RAISED_BY[kind], one.text)):
+        for values in _stand_ins(use, message, spot.source):
+            if not _is_alike(_said(use, use.text, values), f"{kind}: {message}"):
+                continue
+            for text, old, new in use.changes(use.text, values):
+                if not _said(use, text, values):
+                    return _told(use, old, new, message, spot)
+            break
+    return None
+
+
+def _told(use: _Use, old: str, new: str, message: str, spot: Spot) -> Finding:
+    same = use.source is spot.source
+    there = f"line {use.node.lineno}" if same and use.node.lineno != spot.line else "this line"
+    there = there if same else use.source.at(use.node)
+    cause = f"In the format text of {there}, `{old}` does not fit what is put into it: {message}."
+    fix = f"write `{new}` in place of `{old}`"
+    if "for object of type 'str'" in message or "number is required, not str" in message:
+        fix += "; or, where the text holds a number, float(...) around the value"
+    return Finding("made-wrong", cause, use.source.at(use.node), fix)
+
+
+def _uses(spot: Spot) -> Iterator[_Use]:
+    """Yield the format texts that the statement of a line fills."""
+    source = spot.source
+    assert source is not None
+    for node in (one for line in spot.lines for one in Spot(source, line).nodes):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="format", value=named), args=args, keywords=keywords):
+                values = [("", one) for one in args] + [(one.arg or "", one.value) for one in keywords]
+                filling, changes = _filled, _changed_fields
+            case ast.BinOp(left=named, op=ast.Mod(), right=right):
+                values = _right_values(right)
+                filling, changes = _percent, _changed_percents
+            case ast.FormattedValue(
+                value=value, format_spec=ast.JoinedStr(values=[ast.Constant(value=str() as form)])
+            ):
+                yield _Use(node, source, form, [("", value)], _formatted, _changed_form)
+                continue
+            case _:
+                continue
+        if found := constant_of(source, named):
+            home, constant = found
+            if isinstance(constant.value, str) and not any(isinstance(one, ast.Starred) for _, one in values):
+                yield _Use(constant, home, constant.value, values, filling, changes)
+
+
+def _right_values(right: ast.expr) -> list[tuple[str, ast.expr]]:
+    if isinstance(right, ast.Tuple):
+        return [("", one) for one in right.elts]
+    if isinstance(right, ast.Dict):
+        pairs = zip(right.keys, right.values, strict=True)
+        return [
+            (key.value, one)
+            for key, one in pairs
+            if isinstance(key, ast.Constant) and isinstance(key.value, str)
+        ]
+    return [("", right)]
+
+
+def _filled(text: str, values: _Values) -> object:
+    return text.format(*values[0], **values[1])
+
+
+def _percent(text: str, values: _Values) -> object:
+    return text % (values[1] or tuple(values[0]))
+
+
+def _formatted(text: str, values: _Values) -> object:
+    return format(values[0][0], text)
+
+
+def _said(use: _Use, text: str, values: _Values) -> str:
+    """Return what Python says as it fills a text; empty if it can."""
+    if any(int(digits) > _WIDEST for digits in re.findall(r"\d+", text)):
+        return "too wide"
+    try:
+        use.fill(text, values)
+    except (AttributeError, LookupError, ValueError, TypeError, OverflowError) as error:
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
+def _is_alike(one: str, other: str) -> bool:
+    """Return whether two errors are the same; a later Python says more."""
+    return bool(one) and (one.startswith(other) or other.startswith(one))
+
+
+def _stand_ins(use: _Use, message: str, source: PythonSource) -> Iterator[_Values]:
+    """Yield values like those that fill a text, the likeliest first."""
+    named = re.search(r"(?:of type |^)'(\w+)'|not '?(\w+)'?$", message)
+    said = next(filter(None, named.groups()), "") if named else ""
+    kinds = [_kind(one, source) for _, one in use.values]
+    for other in dict.fromkeys((said, "float", "str", "int")):
+        if other:
+            by_place: list[object] = []
+            by_name: dict[str, object] = {}
+            for kind, (name, node) in zip(kinds, use.values, strict=True):
+                value = node.value if isinstance(node, ast.Constant) else _value(kind or other)
+                if name:
+                    by_name[name] = value
+                else:
+                    by_place.append(value)
+            yield by_place, by_name
+
+
+def _kind(node: ast.expr, source: PythonSource) -> str:
+    kind = type_of(source, node) if not isinstance(node, ast.Constant) else ""
+    plain = re.match(r"(?:\w+\.)*(\w+)$", kind)
+    return plain[1] if plain and plain[1] not in ("Unknown", "Any", "object") else ""
+
+
+def _value(kind: str) -> object:
+    """Return a plain value of a type; of a message one with its fields."""
+    if kind in _PLAIN:
+        return _PLAIN[kind]
+    fields = [
+        name for home in interfaces.homes_of(kind) for name in interfaces.fields_of(f"{home}.{kind}") or ()
+    ]
+    return type(kind, (), dict.fromkeys(fields, 1.5))() if kind.isidentifier() else object()
+
+
+def _changed_fields(text: str, values: _Values) -> Iterator[tuple[str, str, str]]:
+    """Yield a text for str.format() with one of its fields changed: the whole text, the field before, and after."""
+    for match in _FIELD.finditer(text):
+        for inner in _other_fields(match[1], values):
+            new = f"{{{inner}}}"
+            yield f"{text[: match.start()]}{new}{text[match.end() :]}", match[0], new
+    for match in _FIELD.finditer(text):
+        new = f"{{{match[0]}}}"
+        yield f"{text[: match.start()]}{new}{text[match.end() :]}", match[0], new
+    # All braces that hold no field, as in JSON.
+    whole = re.sub(r"\{(?!\w*[:}])|(?<![\w{:])\}", lambda match: match[0] * 2, text)
+    yield whole, text, whole
+    for match in re.finditer(r"[{}]", text):
+        new = match[0] * 2
+        yield (
+            f"{text[: match.start()]}{new}{text[match.end() :]}",
+            text,
+            f"{text[: match.start()]}{new}{text[match.end() :]}",
+        )
+
+
+def _other_fields(inner: str, values: _Values) -> Iterator[str]:
+    """Yield what may have been meant by what stands between two braces."""
+    field, colon, form = inner.partition(":")
+    yield from () if colon else _with_form(field)
+    yield from (f"{meant}{colon}{form}" for meant in _other_names(field, values))
+    yield from (f"{field}:{new}".removesuffix(":") for new in _other_forms(form) if colon)
+
+
+def _with_form(field: str) -> Iterator[str]:
+    """Yield what may have been meant by a field that holds the digits of its format."""
+    if match := re.fullmatch(r"(\w*?)%?[.,](\d+)([a-zA-Z%]?)", field):
+        yield f"{match[1]}:.{match[2]}{match[3] or 'f'}"
+    if match := re.fullmatch(r"(\d*)%(\.\d+\w|\w)", field):
+        yield f"{match[1]}:{match[2]}"
+
+
+def _other_names(field: str, values: _Values) -> Iterator[str]:
+    """Yield which value may have been meant: by another name, by its place, or a part of it."""
+    by_place, by_name = values
+    head, sign, rest = re.match(r"(\w*)(.?)(.*)", field, re.DOTALL).groups()  # type: ignore[union-attr]
+    bare = field.strip(" '\"")
+    yield from (name for name in [bare] if name in by_name and name != field)
+    near = difflib.get_close_matches(head, by_name, n=1, cutoff=0.6) if head not in by_name else []
+    only = [*by_name] if len(by_name) == 1 and not by_place else []
+    yield from (f"{name}{sign}{rest}" for name in (*near, *only))
+    if by_place and head not in by_name:
+        yield rest if sign == "." else ""
+    if sign == "[":
+        yield head
+    elif sign == ".":
+        number = int(head or 0) if not head.strip("0123456789") else len(by_place)
+        owner = by_name.get(head, next(iter(by_place[number:]), None))
+        yield from (f"{head}.{name}" for name in difflib.get_close_matches(rest, dir(owner), n=1, cutoff=0.6))
+
+
+def _changed_form(text: str, _values: _Values) -> Iterator[tuple[str, str, str]]:
+    """Yield what may have been meant by what follows the colon in an f-string."""
+    yield from ((new, f":{text}", f":{new}".removesuffix(":")) for new in _other_forms(text))
+
+
+def _other_forms(form: str) -> Iterator[str]:
+    """Yield what may have been meant by a format such as `1f.`, for a value that does not take it."""
+    digits = re.findall(r"\d+", form)
+    letter = next(iter(re.findall(r"[eEfFgGd]", form)), "f")
+    plain = re.sub(r"[a-zA-Z%]+$", "", form)
+    before = re.match(r"(?:.?[<>^=])?[-+ ]?#?0?", form)
+    begin = before[0] if before else ""
+    if digits and letter != "d" and len(digits) == 1:
+        yield f"{begin}.{digits[0]}{letter}"
+    if len(digits) > 1 and letter != "d":
+        yield f"{begin}{digits[0].lstrip('0') or ''}.{digits[1]}{letter}"
+    if form.endswith("d"):
+        yield f"{form[:-1]}.0f"
+    yield re.sub(r"\.\d+", "", plain)  # of a text, it would cut off the rest
+    yield ""
+
+
+def _changed_percents(text: str, values: _Values) -> Iterator[tuple[str, str, str]]:
+    """Yield a text for % with one of its places changed."""
+    for match in _PERCENT.finditer(text):
+        name, form = match["name"], match["form"]
+        near = difflib.get_close_matches(name, values[1], n=1, cutoff=0.6) if name else []
+        called = f"({name})" if name is not None else ""
+        letters = [f"%{called}{form}f"] if "." in form or form.isdigit() else []
+        others = [f"%({one}){form}{match['letter']}" for one in near]
+        for new in [*others, *letters, f"%{called}{re.sub('[.].*', '', form)}s", f"%{match[0]}"]:
+            # What follows is kept, where the letter of the form is missing.
+            more = match["letter"] if not match["letter"].isalpha() and not new.startswith("%%") else ""
+            yield f"{text[: match.start()]}{new}{more}{text[match.end() :]}", match[0].rstrip(), new.rstrip()

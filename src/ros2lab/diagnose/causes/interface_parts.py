@@ -1,0 +1,83 @@
+"""A service or an action of which an object is made, where one of its request, or of another part, is wanted."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+
+_PARTS = {"srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
+_WHOLE = re.compile(r"\w+\.(?P<kind>srv|action)\.(?P<name>\w+)$")
+_CANNOT_BE_MADE = ("NotImplementedError", "TypeError")
+
+
+def of_part(kind: str, spot: Spot) -> Finding | None:
+    """Say which part of a service or an action is to be made in a line; None if none is made there as a whole.
+
+    Args:
+        kind: the exception's class.
+        spot: the line.
+    """
+    source = spot.source
+    if source is None or kind not in _CANNOT_BE_MADE:
+        return None
+    for call in (node for node in spot.nodes if isinstance(node, ast.Call)):
+        match = _WHOLE.match(source.resolve(call.func) or "")
+        if match is None:
+            continue
+        parts = _PARTS[match["kind"]]
+        part = next(_parts_meant(call, match[0], parts, spot), parts[0])
+        written = ast.unparse(call.func)
+        old = ast.unparse(call)
+        whole = "service" if match["kind"] == "srv" else "action"
+        cause = (
+            f"{written} is the whole {whole}, of which no object is made; what is needed here is its {part}."
+        )
+        return Finding(
+            "made-wrong",
+            cause,
+            source.at(call),
+            f"write {written}.{part}{old[len(written) :]} in place of {old}",
+        )
+    return None
+
+
+def _parts_meant(call: ast.Call, name: str, parts: tuple[str, ...], spot: Spot) -> Iterator[str]:
+    """Yield the parts that have the fields that are given, and those that are used as what is made is."""
+    source = spot.source
+    assert source is not None
+    targets = {
+        ast.unparse(target)
+        for node in source.nodes
+        if isinstance(node, ast.Assign) and node.value is call
+        for target in node.targets
+    }
+    fields = {one.arg for one in call.keywords if one.arg} | {
+        node.attr
+        for node in source.nodes
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) in targets
+    }
+    for part in parts:
+        known = interfaces.fields_of(f"{name}_{part}") or {}
+        if fields and fields <= known.keys():
+            yield part
+    yield from (part for used in _uses(call, targets, source, spot) for part in parts if part == used)
+
+
+def _uses(call: ast.Call, targets: set[str], source: PythonSource, spot: Spot) -> Iterator[str]:
+    """Yield what is made by what is done with it: it is given back, or published."""
+
+    def is_it(node: ast.AST | None) -> bool:
+        return node is call or (node is not None and ast.unparse(node) in targets)
+
+    inner = [*own_nodes(spot.function)] if spot.function else []
+    if any(isinstance(node, ast.Return) and is_it(node.value) for node in inner):
+        yield from ("Response", "Result")
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish_feedback":
+            yield from ["Feedback"] if any(map(is_it, node.args)) else []

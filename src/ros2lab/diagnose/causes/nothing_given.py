@@ -1,0 +1,294 @@
+"""What is None because of a call: one that never gives anything back, or one that had nothing to give this time."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ros2lab.diagnose.causes.guards import left_out
+from ros2lab.diagnose.checking.trials import Edit, type_of
+from ros2lab.diagnose.checking.type_checker import checked
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function, returned
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, returns_value, walk
+from ros2lab.diagnose.sources.spelling import nearest
+
+if TYPE_CHECKING:
+    from ros2lab.diagnose.causes.origins import Origin
+
+_Told = tuple[str, str, str]  # cause, place and fix of what is said
+_DEEPEST = 5  # functions that hand a value on
+
+
+@dataclass(frozen=True)
+class _Leaf:
+    """An expression that has given None, and where it stands; None in place of it is the end of a function."""
+
+    node: ast.expr | None
+    source: PythonSource
+    function: Function | None
+
+    @property
+    def text(self) -> str:
+        return ast.unparse(self.node) if self.node else ""
+
+    @property
+    def line(self) -> int:
+        return self.node.lineno if self.node else 0
+
+
+def of_call_that_gave_none(origin: Origin, call: ast.Call, spot: Spot) -> _Told | None:
+    """Say where the None comes from that a call has given; None if that is not seen.
+
+    Args:
+        origin: what holds the value.
+        call: what gave it.
+        spot: the line that fails because of it.
+    """
+    leaves = [*_leaves(origin.source, call, spot.function if origin.source is spot.source else None)]
+    # What a function forgets to return comes before what it was not given itself.
+    for leaf in sorted(leaves, key=lambda one: one.node is not None):
+        if leaf.node is None and isinstance(leaf.function, ast.FunctionDef):
+            return _of_own_function(leaf.source, leaf.function)
+        if told := _of_leaf(leaf, origin, spot):
+            return told
+    return None
+
+
+def _leaves(
+    source: PythonSource, value: ast.expr, function: Function | None, depth: int = _DEEPEST
+) -> Iterator[_Leaf]:
+    """Yield the expressions from which a value may come, through the functions and names that hand it on."""
+    match value:
+        case ast.Constant(value=None):
+            yield _Leaf(value, source, function)
+        case ast.Await(value=inner) | ast.NamedExpr(value=inner) | ast.BoolOp(values=[*_, inner]):
+            yield from _leaves(source, inner, function, depth)
+        case ast.IfExp(body=one, orelse=other):
+            yield from _leaves(source, one, function, depth)
+            yield from _leaves(source, other, function, depth)
+        case ast.Call() if own := own_function(source, value.func):
+            yield from _leaves_of_function(*own, depth - 1) if depth else ()
+        case ast.Call():
+            yield _Leaf(value, source, function)
+        case ast.Name() | ast.Attribute() if depth:
+            for given in _assigned(source, value, function):
+                yield from _leaves(source, given, function, depth - 1)
+
+
+def _leaves_of_function(source: PythonSource, function: ast.FunctionDef, depth: int) -> Iterator[_Leaf]:
+    if may_fall_through(function):
+        yield _Leaf(None, source, function)
+    for node in returned(function):
+        if isinstance(node, ast.Return) and node.value is not None:
+            yield from _leaves(source, node.value, function, depth)
+
+
+def _assigned(source: PythonSource, name: ast.expr, function: Function | None) -> list[ast.expr]:
+    nodes = own_nodes(function) if isinstance(name, ast.Name) and function else source.nodes
+    text = ast.unparse(name)
+    return [
+        n.value
+        for n in nodes
+        if isinstance(n, ast.Assign) and text in map(ast.unparse, n.targets) and n.value is not name
+    ]
+
+
+def _of_leaf(leaf: _Leaf, origin: Origin, spot: Spot) -> _Told | None:
+    """Say of an expression that it has given None, and what is done about that."""
+    use = spot.source.at(spot.line) if spot.source else origin.place
+    call = leaf.node
+    if not isinstance(call, ast.Call):
+        where = f"{leaf.function.name}() gives back" if leaf.function else "it comes from"
+        cause = f"{origin.name} is None in line {spot.line}: {where} the None of line {leaf.line}."
+        return cause, use, _asked_first(origin.name, spot)
+    name = getattr(call.func, "attr", "")
+    if name == "result" and not call.args:
+        return _of_future(leaf, call, origin, spot)
+    if name == "get" and len(call.args) == 1 and not call.keywords:
+        return _of_get(leaf, call, origin, spot)
+    return _of_other_call(leaf, call, origin, spot, use)
+
+
+def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use: str) -> _Told | None:
+    kind = _kind_given(leaf.source, call)
+    if kind == "None" and call is origin.value:
+        return of_what_gives_nothing(origin, call, spot)
+    if kind == "None":
+        cause = f"`{leaf.text}` gives nothing back, so {leaf.function.name if leaf.function else 'it'}() returns None."
+        return cause, leaf.source.at(call), "return in this line what is to be given back"
+    if kind and not re.search(r"\bNone\b|Unknown|Any\b", kind):
+        return None
+    if origin.name == leaf.text:
+        return None  # nothing holds the value, so its line is the one that fails
+    own = f" in line {leaf.line}" if leaf.source is spot.source else f" ({leaf.source.at(call)})"
+    fitting = ", because the text does not fit the pattern" if leaf.text.startswith("re.") else ""
+    cause = f"{origin.name} is None in line {spot.line}: `{leaf.text}`{own} gave None{fitting}."
+    return cause, use, _asked_first(origin.name, spot)
+
+
+def _kind_given(source: PythonSource, call: ast.Call) -> str:
+    """Return the type of what a call gives, as the type checker or the code of rclpy has it; empty if it is not known."""
+    kind = type_of(source, call)
+    if isinstance(call.func, ast.Attribute) and kind in ("", "Unknown", "Any"):
+        owner = type_of(source, call.func.value)
+        homes = interfaces.inner_homes_of(owner) if owner.isidentifier() else ()
+        methods = [interfaces.method_of(home, owner, call.func.attr) for home in homes]
+        if any(one and not returns_value(one) for one in methods):
+            return "None"
+    return kind
+
+
+def _asked_first(name: str, spot: Spot) -> str:
+    """Say how a line is left out while a value is None."""
+    return left_out(f"{name} is None", f"{name} is not None", name, spot)
+
+
+def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
+    """Say that the result of a future is asked for before it is there, and how to wait for it."""
+    assert isinstance(call.func, ast.Attribute)
+    future, source = call.func.value, leaf.source
+    name = ast.unparse(future)
+    scope = own_nodes(leaf.function) if leaf.function else source.nodes
+    waits = [
+        n
+        for n in scope
+        if isinstance(n, ast.Call)
+        and ast.unparse(n.func).endswith("spin_until_future_complete")
+        and n.lineno <= call.lineno
+    ]
+    if any(name in map(ast.unparse, n.args) for n in waits):
+        cause = f"`{leaf.text}` is None: the answer has not come in the time that line {waits[-1].lineno} waits for it."
+        return (
+            cause,
+            spot.source.at(spot.line) if spot.source else origin.place,
+            _asked_first(origin.name, spot),
+        )
+    cause = f"`{leaf.text}` gives None as long as the answer has not come, and nothing waits for it before."
+    place = source.at(call)
+    functions = [one for one in (leaf.function, spot.function) if one]
+    if any(_is_called_back(source, one) for one in functions):
+        fix = f"write {name}.add_done_callback(self.answered) in place of it, and use future.result() in that method: def answered(self, future)"
+        return cause, place, fix
+    node = _node_of(leaf, future, source)
+    if not isinstance(future, (ast.Name, ast.Attribute)):
+        lines = f"`future = {name}`, then `rclpy.spin_until_future_complete({node}, future)`"
+        return cause, place, f"write {lines} above line {call.lineno}, and future in place of {name} in it"
+    return cause, place, f"write `rclpy.spin_until_future_complete({node}, {name})` above line {call.lineno}"
+
+
+def _is_called_back(source: PythonSource, function: Function) -> bool:
+    """Return whether a method is given to ROS as a callback, or called by one that is."""
+    given = {
+        ast.unparse(value).rpartition(".")[2]
+        for n in source.nodes
+        if isinstance(n, ast.Call) and getattr(n.func, "attr", "").startswith("create_")
+        for value in (*n.args, *(one.value for one in n.keywords))
+        if isinstance(value, (ast.Name, ast.Attribute))
+    }
+    callers = {
+        node.name
+        for node in source.nodes
+        if isinstance(node, Function)
+        and any(
+            isinstance(n, ast.Call) and ast.unparse(n.func) == f"self.{function.name}" for n in walk(node)
+        )
+    }
+    return bool({function.name, *callers} & given)
+
+
+def _node_of(leaf: _Leaf, future: ast.expr, source: PythonSource) -> str:
+    """Return how the node is called where a future is: self in its class, or what asks the service."""
+    names = [one.arg for one in leaf.function.args.args] if leaf.function else []
+    if "self" in names:
+        return "self"
+    asked = [future, *_assigned(source, future, leaf.function)]
+    calls = [n for one in asked for n in walk(one) if isinstance(n, ast.Call)]
+    client = next((n.func.value for n in calls if isinstance(n.func, ast.Attribute)), None)
+    if isinstance(client, ast.Name):  # client = node.create_client(...)
+        made = [n for n in _assigned(source, client, leaf.function) if isinstance(n, ast.Call)]
+        client = made[0].func if made else client
+    return ast.unparse(client.value) if isinstance(client, ast.Attribute) else "node"
+
+
+def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
+    """Say that a dictionary has no such key, and what it gives then."""
+    owner, key = ast.unparse(getattr(call.func, "value")), ast.unparse(call.args[0])  # noqa: B009
+    place = leaf.source.at(call)
+    if owner in ("os.environ", "environ"):
+        cause = (
+            f"`{leaf.text}` gives None, because the variable {key} is not set where the program was started."
+        )
+        return cause, place, f"type export {key.strip(chr(39))}=... in the terminal before the program"
+    made = [n for n in Spot(leaf.source, call.lineno).assigned(owner) if isinstance(n, ast.Dict)]
+    keys = [ast.unparse(one) for node in made for one in node.keys if one]
+    near = nearest(key, keys) if isinstance(call.args[0], ast.Constant) else None
+    cause = (
+        f"{origin.name} is None in line {spot.line}: `{leaf.text}` gives None for a key that {owner} has not."
+    )
+    if near:
+        return f"{cause} It has {near}.", place, f"write {near} in place of {key}"
+    use = spot.source.at(spot.line) if spot.source else place
+    return cause, use, _asked_first(origin.name, spot)
+
+
+def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told:
+    last, values = function.body[-1], returned(function)
+    place = source.at(last)
+    if values:
+        cause = f"{function.name}() gives nothing back where none of its conditions holds."
+        return (
+            cause,
+            place,
+            f"write another return at its end, for every other case, as in `{ast.unparse(values[0])}`",
+        )
+    is_value = isinstance(last, ast.Expr) and not isinstance(last.value, ast.Call)
+    fix = (
+        f"write return {ast.unparse(last)}" if is_value else "end it with return and what it should give back"
+    )
+    return f"{function.name}() gives nothing back, because it has no return.", place, fix
+
+
+def of_what_gives_nothing(origin: Origin, call: ast.Call, spot: Spot) -> _Told:
+    """Say that a call gives nothing back, and how it is written so that its name keeps a value."""
+    name, line, written = origin.name, origin.line, ast.unparse(call)
+    cause = f"`{written}` gives nothing back, so line {line} sets {name} to None."
+    if isinstance(call.func, ast.Attribute) and not isinstance(call.func.value, (ast.Name, ast.Attribute)):
+        made = ast.unparse(call.func.value)
+        rest = written.removeprefix(made)
+        return cause, origin.place, f"write {name} = {made}, and {name}{rest} in a line of its own below it"
+    kept = _kept(origin, call, spot)
+    if not kept:
+        fix = f"write {written} in a line of its own, and {name} = ... below it, with the value that line {spot.line} needs"
+        return cause, origin.place, fix
+    more = (
+        f"and {name} = {kept} below it" if kept != name else f"without {name} ="
+    )  # it has its value already
+    return cause, origin.place, f"write {written} in a line of its own, {more}"
+
+
+def _kept(origin: Origin, call: ast.Call, spot: Spot) -> str:
+    """Return what the name of a call that gives nothing was to hold: what the call was made of, or with."""
+    modules = {one.local for one in origin.source.imports}
+    owner = call.func.value if isinstance(call.func, ast.Attribute) else None
+    of = [owner] if owner is not None and ast.unparse(owner) not in {*modules, "self"} else []
+    given = [*map(ast.unparse, (*of, *call.args))]
+    is_wait = ast.unparse(call.func).endswith("spin_until_future_complete") and len(call.args) > 1
+    values = [*dict.fromkeys([*([f"{ast.unparse(call.args[1])}.result()"] if is_wait else []), *given])]
+    statement = next((n for n in origin.source.nodes if isinstance(n, ast.Assign) and n.value is call), None)
+    if statement is None or not values:
+        return ""
+    lines = origin.source.text.encode().splitlines(keepends=True)
+    begin = f"{ast.unparse(call)}; {origin.name} = "
+    texts = [b"".join(Edit(statement, f"{begin}{value}").applied(lines)) for value in values]
+    is_here = origin.source is spot.source
+    found = [
+        value
+        for value, rows in zip(values, checked(origin.source, texts), strict=True)
+        if not any(row.line in spot.lines for row in rows if is_here)
+    ]
+    return found[0] if found else ""

@@ -1,0 +1,363 @@
+"""Where a value was made that fails where it is used: the line to mend is seldom the one that Python names.
+
+Python says of what kind the value is; the sources say what made one of that kind. Only where the two agree is anything
+said.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from ros2lab.diagnose.causes.nothing_given import of_call_that_gave_none
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.printed.spots import Spot, kind_in_words
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
+from ros2lab.diagnose.sources.python_source import Import, PythonSource, own_nodes
+
+_FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
+# What an error says of one value: its kind, and which part of the line it speaks of.
+_SAYS = (
+    (r"AttributeError: '(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", "owner"),
+    (r"AttributeError: (?P<kind>module) '[\w.]+' has no attribute '(?P<name>\w+)'", "owner"),
+    (r"TypeError: '(?P<kind>\w+)' object is not callable", "called"),
+    (r"TypeError: Expected .*, got <class '(?:[\w.]+\.)?(?P<kind>\w+)'>", "any"),
+    (r"TypeError: .*, not '?(?P<kind>\w+)'?$", "any"),
+    (r"TypeError: can only concatenate (?P<kind2>\w+) \(not \"(?P<kind>\w+)\"\)", "any"),
+    (r"TypeError: .*(?::|of) '(?P<kind>\w+)' and '(?P<kind2>\w+)'$", "any"),
+    (r"TypeError: '(?P<kind>\w+)' object (?:is not subscriptable|does not support item)", "subscripted"),
+    (r"TypeError: (?P<kind>type) '\w+' is not subscriptable", "subscripted"),
+    (r"TypeError: .*'(?P<kind>\w+)' object (?:is not|does not|cannot)", "any"),
+    (r"TypeError: .*type '(?P<kind>\w+)' ", "any"),
+    (r"TypeError: cannot unpack non-iterable (?P<kind>\w+) object", "any"),
+)
+_LITERALS: dict[type[ast.expr], str] = {
+    ast.JoinedStr: "str",
+    ast.List: "list",
+    ast.ListComp: "list",
+    ast.Dict: "dict",
+    ast.DictComp: "dict",
+    ast.Set: "set",
+    ast.SetComp: "set",
+    ast.Tuple: "tuple",
+    ast.Lambda: "function",
+}
+_EMPTY = {"list": "[]", "dict": "{}", "set": "set()"}
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What made the value of a name.
+
+    Attributes:
+        name: what holds it, as it is written where it is used.
+        value: what made it: an expression, a class or function that it names, or an import.
+        source: the file in which it was made.
+        line: where.
+        kind: the type of the value, as Python calls it; empty if only running would tell.
+    """
+
+    name: str
+    value: ast.AST | Import
+    source: PythonSource
+    line: int
+    kind: str
+
+    @property
+    def place(self) -> str:
+        """Where it was made, as it is shown."""
+        return self.source.at(self.line)
+
+
+_Told = tuple[str, str, str]  # cause, place and fix of what is said
+
+
+def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
+    """Say where the value was made of which an error speaks, and how that is written rightly; None if it is not seen."""
+    for pattern, part in _SAYS:
+        match = re.search(pattern, f"{kind}: {message}")
+        if match is None or spot.source is None:
+            continue
+        said = match.groupdict()
+        kinds = [one for one in (said["kind"], said.get("kind2")) if one]
+        asked = said.get("name") or ""
+        origins = list(_origins(spot, part, asked))
+        for wanted in ["NoneType"] if "NoneType" in kinds else kinds:
+            for origin in _fitting(origins, wanted):
+                others = [one.kind for one in origins if one.name == origin.name and one.kind != "NoneType"]
+                if wanted == "NoneType" and others and not isinstance(origin.value, ast.Call):
+                    continue  # it is set later: what is asked for is the line of use
+                if told := _told(origin, kinds, asked, spot):
+                    return Finding("made-wrong", *told)
+        return None
+    return None
+
+
+def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
+    """Say that a function was given a whole message where it works with what the message holds; None if it was not.
+
+    Args:
+        message: what Python says.
+        spot: the line of the function at which it failed.
+        caller: the line that has called it.
+    """
+    said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
+    field, function = interfaces.only_field(said["kind"]) if said else "", spot.function
+    if said is None or not field or function is None or caller.source is None:
+        return None
+    names = [one.arg for one in function.args.args]
+    for call in (node for node in caller.nodes if isinstance(node, ast.Call)):
+        is_method = isinstance(call.func, ast.Attribute) and names[:1] == ["self"]
+        if getattr(call.func, "attr", getattr(call.func, "id", "")) != function.name:
+            continue
+        for name, given in zip(names[is_method:], call.args, strict=False):
+            if name in spot.holds(said["name"]):
+                old = ast.unparse(given)
+                new = re.sub(rf"\b{re.escape(old)}\b", f"{old}.{field}", ast.unparse(call), count=1)
+                cause = f"{function.name}() is given the whole message {old}, and works with what is in it."
+                return Finding("made-wrong", cause, caller.source.at(call), f"write {new}")
+    return None
+
+
+def _fitting(origins: list[Origin], kind: str) -> list[Origin]:
+    """Return what made a value of the kind that Python names; of a call that is not known, only if nothing else may have."""
+    fitting = [origin for origin in origins if _is_of(origin.kind, kind)]
+    unknown = [origin for origin in origins if not origin.kind]
+    is_one = len({origin.name for origin in origins}) == 1
+    return fitting or (unknown if kind == "NoneType" and is_one else [])
+
+
+def _is_of(kind: str, said: str) -> bool:
+    if said.startswith("Metaclass_"):
+        return kind == "type"
+    return kind == said or (kind in _FUNCTIONS and said in _FUNCTIONS)
+
+
+def _origins(spot: Spot, part: str, name: str) -> Iterator[Origin]:
+    """Yield what made each value of the line that an error may speak of."""
+    assert spot.source is not None
+    for node in (n for line in spot.lines for n in Spot(spot.source, line).nodes):
+        match node:
+            case ast.Attribute(value=used, attr=attr) if part == "owner" and attr == name:
+                yield from _made(spot, used)
+            case ast.Call(func=used) if part == "called":
+                yield from _made(spot, used)
+            case ast.Subscript(value=used) if part == "subscripted":
+                yield from _made(spot, used)
+            case ast.AugAssign(target=used) if part == "any":
+                yield from _made(spot, used)
+            case ast.Call() | ast.Name(ctx=ast.Load()) | ast.Attribute(ctx=ast.Load()) if part == "any":
+                yield from _made(spot, node)
+
+
+def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
+    """Yield what may have made the value of an expression, the likeliest first."""
+    source, name = spot.source, ast.unparse(expression)
+    assert source is not None
+    if isinstance(expression, ast.Call):
+        yield Origin(name, expression, source, expression.lineno, _kind(source, expression))
+    if declared := _declared(source, expression):
+        yield Origin(name, declared, source, declared.lineno, _kind_of_default(source, declared))
+    if not isinstance(expression, (ast.Name, ast.Attribute)):
+        return
+    scopes = [spot.function, source.tree] if isinstance(expression, ast.Name) else [_class_around(spot)]
+    for scope in filter(None, scopes):
+        nodes = own_nodes(scope) if isinstance(expression, ast.Name) else ast.walk(scope)
+        values = [(value.lineno, value) for node in nodes for value in _assigned(node, name)]
+        for line, value in sorted(values, key=lambda pair: (pair[0] > spot.line, -pair[0])):
+            yield Origin(name, value, source, line, _kind(source, value))
+            if declared := _declared(source, value):
+                yield Origin(name, declared, source, declared.lineno, _kind_of_default(source, declared))
+    imported = next((one for one in source.imports if one.local == name.partition(".")[0]), None)
+    if imported is not None:
+        yield Origin(name, imported, source, imported.line, _kind_of_object(imported, name))
+
+
+def _declared(source: PythonSource, value: ast.expr) -> ast.Call | None:
+    """Return where the parameter is declared whose value is read; None if an expression reads none."""
+    match value:
+        case ast.Attribute(
+            value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[ast.Constant(value=name)])
+        ):
+            for node in source.nodes:
+                match node:
+                    case ast.Call(
+                        func=ast.Attribute(attr="declare_parameter"), args=[ast.Constant(value=other), *_]
+                    ):
+                        if other == name:
+                            return node
+    return None
+
+
+def _kind_of_default(source: PythonSource, declared: ast.Call) -> str:
+    return (
+        _kind(source, declared.args[1])
+        if len(declared.args) > 1
+        else "?"
+        if declared.keywords
+        else "NoneType"
+    )
+
+
+def _assigned(node: ast.AST, name: str) -> Iterator[ast.expr]:
+    """Yield what a statement gives a name."""
+    if isinstance(node, ast.Assign):
+        targets: list[ast.expr] = node.targets
+    else:
+        targets = [node.target] if isinstance(node, ast.AnnAssign) else []
+    value = getattr(node, "value", None)
+    if value is not None and any(ast.unparse(target) == name for target in targets):
+        yield value
+
+
+def _class_around(spot: Spot) -> ast.ClassDef | None:
+    assert spot.source is not None
+    around = [
+        node
+        for node in spot.source.nodes
+        if isinstance(node, ast.ClassDef) and node.lineno <= spot.line <= (node.end_lineno or 0)
+    ]
+    return max(around, key=lambda node: node.lineno, default=None)
+
+
+def _kind(source: PythonSource, value: ast.expr) -> str:
+    """Return the type of what an expression makes; empty if only running would tell, ? if it is something else."""
+    if isinstance(value, ast.Constant):
+        return type(value.value).__name__
+    if isinstance(value, ast.Call):
+        return kind_of_call(source, value)
+    if isinstance(value, (ast.Name, ast.Attribute)):
+        return _kind_of_name(source, value)
+    return _LITERALS.get(type(value), "?")
+
+
+def kind_of_call(source: PythonSource, call: ast.Call) -> str:
+    """Return the type of what a call gives, as Python calls it; empty if only running would tell."""
+    if own := own_function(source, call.func):
+        return "NoneType" if may_fall_through(own[1]) else ""
+    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    known = getattr(builtins, name, None) if isinstance(call.func, ast.Name) else None
+    if isinstance(known, type):
+        return known.__name__
+    return {"get_parameter": "Parameter", "input": "str"}.get(name, "")
+
+
+def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
+    from rclpy.node import Node
+
+    if own_function(source, value) or (isinstance(value, ast.Attribute) and hasattr(Node, value.attr)):
+        return "function"
+    resolved = (source.resolve(value) or "").rpartition(".")[2]
+    is_own = any(isinstance(node, ast.ClassDef) and node.name == resolved for node in source.tree.body)
+    return "type" if is_own or interfaces.homes_of(resolved) else "?"
+
+
+def _object(name: str) -> Any:
+    """Return what a dotted name means in Python's own library; None if it is not of that."""
+    try:
+        return interfaces.own_module(name)
+    except ImportError:
+        module, _, last = name.rpartition(".")
+        return getattr(_object(module), last, None) if module else None
+
+
+def _kind_of_object(imported: Import, name: str) -> str:
+    """Return the type of what an imported name means, further names behind dots included."""
+    known = _object(".".join([imported.target, *name.split(".")[1:]]))
+    return type(known).__name__ if known is not None else "?"
+
+
+def _told(origin: Origin, kinds: list[str], asked: str, spot: Spot) -> _Told | None:
+    """Return what is said of a value that was made wrong; None if that cannot be told."""
+    value = origin.value
+    if isinstance(value, Import):
+        return _of_import(origin, value, asked, spot)
+    if origin.kind == "type" or origin.kind in _FUNCTIONS:
+        return _of_what_is_not_called(origin, value)
+    if isinstance(value, ast.Call):
+        return _of_call(origin, value, kinds, spot)
+    if origin.line == spot.line:
+        return None
+    if origin.kind == "NoneType":
+        cause = f"Line {origin.line} sets {origin.name} to None, and nothing gives it another value."
+        fix = f"give it the value there that line {spot.line} needs, or write `if {origin.name} is not None:` first"
+        return cause, origin.place, fix
+    return _of_literal(origin, ast.unparse(value), kinds, asked)
+
+
+def _of_what_is_not_called(origin: Origin, value: ast.AST) -> _Told | None:
+    name, written = origin.name, ast.unparse(value)
+    if name == written or isinstance(value, ast.Lambda):
+        return None
+    if origin.kind == "type":
+        cause = f"Line {origin.line} puts the class {written} itself into {name}, and no object of it."
+        return cause, origin.place, f"write {name} = {written}()"
+    cause = f"Line {origin.line} puts the function {written} itself into {name}, and does not call it."
+    return cause, origin.place, f"write {name} = {written}(...), with what it needs in the parentheses"
+
+
+def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _Told | None:
+    """Say of a text, a list and their like that something else was meant."""
+    name, line = origin.name, origin.line
+    is_number = origin.kind == "str" and re.fullmatch(r"['\"][-+]?\d+(\.\d*)?['\"]", written) is not None
+    if is_number and ({"int", "float"} & set(kinds) or kinds == ["str"]):
+        cause = f"Line {line} puts the text {written} into {name}, and a number is needed."
+        return cause, origin.place, f"write {name} = {written[1:-1]}"
+    meant = [kind for kind in _EMPTY if asked and hasattr(getattr(builtins, kind), asked)]
+    if not meant or origin.kind not in (*_EMPTY, "tuple", "str"):
+        return None
+    cause = (
+        f"Line {line} makes {name} {kind_in_words(origin.kind)}, and {kind_in_words(meant[0])} has {asked}."
+    )
+    here = f"; or here {name}[...] = ..." if origin.kind == "dict" else ""
+    return cause, origin.place, f"write {name} = {_EMPTY[meant[0]]} there{here}"
+
+
+def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _Told | None:
+    """Say of a call that what it gives back is not what is needed."""
+    name, written = origin.name, ast.unparse(call)
+    store = f"{name} = " if name != written else ""
+    if origin.kind == "Parameter":
+        cause = f"{written} is a parameter with its name and its type, and not yet its value."
+        return cause, origin.place, f"write {store}{written}.value"
+    is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
+    if origin.kind == "str" and (({"int", "float"} & set(kinds) and store) or (kinds == ["str"] and is_str)):
+        number = ast.unparse(call.args[0]) if is_str else f"float({written})"
+        fix = f"write {store}{number}" if store else f"write {number} in place of {written}"
+        return f"`{written}` is a text, and a number is needed.", origin.place, fix
+    if "NoneType" not in kinds:
+        return None
+    if getattr(call.func, "attr", "") == "declare_parameter":
+        cause = f"The parameter {ast.unparse(call.args[0])} is declared without a value, so {name} is None."
+        return cause, origin.place, f"write {written[:-1]}, ...), with a value that it has at first"
+    return of_call_that_gave_none(origin, call, spot)
+
+
+def _of_import(origin: Origin, imported: Import, asked: str, spot: Spot) -> _Told | None:
+    """Say what of a module was meant, where it is used itself, or one of its functions as if it were the module."""
+    name, target, known = origin.name, imported.target, _object(imported.target)
+    module, _, last = target.rpartition(".")
+    if isinstance(known, ModuleType):
+        inner = getattr(known, last, None)
+        if inner is None or (asked and not hasattr(inner, asked)):
+            return None
+        cause = f"{name} is the module {target}, and what is meant is {last} in it."
+        return cause, origin.source.at(spot.line), f"write {_called_as(name, f'{name}.{last}', spot)}"
+    if asked and hasattr(_object(module), asked):
+        cause = f"By its import, {name} is only {last} of the module {module}, and {asked} is another part of that module."
+        fix = f"write import {module}, and {module}.{last} wherever {last} alone is used"
+        return cause, origin.place, fix
+    return None
+
+
+def _called_as(name: str, meant: str, spot: Spot) -> str:
+    """Return the call of the line that begins with a name, with another one in its place."""
+    calls = (ast.unparse(node) for node in spot.nodes if isinstance(node, ast.Call))
+    fitting = [call for call in calls if re.match(rf"{re.escape(name)}\b", call)]
+    return meant + fitting[0].removeprefix(name) if fitting else meant

@@ -1,0 +1,379 @@
+"""What Python's own errors say of a line of the student's, with what stands in that line."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+from collections.abc import Callable
+
+from ros2lab.diagnose.causes import python_values
+from ros2lab.diagnose.causes.elements import beyond, no_key, subscripted
+from ros2lab.diagnose.checking.operands import held_in
+from ros2lab.diagnose.code.hidden_names import fix_of, known_names
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.printed.spots import Spot, kind_in_words
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import own_nodes
+
+_PRINT = "print what stands in this line just before it, and see which value is not the one that you expected"
+
+
+_Said = Callable[[re.Match[str], Spot], tuple[str, str]]
+
+
+def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
+    """Say what one of Python's errors means at a place; None if that is no error of Python's own."""
+    for pattern, said in _SAYINGS:
+        match = re.search(pattern, f"{kind}: {message}")
+        if match is not None and (spot.text or not place):
+            if not spot.text and said.__name__ == "of_line":
+                continue  # of a line that is not known
+            cause, fix = said(match, spot)
+            return Finding("python-error", cause, place, fix)
+    known = getattr(builtins, kind, None)
+    if not place or kind in ("CheckError", "TerminalError"):
+        return None
+    if not isinstance(known, type) or not issubclass(known, Exception):
+        refusal = re.sub(r", at /\S+", "", message).rstrip(".")
+        fix = "look at each value that this line gives, and at what it says of them"
+        return (
+            Finding(SAID, f"`{spot.text}` is refused: {refusal}.", place, fix)
+            if spot.text and refusal
+            else None
+        )
+    if kind == "TypeError" and (taken := _taken_out(message, spot)):
+        name, held = taken
+        cause = f"{name} is {kind_in_words(held)}, and `{spot.text}` needs the value that it holds."
+        return Finding("python-error", cause, place, f"write {held_in(name, held)} in place of {name}")
+    where = f"in `{spot.text}`" if spot.text else "at this line"
+    what = (known.__doc__ or kind).splitlines()[0].rstrip(".").lower()
+    return Finding(SAID, f"Python stops {where} ({what}): {message}", place, _PRINT)
+
+
+def _taken_out(message: str, spot: Spot) -> tuple[str, str] | None:
+    """Return the argument, and its type, that holds the value which a function wants itself; None if none does."""
+    kind = next((word for word in re.findall(r"[A-Z]\w+", message) if held_in("", word)), None)
+    calls = [n for n in spot.nodes if isinstance(n, ast.Call)]
+    calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
+    given = [arg for call in calls for arg in call.args if isinstance(arg, (ast.Name, ast.Attribute))]
+    return (ast.unparse(given[-1]), kind) if kind and given else None
+
+
+def _other_class(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    cause = "super(...) is given another class than the one in which it stands."
+    for node in spot.nodes:
+        match node:
+            case ast.Call(func=ast.Name(id="super"), args=[given, *_]):
+                return (
+                    f"super() is given {ast.unparse(given)}, and that is not the class in which it stands.",
+                    f"write super() in place of {ast.unparse(node)}",
+                )
+    return cause, "write super() without anything in its parentheses"
+
+
+def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    name, function, source = match["name"], spot.function, spot.source
+    where = f"{function.name}()" if function else "this function"
+    cause = f"{where} assigns {name}, so {name} is a local variable of it all through, and here it has no value yet"
+    if source and any(one.local == name for one in source.imports):
+        return (
+            f"{cause}: it hides the imported {name}.",
+            f"call the variable by another name, such as {name.lower()}_",
+        )
+    if source and function and name in (known := known_names(source)):
+        return f"{cause}: it hides {known[name]}.", fix_of(name, function.name)
+    at_top = [n for n in (source.tree.body if source else ()) if isinstance(n, (ast.Assign, ast.AnnAssign))]
+    if any(isinstance(i, ast.Name) and i.id == name for n in at_top for i in ast.walk(n)):
+        return (
+            f"{cause}: it is another one than the global {name}.",
+            f"write self.{name} everywhere, and set it in __init__; or write `global {name}` as the first line of {where}",
+        )
+    return (
+        f"{cause}.",
+        f"give {name} a value in the first line of {where}, for the case that no other line does",
+    )
+
+
+def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    kind = match["kind"]
+    if not spot.is_innermost:
+        cause = f"What ROS was given to call is {kind_in_words(kind)} and no function."
+        return (
+            cause,
+            "give each create_timer and create_subscription a method, such as self.callback, without quotes and parentheses",
+        )
+    calls = [node for node in spot.nodes if isinstance(node, ast.Call)]
+    calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
+    fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
+    what = ast.unparse(fitting[0].func) if len({ast.unparse(n.func) for n in fitting}) == 1 else ""
+    if hasattr(builtins, what) and spot.source and what not in spot.source.stored:
+        cause = f"{what}() calls one of the values that it is given, and that is {kind_in_words(kind)} and no function."
+        return cause, f"give {what}() a function there, by its name and without parentheses"
+    is_set = len(fitting) == 1 and len(fitting[0].args) == 1 and isinstance(fitting[0].func, ast.Attribute)
+    value = (
+        f": a value is assigned with =, as in {what} = {ast.unparse(fitting[0].args[0])}" if is_set else ""
+    )
+    cause = f"{what or 'Something in this line'} is {kind_in_words(kind)} and no function, so it cannot be called with parentheses."
+    return cause, f"take the parentheses behind {what or 'it'} away{value}"
+
+
+def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    name = match["name"]
+    owners = spot.holds(name)
+    owner = owners[0] if owners else f"what stands before .{name}"
+    why, fix = "", f"set {owner} before this line is reached, and look what it was given"
+    for value in spot.assigned(owner):
+        if isinstance(value, ast.Call) and spot.source:
+            called = getattr(value.func, "attr", getattr(value.func, "id", ""))
+            functions = [n for n in spot.source.nodes if isinstance(n, ast.FunctionDef) and n.name == called]
+            if functions and not any(isinstance(n, ast.Return) and n.value for n in own_nodes(functions[0])):
+                why, fix = f": {called}() returns nothing", f"write a return at the end of {called}()"
+        elif isinstance(value, ast.Constant) and value.value is None and not why:
+            why, fix = (
+                ": it was set to None, and to nothing else yet",
+                f"write these two lines above line {_head(spot)}: `if {owner} is None:`, and indented below it `return`",
+            )
+    return f"{owner} is None when .{name} is asked of it{why}.", fix
+
+
+def _head(spot: Spot) -> int:
+    """Return the line in which the statement begins that stands in a function itself and holds a line."""
+    body = spot.function.body if spot.function else []
+    around = (one.lineno for one in body if one.lineno <= spot.line <= (one.end_lineno or 0))
+    return next(around, spot.line)
+
+
+def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say which class of a module was meant where the module itself stands for one."""
+    for node in spot.nodes:
+        for base in node.bases if isinstance(node, ast.ClassDef) else ():
+            name = ast.unparse(base)
+            homes = interfaces.homes_of(name.rpartition(".")[2].capitalize())
+            line = (
+                next((one.line for one in spot.source.imports if one.local == name), 0) if spot.source else 0
+            )
+            if homes and line:
+                meant = name.rpartition(".")[2].capitalize()
+                return (
+                    f"{name} is the module here, and no class.",
+                    f"write `from {homes[0]} import {meant}` in line {line}",
+                )
+    return (
+        f"In `{spot.text}` a module stands where a class belongs.",
+        "import the class from the module, and name it here",
+    )
+
+
+def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say what calls itself: a function by its name, or a property by the attribute that it is."""
+    function = spot.function
+    if function is not None and any(
+        "property" in one or ".setter" in one for one in map(ast.unparse, function.decorator_list)
+    ):
+        own = f"self.{function.name}"
+        used = {ast.unparse(n): n for n in spot.nodes if isinstance(n, ast.Attribute)}
+        if own in used:
+            what = "To set" if isinstance(used[own].ctx, ast.Store) else "To ask for"
+            cause = f"{what} {own} calls the property {function.name}() itself, again and again."
+            return (
+                cause,
+                f"write self._{function.name} in place of {own} here, and wherever the property keeps its value",
+            )
+    cause = f"A function calls itself again and again: `{spot.text}`."
+    return cause, "call another function there, or give the method another name than the one that it calls"
+
+
+def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    name, text = match["name"], spot.source.text if spot.source else ""
+    function = spot.function
+    if function and function.name != "__init__" and _runs_again(spot, function.name):
+        cause = f"`{spot.text}` stands in {function.name}(), which runs again and again, and a parameter is declared once."
+        return cause, "move this line into __init__, behind super().__init__(...)"
+    if len(re.findall(rf"declare_parameters?\(.*['\"]{re.escape(name)}['\"]", text)) == 1:
+        return (
+            f"The node has the parameter {name} already when `{spot.text}` is reached.",
+            "take this line away",
+        )
+    return f"The parameter {name} is declared twice.", "take one of the two lines with declare_parameter away"
+
+
+def _runs_again(spot: Spot, name: str) -> bool:
+    """Return whether a method is a callback, or is called by another method than the constructor."""
+    for node in spot.source.nodes if spot.source else ():
+        is_other = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name not in (
+            "__init__",
+            name,
+        )
+        if is_other and any(isinstance(n, ast.Attribute) and n.attr == name for n in own_nodes(node)):
+            return True
+        is_given = isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith("create_")
+        if is_given and any(getattr(one, "attr", "") == name for one in node.args):  # type: ignore[attr-defined]
+            return True
+    return False
+
+
+def _plain(cause: str, fix: str) -> _Said:
+    def of_line(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+        groups = {**match.groupdict(default=""), "text": spot.text}
+        return cause.format(**groups), fix.format(**groups)
+
+    def said(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+        return of_line(match, spot)
+
+    return of_line if "{text}" in cause else said
+
+
+# Of Python's own sentences, which are always the same, what they mean for a beginner; the first one that fits counts.
+_SAYINGS: tuple[tuple[str, _Said], ...] = (
+    (r"UnboundLocalError: .*variable '(?P<name>\w+)'", _local),
+    (r"TypeError: '(?P<kind>\w+)' object is not callable", _called),
+    (r"'NoneType' object has no attribute '(?P<name>\w+)'", _none),
+    (r"can't multiply (?P<left>sequence) by non-int of type '(?P<right>\w+)'", python_values.operator),
+    (r"unsupported operand .*: '(?P<left>\w+)' and '(?P<right>\w+)'", python_values.operator),
+    (r"not supported between instances of '(?P<left>\w+)' and '(?P<right>\w+)'", python_values.operator),
+    (r"can only concatenate (?P<left>\w+) \(not \"(?P<right>\w+)\"\)", python_values.operator),
+    (r"super\(type, obj\): obj must be an instance", _other_class),
+    (r"TypeError: module\(\) takes at most \d arguments", _base),
+    (
+        r"attempted relative import",
+        _plain(
+            "The file was started directly, so its relative import (with a dot) has no package to begin from.",
+            "start it with `ros2 run` and the names of the package and its executable",
+        ),
+    ),
+    (
+        r"partially initialized module '(?P<name>[\w.]+)'",
+        _plain(
+            "Two modules import each other, and {name} is asked for a name before it has made it.",
+            "move what both need into a third module, or take one of the two imports away",
+        ),
+    ),
+    (r"KeyError: (?P<name>.+)", no_key),
+    (
+        r"Replacement index \d+ out of range|not enough arguments for format|not all arguments converted",
+        _plain(
+            "In `{text}` the text has not as many places as it is given values.",
+            "write an f-string, in which each value stands where it belongs: f'... {{value}}'",
+        ),
+    ),
+    (
+        r"IndexError: (?P<name>.+)",
+        beyond,
+    ),
+    (
+        r"ZeroDivisionError",
+        python_values.by_zero,
+    ),
+    (
+        r"ValueError: (?:could not convert string to float|invalid literal for int\(\).*): (?P<name>.+)",
+        python_values.no_number,
+    ),
+    (
+        r"cannot unpack non-iterable (?P<kind>\w+)",
+        _plain(
+            "`{text}` wants several values, and what stands on its right is one alone, of type {kind}.",
+            "give it as many values as there are names on the left, or leave one name there",
+        ),
+    ),
+    (
+        r"not enough values to unpack \(expected (?:at least )?(?P<wanted>\d+), got (?P<given>\d+)",
+        _plain(
+            "`{text}` wants {wanted} values, and there came {given}.",
+            "keep what comes in one name first, and ask `if len(...) == {wanted}:` before it is taken apart",
+        ),
+    ),
+    (r"too many values to unpack", python_values.taken_apart),
+    (r"RecursionError", _without_end),
+    (r"'(?P<kind>\w+)' object (?:is not subscriptable|does not support item assignment)", subscripted),
+    (
+        r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
+        _plain(
+            "`{text}` goes through a list or a text, and is given a value of the type {kind}{kind2}.",
+            "take its field that is a list or a text, such as msg.data",
+        ),
+    ),
+    (
+        r"'(?P<kind>\w+)' object does not support item assignment|'(?P<kind2>\w+)' object cannot be interpreted as an integer",
+        _plain(
+            "`{text}` uses a {kind}{kind2} in a way that it does not allow.",
+            "make a list, or an int(...), of it first",
+        ),
+    ),
+    (
+        r"unhashable type: '(?P<kind>\w+)'",
+        python_values.unhashable,
+    ),
+    (
+        r"UnicodeDecodeError",
+        _plain(
+            "A file is not saved in UTF-8, so Python cannot read a letter of it.",
+            "save it anew with the encoding UTF-8",
+        ),
+    ),
+    (
+        r"'generator' object|was never awaited|coroutine",
+        _plain(
+            "`{text}` makes a coroutine, which does nothing until it is awaited.",
+            "write await before it, in an async function, or def in place of async def",
+        ),
+    ),
+    (
+        r"AttributeError: type object '(?P<kind>\w+)' has no attribute '(?P<name>\w+)'",
+        _plain(
+            "The class {kind} itself is asked for {name}, and has none.",
+            "make an object first, {kind}(), or fix the spelling of {name}",
+        ),
+    ),
+    (
+        r"InvalidHandle|destruction was requested|cannot use Destroyable",
+        _plain(
+            "`{text}` uses something of a node that was already destroyed.",
+            "call destroy_node() and shutdown() as the last lines of main, after spin",
+        ),
+    ),
+    (
+        r"context is not valid|rcl_shutdown\(\) was called|context is invalid|NotInitialized",
+        _plain(
+            "rclpy is not running when `{text}` is reached: it was not begun yet, or is shut down already.",
+            "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin",
+        ),
+    ),
+    (
+        r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
+        _declared_again,
+    ),
+    (
+        r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",
+        _plain(
+            "The parameter {name} has a type and no value.", "give declare_parameter a default, such as 0.5"
+        ),
+    ),
+    (
+        r"Executor is already spinning|generator already executing",
+        _plain(
+            "`{text}` spins a node that is being spun already: a callback must not spin.",
+            "take the spin away; in a callback use call_async() and add_done_callback()",
+        ),
+    ),
+)
+
+
+def of_function(name: str, place: str, spot: Spot) -> Finding:
+    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
+    owners = spot.holds(name)
+    owner = owners[0] if owners else "what stands before the dot"
+    code, cause = "attribute-unknown", f"{owner} is a function, so it has no {name}"
+    imports = spot.source.imports if spot.source else ()
+    module = next(
+        (one.target.rpartition(".")[0] for one in imports if one.local == owner and one.is_from), ""
+    )
+    if owner.rpartition(".")[2] == name:
+        cause = f"{cause}: it was imported with `from {name} import {name}`, and is {owner}.{name} already."
+        return Finding(code, cause, place, f"write {owner}(...) in place of {owner}.{name}(...)")
+    if module and interfaces.has_name(module, name):
+        cause = (
+            f"{cause}: it was imported with `from {module} import {owner}`, and {name} is in {module} itself."
+        )
+        return Finding(code, cause, place, f"write `import {module}` at the top, and {module}.{name} here")
+    return Finding(code, f"{cause}: it is named and not called.", place, f"write {owner}().{name}")

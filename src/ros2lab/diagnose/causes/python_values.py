@@ -1,0 +1,101 @@
+"""What Python's own errors say of the values in a line: numbers, texts, and what is joined or taken apart."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import re
+
+from ros2lab.diagnose.checking.operands import unwrapped
+from ros2lab.diagnose.printed.spots import Spot, kind_in_words
+from ros2lab.diagnose.sources import interfaces
+
+
+def by_zero(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say which divisor is 0, and since when."""
+    for node in spot.nodes:
+        match node:
+            case ast.BinOp(op=ast.Div() | ast.FloorDiv() | ast.Mod(), right=divisor) if spot.function:
+                values = spot.assigned(text := ast.unparse(divisor))
+                zeros = [one for one in values if getattr(one, "value", None) in (0, 0.0)]
+                if len(zeros) == 1 < len(values):
+                    cause = (
+                        f"{text} is still 0, as line {zeros[0].lineno} sets it, when {spot.function.name}() "
+                        "divides by it: what gives it another value has not come yet."
+                    )
+                    return (
+                        cause,
+                        f"write `if {text} == 0:` above this line, and below that, indented, `return`",
+                    )
+    cause = f"`{spot.text}` divides by 0."
+    return cause, "make sure that the divisor is not 0; a period is 1.0 / rate, and both are more than 0"
+
+
+def no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say which other number can be made of a text that is none of the kind that was wanted."""
+    text = match["name"].strip("'\"")
+    with contextlib.suppress(ValueError):
+        whole = int(float(text))
+        calls = (n for n in spot.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == "int" and n.args)
+        if (call := next(calls, None)) is not None:
+            given = ast.unparse(call.args[0])
+            cause = f"int() takes a text that holds a whole number, and {match['name']} holds another one."
+            return (
+                cause,
+                f"write float({given}) in place of int({given}); or, for {whole}, int(float({given}))",
+            )
+    cause = f"The text {match['name']} is no number, so `{spot.text}` cannot make one of it."
+    return cause, "write a number with a point and without a unit, or catch ValueError around it"
+
+
+def taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say of what there are more values than names; to go through a dictionary gives its keys alone."""
+    for node in spot.nodes:
+        match node:
+            case ast.For(target=ast.Tuple(), iter=gone) if any(
+                isinstance(one, (ast.Dict, ast.DictComp)) for one in spot.assigned(ast.unparse(gone))
+            ):
+                name = ast.unparse(gone)
+                cause = (
+                    f"To go through the dictionary {name} gives its keys alone, and here each is taken apart."
+                )
+                return cause, f"write {name}.items() in place of {name}"
+    cause = f"`{spot.text}` has not as many names on its left as there are values on its right."
+    return cause, "write as many names as there are values"
+
+
+def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say which two kinds of value an operator stands between, and how they become one kind."""
+    left, right = kind_in_words(match["left"]), kind_in_words(match["right"])
+    if match["left"] == "sequence":
+        cause = f"`{spot.text}` repeats a list or a text, which goes a whole number of times, and the number is {right}."
+        return cause, "write int(...) around the number"
+    is_text = "a text" in (left, right)
+    fix = (
+        "write str(...) around what is no text, or float(...) around the text if a number was meant"
+        if is_text
+        else "make both of one kind; a message's number stands in a field of it, such as msg.data"
+    )
+    for kind in (match["left"], match["right"]):
+        if members := interfaces.methods_of(kind):
+            fix = f"take a number out of the {kind}, which has {members}"
+    sign = re.search(r"for ([^ :]+):|'(\S+)' not supported", match.string)
+    fix = unwrapped(spot, (match["left"], match["right"]), (sign[1] or sign[2]) if sign else "") or fix
+    return f"`{spot.text}` joins or compares {left} with {right}, which Python cannot.", fix
+
+
+def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say why an object of a class of one's own cannot be hashed, as rclpy does with its nodes."""
+    kind = match["kind"]
+    for node in spot.source.nodes if spot.source else ():
+        if not isinstance(node, ast.ClassDef) or node.name != kind:
+            continue
+        made = next((ast.unparse(one) for one in node.decorator_list if "dataclass" in ast.unparse(one)), "")
+        what = f"@{made} gives" if made else "__eq__ gives"
+        cause = f"{what} the class {kind} a comparison of its own and takes its hash away, by which rclpy and Python tell objects apart."
+        where = f"in line {node.lineno - 1}" if made else f"in the class of line {node.lineno}"
+        lack = "set in __init__ what it set" if made else "compare by another method"
+        fix = f"take @{made} {where} away, and {lack}" if made else f"take __eq__ {where} away, and {lack}"
+        return cause, fix
+    cause = f"A {kind} cannot be in a set or be the key of a dict: `{spot.text}`."
+    return cause, "use a text or a tuple there; braces make a set, and brackets a list"

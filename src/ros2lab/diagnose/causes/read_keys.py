@@ -1,0 +1,214 @@
+"""Keys that a program asks of what it has read from a file: the file's own ones, read as the program reads them."""
+
+from __future__ import annotations
+
+import ast
+import configparser
+import contextlib
+import csv
+import io
+import json
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource, read_toml
+from ros2lab.diagnose.sources.spelling import nearest
+
+_READERS = ("DictReader", "load", "safe_load", "loads", "read")
+_DATA = frozenset((".csv", ".tsv", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".txt"))
+_MARK = "\ufeff"
+_MOST_PARTS = 2000  # of one file that are looked into; a few lines of YAML can stand for millions
+_SEPARATORS = ";,\t|"
+
+
+@dataclass(frozen=True)
+class _Read:
+    """A file that a program reads: where, and which keys it has then, each with those above it."""
+
+    path: Path
+    shown: str
+    package: SourcePackage
+    call: ast.Call
+    keys: tuple[tuple[str, ...], ...]
+
+
+def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Finding | None:
+    """Say how a key is called in the file from which a program has it; None if that is not seen.
+
+    Args:
+        key: the key that is not there.
+        asked: what asks for it.
+        spot: the line.
+        look: the workspace.
+    """
+    source = spot.source
+    if source is None or any(isinstance(one, ast.Dict) for one in spot.assigned(ast.unparse(asked.value))):
+        return None
+    read = [*_files_read(source, look)]
+    for one in read:
+        if told := _other_name(key, asked, spot, one) or _deeper(key, asked, spot, one):
+            return told
+        if key in {row[-1] for row in one.keys}:
+            return _stale(one, key, look)
+    if len(read) == 1 and read[0].keys:
+        one = read[0]
+        names = ", ".join(repr(row[-1]) for row in one.keys[:8])
+        cause = (
+            f"{one.shown}, from which {ast.unparse(asked.value)} comes, has no key {key!r}; it has {names}."
+        )
+        return Finding("python-error", cause, source.at(spot.line), f"write one of these in place of {key!r}")
+    return None
+
+
+def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding | None:
+    """Return what is said of a key that the file has otherwise: with a mark, blanks or capitals, or unseparated."""
+    names = [*dict.fromkeys(row[-1] for row in read.keys)]
+    assert spot.source is not None
+    if _MARK + key in names and key not in names:
+        return _marked(key, spot.source, read)
+    whole = next((one for one in names if key in _parts(one)), "") if key not in names else ""
+    if whole:
+        sign = next(one for one in _SEPARATORS if key in [part.strip() for part in whole.split(one)])
+        cause = (
+            f"{read.shown} separates its columns with {sign!r}, and is read as if it had only one, {whole!r}."
+        )
+        given = [one for one in read.call.keywords if one.arg == "delimiter"]
+        call = ast.unparse(read.call)
+        new = f"delimiter={sign!r}"
+        better = call.replace(ast.unparse(given[0]), new) if given else f"{call[:-1]}, {new})"
+        return Finding("python-error", cause, spot.source.at(read.call), f"write {better} in place of {call}")
+    near = nearest(key, names) if key not in names else None
+    if near is None:
+        return None
+    cause = f"{read.shown} has no key {key!r}: there it is {near!r}."
+    text = ast.unparse(asked.slice)
+    fix = f"write {near!r} in place of {text}" if isinstance(asked.slice, ast.Constant) else ""
+    if near.strip() == key:
+        cause = f"{read.shown} has no key {key!r}: with the blanks beside it, it is {near!r}."
+    return Finding(
+        "python-error", cause, spot.source.at(spot.line), fix or f"write {key} for {near} in {read.shown}"
+    )
+
+
+def _parts(name: str) -> list[str]:
+    return [part.strip().lstrip(_MARK) for one in _SEPARATORS if one in name for part in name.split(one)]
+
+
+def _marked(key: str, source: PythonSource, read: _Read) -> Finding:
+    cause = (
+        f"{read.shown} begins with a byte order mark, as Excel saves it, so its first key is {_MARK + key!r}."
+    )
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and _name(node) in ("open", "read_text"):
+            given = next((one for one in node.keywords if one.arg == "encoding"), None)
+            text = ast.unparse(node)
+            if given is not None:
+                fix = f"write encoding='utf-8-sig' in place of {ast.unparse(given)}"
+            else:
+                fix = f"write {text[:-1]}{', ' * (text[-2] != '(')}encoding='utf-8-sig') in place of {text}"
+            return Finding("python-error", cause, source.at(node), fix)
+    return Finding(
+        "python-error", cause, source.at(read.call), f"save {read.shown} without it, and build again"
+    )
+
+
+def _deeper(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding | None:
+    """Return what is said of a key that stands below another one in the file."""
+    if isinstance(asked.value, ast.Subscript) or any(row == (key,) for row in read.keys):
+        return None
+    below = [row for row in read.keys if row[-1] == key and len(row) > 1]
+    if len(below) != 1 or not isinstance(asked.value, (ast.Name, ast.Attribute)):
+        return None
+    steps = "".join(f"[{step!r}]" for step in below[0])
+    cause = f"In {read.shown} {key!r} stands below {below[0][-2]!r}."
+    assert spot.source is not None
+    fix = f"write {ast.unparse(asked.value)}{steps} in place of {ast.unparse(asked)}"
+    return Finding("python-error", cause, spot.source.at(spot.line), fix)
+
+
+def _stale(read: _Read, key: str, look: Look) -> Finding | None:
+    """Return that the installed copy of a file lacks a key; None if it has it, or is none."""
+    install = look.root / "install" / read.package.name
+    for path in install.rglob(read.path.name) if install.is_dir() else ():
+        if path.is_symlink() or key in {row[-1] for row in _keys(path, read.call)}:
+            continue
+        cause = f"{read.shown} has the key {key!r}, and its installed copy, which is read, has not."
+        fix = f"colcon build --packages-select {read.package.name}, and run the same command again"
+        return Finding("install-stale", cause, read.shown, fix, (read.path.name,))
+    return None
+
+
+def _files_read(source: PythonSource, look: Look) -> Iterator[_Read]:
+    """Yield the files of the packages that a program reads, whose names stand in it."""
+    calls = [n for n in source.nodes if isinstance(n, ast.Call) and _name(n) in _READERS]
+    names = {
+        PurePath(n.value).name
+        for n in source.nodes
+        if isinstance(n, ast.Constant) and isinstance(n.value, str) and PurePath(n.value).suffix in _DATA
+    }
+    for package in look.packages if calls else ():
+        for path in sorted(package.folder.rglob("*")):
+            if path.name in names and path.is_file() and path.stat().st_size < LARGEST_FILE:
+                shown = package.shown(path.relative_to(package.folder).as_posix())
+                for call in calls:
+                    if keys := _keys(path, call):
+                        yield _Read(path, shown, package, call, keys)
+                        break
+
+
+def _keys(path: Path, call: ast.Call) -> tuple[tuple[str, ...], ...]:
+    """Return the keys of a file, as a call reads it; empty if it cannot be read so."""
+    with contextlib.suppress(OSError, ValueError, csv.Error, configparser.Error, RecursionError):
+        text = path.read_bytes().decode("utf-8")
+        if _name(call) == "DictReader":
+            given = {one.arg: one.value for one in call.keywords}
+            sign = given.get("delimiter")
+            delimiter = sign.value if isinstance(sign, ast.Constant) and isinstance(sign.value, str) else ","
+            rows = csv.reader(io.StringIO(text), delimiter=delimiter)
+            return tuple((name,) for name in next(rows, [])) if "fieldnames" not in given else ()
+        return tuple(_below(_tree(path, text)))
+    return ()
+
+
+def _tree(path: Path, text: str) -> Any:
+    text = text.removeprefix(_MARK)
+    if path.suffix == ".json":
+        return json.loads(text)
+    if path.suffix in (".yaml", ".yml"):
+        import yaml
+
+        try:
+            return yaml.safe_load(text)
+        except yaml.YAMLError:
+            return None
+    if path.suffix == ".toml":
+        return read_toml(text)
+    parser = configparser.ConfigParser()
+    parser.read_string(text)
+    return {name: dict(parser[name]) for name in parser.sections()}
+
+
+def _below(tree: Any) -> Iterator[tuple[str, ...]]:
+    """Yield the keys in a tree of dictionaries and lists, each with those above it."""
+    left = deque[tuple[tuple[str, ...], Any]]([((), tree)])
+    for _ in range(_MOST_PARTS):
+        if not left:
+            return
+        above, part = left.popleft()
+        if isinstance(part, dict):
+            inner = [((*above, key), value) for key, value in part.items() if isinstance(key, str)]
+            yield from (path for path, _ in inner)
+            left.extend(inner)
+        elif isinstance(part, list):
+            left.extend((above, value) for value in part[:_MOST_PARTS])
+
+
+def _name(call: ast.Call) -> str:
+    return getattr(call.func, "attr", getattr(call.func, "id", ""))

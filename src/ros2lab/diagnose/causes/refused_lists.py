@@ -1,0 +1,150 @@
+"""A value that a field refuses that holds a list of values: what must stand in brackets, or be made of each."""
+
+from __future__ import annotations
+
+import ast
+import re
+
+from ros2lab.diagnose.checking.trials import type_of
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.printed.spots import Spot, kind_in_words
+from ros2lab.diagnose.sources.calls import fitting
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+_SAYS = re.compile(
+    r"a set or sequence(?: with length (?P<most><= )?(?P<length>\d+))? and each value of type '(?P<kind>\w+)'"
+)
+_ZERO = {"float": "0.0"}
+_LISTS = frozenset(("list", "tuple", "set", "frozenset", "array", "deque", "range"))
+_GONE_THROUGH = frozenset(
+    ("map", "filter", "zip", "reversed", "dict_keys", "dict_values", "Generator", "dict")
+)
+
+
+def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | None:
+    """Say what a field that holds several values was given, and how that is written; None if it is something else.
+
+    Args:
+        field: the field.
+        what: what it must be, as the message's class says it.
+        value: what it was given.
+        spot: the line.
+    """
+    said = _SAYS.match(what)
+    if said is None or spot.source is None:
+        return None
+    kind, source = said["kind"], spot.source
+    is_fixed = said["length"] is not None and not said["most"]
+    count = int(said["length"]) if is_fixed else None
+    written, given = _as_list(value, kind, count, source)
+    if not written or _plain(written) == ast.unparse(value):
+        return None
+    several = f"{count} values" if count else "a list"
+    holds = f"The field {field} holds {several} of the type {kind}"
+    cause = f"{holds}, and `{ast.unparse(value)}` is {given}."
+    return Finding("field-type", cause, source.at(value), _told(value, written, spot))
+
+
+def _told(value: ast.expr, written: str, spot: Spot) -> str:
+    """Return the whole statement as it is to be written, where it only gives this value."""
+    for node in spot.nodes:
+        if isinstance(node, ast.Assign) and node.value is value:
+            return f"write {' = '.join(map(ast.unparse, node.targets))} = {written}"
+    return f"write {written} in place of {ast.unparse(value)}"
+
+
+def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource) -> tuple[str, str]:
+    """Return a value as the list that is wanted, and in words what it is; both empty if that is not known."""
+    made = _assigned_once(value, source)
+    if isinstance(made, (ast.List, ast.Tuple)):
+        return _of_literal(value, made, kind, count)
+    name = _type_name(made, source)
+    text = ast.unparse(value)
+    if name in _LISTS or _is_several(made):
+        return _of_several(text, kind, count)
+    if name in _GONE_THROUGH:
+        inner = text if name != "dict" else f"{text}.values()"
+        return f"[{_made(kind, 'one')} for one in {inner}]", f"a {name}, which is no list"
+    if name == "ndarray":
+        return f"{text}.tolist()", "an array of numpy with another size or type"
+    if not name:
+        return "", ""
+    is_right = name == kind
+    item = text if is_right else fitting(kind, value) or _made(kind, text)
+    many = f" * {count}" if count and count > 1 else ""
+    return f"[{item}]{many}", f"{kind_in_words(name)} alone"
+
+
+def _of_several(text: str, kind: str, count: int | None) -> tuple[str, str]:
+    """Return a list of an unknown length as it is wanted, and what is wrong with it."""
+    items = f"[{_made(kind, 'one')} for one in {text}]"
+    if count is None:
+        return items, "a list with other values in it"
+    filled = f"({items} + [{_ZERO.get(kind, '0')}] * {count})[:{count}]"
+    return filled, "a list of another length, or with other values in it"
+
+
+def _is_several(made: ast.expr) -> bool:
+    """Return whether an expression makes a list by its form: out of others, or of a shorter one."""
+    is_repeated = isinstance(made, ast.BinOp) and isinstance(made.left, ast.List)
+    return is_repeated or isinstance(made, (ast.ListComp, ast.SetComp, ast.GeneratorExp))
+
+
+def _of_literal(value: ast.expr, made: ast.List | ast.Tuple, kind: str, count: int | None) -> tuple[str, str]:
+    """Return a list that is written out with values of the right type, and what was wrong with it."""
+    if count is not None and len(made.elts) ** 2 == count > 1:
+        row = f"for row, one in enumerate({ast.unparse(value)})"
+        diagonal = f"[{_made(kind, 'one')} if row == column else {_ZERO.get(kind, '0')} {row} for column in range({len(made.elts)})]"
+        return diagonal, f"a list of {len(made.elts)}: the diagonal alone of {len(made.elts)} rows"
+    if count is not None and len(made.elts) != count:
+        more = [ast.unparse(one) for one in made.elts][:count]
+        filled = ", ".join([*more, *[_ZERO.get(kind, "0")] * (count - len(more))])
+        return f"[{filled}]", f"a list of {len(made.elts)}"
+    right = [_item(one, kind) for one in made.elts]
+    wrong = [ast.unparse(one) for one, new in zip(made.elts, right, strict=True) if ast.unparse(one) != new]
+    if made is not value:
+        return (
+            f"[{_made(kind, 'one')} for one in {ast.unparse(value)}]",
+            f"a list with {', '.join(wrong)} in it",
+        )
+    return f"[{', '.join(right)}]", f"a list with {', '.join(wrong)} in it"
+
+
+def _item(one: ast.expr, kind: str) -> str:
+    if isinstance(one, ast.Constant):
+        is_right = type(one.value).__name__ == kind
+        return ast.unparse(one) if is_right else fitting(kind, one) or ast.unparse(one)
+    is_called = isinstance(one, ast.Call) and getattr(one.func, "id", getattr(one.func, "attr", "")) == kind
+    is_text = isinstance(one, ast.JoinedStr) and kind == "str"
+    return ast.unparse(one) if is_called or is_text else _made(kind, ast.unparse(one))
+
+
+def _made(kind: str, text: str) -> str:
+    """Return how a value of a plain type is made of another one."""
+    return f"{kind}({text})" if kind in ("float", "int", "str", "bool") else text
+
+
+def _assigned_once(value: ast.expr, source: PythonSource) -> ast.expr:
+    """Return what made a value, where the file says it in one place alone: also in the body of its class."""
+    found = Spot(source, value.lineno).assigned(ast.unparse(value))
+    if not found and isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name):
+        bodies = [node.body for node in source.nodes if isinstance(node, ast.ClassDef)]
+        rows = [one for body in bodies for one in body if isinstance(one, ast.Assign)]
+        found = [row.value for row in rows if value.attr in map(ast.unparse, row.targets)]
+    return found[0] if len(found) == 1 and isinstance(value, (ast.Name, ast.Attribute)) else value
+
+
+def _type_name(value: ast.expr, source: PythonSource) -> str:
+    """Return the name of the class of a value; empty if it is not known, or one of several."""
+    if isinstance(value, ast.Constant):
+        return type(value.value).__name__
+    if isinstance(value, ast.JoinedStr):
+        return "str"
+    kind = type_of(source, value)
+    if re.match(r"(?:Literal|LiteralString)\b", kind):
+        return "str" if "LiteralString" in kind or re.search(r"['\"]", kind) else "int"
+    return "" if re.search(r"Unknown|Any\b| \| |None", kind) else re.sub(r"\[.*", "", kind).rpartition(".")[2]
+
+
+def _plain(text: str) -> str:
+    return ast.unparse(ast.parse(text, mode="eval"))

@@ -1,0 +1,133 @@
+"""A value that the field of a message refuses, at the line that gives it: from where it comes, and what takes it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose.causes.refused_lists import of_list
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
+
+_SAYS = re.compile(r"The '(?P<field>\w+)' field must be (?P<what>.+)")
+_RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>\d+)\]")
+
+
+def of_refused(message: str, spot: Spot) -> Finding | None:
+    """Say which value of a line a field of a message refuses; None if nothing of the line is known to be given to it.
+
+    Args:
+        message: what the message's class says.
+        spot: the line.
+    """
+    said = _SAYS.search(message)
+    if said is None or spot.source is None:
+        return None
+    given = [value for name, value in _given(spot) if name == said["field"]]
+    if len({ast.unparse(value) for value in given}) != 1:
+        return None
+    if listed := of_list(said["field"], said["what"], given[0], spot):
+        return listed
+    if outside := _RANGE.match(said["what"]):
+        return _outside(spot.source, given[0], said["field"], outside)
+    if said["what"].startswith("of type 'float'"):
+        return _no_float(spot.source, given[0], said["field"], spot.line)
+    return None
+
+
+def _given(spot: Spot) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the fields to which the marked part of a line, or else the line, gives a value, with the value."""
+    marked = spot.marked
+    for node in walk(marked) if isinstance(marked, ast.Call) else spot.nodes:
+        match node:
+            case ast.Call(keywords=keywords):
+                yield from ((one.arg, one.value) for one in keywords if one.arg)
+            case ast.Assign(targets=[ast.Attribute(attr=name)], value=value):
+                yield name, value
+            case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)):
+                pairs = zip(targets, values, strict=False)
+                yield from ((one.attr, value) for one, value in pairs if isinstance(one, ast.Attribute))
+
+
+def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[str]) -> Finding:
+    least, most = int(said["least"]), int(said["most"])
+    cause = f"The field {field} holds whole numbers from {least} to {most}, and `{ast.unparse(value)}` is outside of them here."
+    sent = next(
+        (
+            name
+            for node in source.nodes
+            if isinstance(node, ast.Call) and interfaces.is_interface(name := source.resolve(node.func) or "")
+            if _range_of(name, field) == (least, most)
+        ),
+        "",
+    )
+    larger = _larger(sent, field, least, most)
+    keep = f"keep it within them, such as with min(max({ast.unparse(value)}, {least}), {most})"
+    fix = (
+        f"write {larger} in place of {sent.rpartition('.')[2]} everywhere, also where it is received; or {keep}"
+        if larger
+        else keep
+    )
+    return Finding("field-type", cause, source.at(value), fix)
+
+
+def _range_of(name: str, field: str) -> tuple[int, int] | None:
+    """Return the least and the greatest number that a field holds; None if it holds no whole numbers."""
+    kind = (interfaces.fields_of(name) or {}).get(field, "")
+    match = re.fullmatch(r"(?P<sign>u?)int(?P<bits>\d+)", {"byte": "uint8", "octet": "uint8"}.get(kind, kind))
+    if match is None:
+        return None
+    bits = int(match["bits"])
+    return (0, 2**bits - 1) if match["sign"] else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+def _larger(name: str, field: str, least: int, most: int) -> str:
+    """Return the next larger message of the same form; empty if there is none."""
+    module, found = name.rpartition(".")[0], []
+    for other in interfaces.names_in(module) or ():
+        there = _range_of(f"{module}.{other}", field)
+        is_alike = [*(interfaces.fields_of(f"{module}.{other}") or {})] == [field]
+        if is_alike and there and there[0] <= least and there[1] > most:
+            found.append(((there[0] < 0) != (least < 0), there[1], other))
+    return min(found)[2] if found else ""
+
+
+def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> Finding:
+    text = ast.unparse(value)
+    if (declared := _declared_as_int(source, value)) is not None:
+        name, default = declared
+        cause = f"The field {field} holds a float, and the parameter {name} is declared as {ast.unparse(default)}, an int. Line {line} fails because of this one."
+        fix = f"write {ast.unparse(default)}.0 in place of {ast.unparse(default)}"
+        return Finding("int-in-float", cause, source.at(default), fix)
+    cause = f"The field {field} holds a float, and `{text}` is something else here: an int, or a text."
+    fix = f"write {text}.0" if text.lstrip("-").isdigit() else f"write float({text})"
+    return Finding("int-in-float", cause, source.at(value), f"{fix} in place of {text}")
+
+
+def _declared_as_int(source: PythonSource, value: ast.expr) -> tuple[str, ast.expr] | None:
+    """Return the parameter from which a value comes, and its default, if that is an int."""
+    text = ast.unparse(value)
+    made = [
+        node.value
+        for node in source.nodes
+        if isinstance(node, ast.Assign) and text in map(ast.unparse, node.targets)
+    ]
+    calls = [node for one in (value, *made) for node in walk(one) if isinstance(node, ast.Call)]
+    asked = {_first_text(call) for call in calls if getattr(call.func, "attr", "") == "get_parameter"}
+    own = {id(call) for call in calls}
+    for node in source.nodes:
+        if not isinstance(node, ast.Call) or getattr(node.func, "attr", "") != "declare_parameter":
+            continue
+        default = node.args[1] if len(node.args) > 1 else None
+        is_int = isinstance(default, ast.Constant) and type(default.value) is int
+        if default is not None and is_int and (_first_text(node) in asked or id(node) in own):
+            return _first_text(node), default
+    return None
+
+
+def _first_text(call: ast.Call) -> str:
+    first = call.args[0] if call.args else None
+    return first.value if isinstance(first, ast.Constant) and isinstance(first.value, str) else "?"

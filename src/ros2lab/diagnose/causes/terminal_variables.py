@@ -1,0 +1,74 @@
+"""A variable that a program asks of its terminal, and what was typed there that should have set it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.sources.spelling import nearest
+
+_SET = re.compile(
+    r"(?:^|[;&] *)(?P<export>export +|declare -x +|)(?P<name>[A-Za-z_]\w*)=(?P<value>\"[^\"]*\"|'[^']*'|[^\s;&]*)"
+    r"(?= *(?:$|[;&]))"
+)
+_MISSET = re.compile(r"^(?:set +|setenv +|\$)?(?P<name>[A-Za-z_]\w*)(?: *= *| +)(?P<value>[^\s;&]+)$")
+_KEPT = re.compile(r"export +(?P<name>[A-Za-z_]\w*)=(?P<value>[^\s'\";]*)['\"]? *>> *(?P<file>\S*\.\w+)")
+_OTHER_TERMINAL = re.compile(r"(?i)\bterminal\b|\btab\b|\bwindow\b|\bfenster\b")
+
+
+def of_variable(name: str, place: str, error: ErrorText) -> Finding:
+    """Say why a program does not see a variable, and what is typed so that it does.
+
+    Args:
+        name: the variable.
+        place: the line that asks for it.
+        error: what was typed and printed.
+    """
+    # A note of the student's, such as `# terminal 2`, is not typed, and tells where the next command was.
+    shown = [line for step in error.steps for line in (step.command, *step.lines)]
+    typed = _before_the_program([line for line in shown if line in error.typed or line.startswith("#")])
+    for line in reversed(typed):
+        if told := _of_line(line, name, typed):
+            cause, command = told
+            return Finding("typed-wrong", cause, "", f"type `{command}`, and then the program again")
+    set_there = {
+        match["name"]: match["value"] for line in typed for match in _SET.finditer(line) if match["export"]
+    }
+    if near := nearest(name, set_there, 0.7):
+        cause = f"The program asks for the variable {name}, and {near} was set: the two names differ."
+        command = f"export {name}={set_there[near]}"
+        return Finding("typed-wrong", cause, place, f"type `{command}`, and then the program again")
+    cause = f"The variable {name} is not set in the terminal in which the program was started."
+    fix = f"type `export {name}=...`, with its value, in that terminal, and then the program again"
+    return Finding("typed-wrong", cause, place, fix)
+
+
+def _before_the_program(typed: Sequence[str]) -> list[str]:
+    """Return what was typed before the last program was started; everything if none was."""
+    starts = [n for n, line in enumerate(typed) if re.search(r"\bros2 (?:run|launch)\b|\bpython3? \S", line)]
+    return [*typed[: starts[-1] + 1]] if starts else [*typed]
+
+
+def _of_line(line: str, name: str, typed: Sequence[str]) -> tuple[str, str] | None:
+    """Return why a line that was typed does not set a variable for a program, and the command that does."""
+    if re.match(rf"unset +(?:-v +)?{name}\b", line):
+        return f"`{line}` takes the variable {name} away.", f"export {name}=..."
+    if (kept := _KEPT.search(line)) and kept["name"] == name:
+        cause = f"`{line}` is read by the terminals that are opened from then on, and not by this one."
+        return cause, f"source {kept['file']}"
+    for match in _SET.finditer(line):
+        if match["name"] != name:
+            continue
+        command = f"export {name}={match['value']}"
+        behind = typed[len(typed) - 1 - [*reversed(typed)].index(line) :]
+        if not match["export"]:
+            cause = f"`{match[0].strip('; &')}` sets {name} for the shell alone: what it starts sees only what is exported."
+            return cause, command
+        if any(_OTHER_TERMINAL.search(one) for one in behind):
+            cause = f"`{command}` holds for the terminal in which it was typed, and the program was started in another one."
+            return cause, command
+    if (misset := _MISSET.match(line)) and misset["name"] == name:
+        return f"`{line}` sets no variable of that name in this shell.", f"export {name}={misset['value']}"
+    return None

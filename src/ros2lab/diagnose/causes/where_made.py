@@ -1,0 +1,99 @@
+"""Behind the line of an error: where that was made, set, written or read which is used there."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+
+from ros2lab.diagnose.causes.class_bodies import of_class_body
+from ros2lab.diagnose.causes.clock_types import of_clock_types
+from ros2lab.diagnose.causes.data_files import of_data_file
+from ros2lab.diagnose.causes.elements import key_asked
+from ros2lab.diagnose.causes.filled import of_filled, of_item
+from ros2lab.diagnose.causes.format_texts import of_format
+from ros2lab.diagnose.causes.interface_parts import of_part
+from ros2lab.diagnose.causes.origins import of_argument, of_origin
+from ros2lab.diagnose.causes.read_keys import of_read_key
+from ros2lab.diagnose.causes.refused_value import of_refused
+from ros2lab.diagnose.causes.terminal_variables import of_variable
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+
+def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+    """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
+    report = error.reports[-1] if error.reports else ErrorReport("", "")
+    frames = own_frames(report.frames)
+    spot = spot_at(place_of(frames[:1], look), look)
+    if frames:
+        spot = replace(spot, part=frames[0].part, is_innermost=frames[0] is report.frames[-1])
+    if (source := spot.source) is None:
+        return []
+    message = report.message
+    if early := _told_at_once(report, spot, look):
+        return [early]
+    if report.kind == "KeyError" and (missing := _of_key(message, spot, error, look)):
+        return [missing]
+    places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
+    found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+    if found or report.kind not in ("AttributeError", "TypeError"):
+        return found
+    caller = spot_at(place_of(frames[1:2], look), look)
+    made = of_argument(message, spot, caller) or of_origin(report.kind, message, spot)
+    return [made] if made else []
+
+
+def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding | None:
+    """Return what an error's words and its line tell together, without what is known of other lines."""
+    kind, message = report.kind, report.message
+    return (
+        of_filled(message, spot)
+        or of_item(message, spot)
+        or of_refused(message, spot)
+        or of_class_body(kind, message, spot)
+        or of_format(kind, message, spot)
+        or of_part(kind, spot)
+        or of_clock_types(message, spot)
+        or of_data_file(kind, message, look)
+    )
+
+
+def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
+    """Return the lines of a file that make what a line of it uses."""
+    used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
+    lines: set[int] = set()
+    for node in source.nodes:
+        if isinstance(node, ast.ClassDef) and node.name in used:
+            lines |= {node.lineno, *(method.lineno for method in node.body)}
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name in used:
+            lines.add(node.lineno)
+        elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
+            lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return lines
+
+
+# What makes a value or a class other than was meant, so that what uses it fails.
+_MAKES_WRONG = frozenset(
+    ("comma-tuple", "comma-missing", "super-misspelt", "super-missing", "parameter-type", "name-shadowed")
+)
+
+
+def _is_load(node: ast.Name | ast.Attribute) -> bool:
+    return isinstance(node.ctx, ast.Load)
+
+
+def _of_key(message: str, spot: Spot, error: ErrorText, look: Look | None) -> Finding | None:
+    """Say of a key that is not there what the terminal, or the file from which it is read, has in its place."""
+    asked = key_asked(spot, message)
+    if asked is None or spot.source is None or not (spot.is_innermost or ast.unparse(asked.slice) == message):
+        return None
+    try:
+        key = ast.literal_eval(message)
+    except (SyntaxError, ValueError):
+        return None
+    if ast.unparse(asked.value) in ("os.environ", "environ"):
+        return of_variable(str(key), spot.source.at(spot.line), error)
+    return of_read_key(key, asked, spot, look) if look and isinstance(key, str) else None

@@ -1,0 +1,1 @@
+"""What a type checker says, and lines that are tried on copies."""

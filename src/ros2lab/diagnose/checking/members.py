@@ -1,0 +1,77 @@
+"""What a module or a class has, and which of it was meant by a name that it has not."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+import sys
+from collections.abc import Sequence
+
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.kinds import field_kind
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import nearest
+
+
+def members(owner: str, look: Look | None) -> set[str]:
+    """Return the public names that a module or a class has, the workspace's own classes included."""
+    if owner in sys.stdlib_module_names:
+        return set(dir(interfaces.own_module(owner)))
+    found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
+    for home in _homes(owner):
+        found |= interfaces.members_of(home, owner)[0] or set(interfaces.fields_of(f"{home}.{owner}") or ())
+    for package in look.packages if look else ():
+        sources = look.sources(package) if look else None
+        for one in sources.classes.values() if sources else ():
+            if one.name.endswith(f".{owner}") and sources:
+                found |= sources.members(one) or one.attributes
+    return {name for name in found if not name.startswith("_")}
+
+
+def in_place_of(name: str, owner: str, spot: Spot, look: Look | None) -> str:
+    """Return what is written in place of a member that something does not have; empty if that is not known.
+
+    It may be the field of the type that the name says, the member whose name is most like it, or a method with an
+    option, as `info(..., throttle_duration_sec=2.0)` for `info_throttle(2.0, ...)`.
+    """
+    known = members(owner, look)
+    return _of_type(name, owner) or nearest(name, known) or _with_option(name, known, owner, spot)
+
+
+def _homes(owner: str) -> Sequence[str]:
+    return interfaces.homes_of(owner) or interfaces.inner_homes_of(owner) or interfaces.launch_homes_of(owner)
+
+
+def _of_type(name: str, owner: str) -> str:
+    """Return the field that is called as Python's name of its type would have it, as double_value for float_value."""
+    first, _, rest = name.partition("_")
+    for home in interfaces.homes_of(owner):
+        for field, kind in (interfaces.fields_of(f"{home}.{owner}") or {}).items():
+            if field_kind(kind) == first and field.partition("_")[2] == rest:
+                return field
+    return ""
+
+
+def _with_option(name: str, known: set[str], owner: str, spot: Spot) -> str:
+    """Return a call of a method whose name begins this one, with the option that the rest of the name means."""
+    methods = [one for one in known if name.startswith(f"{one}_")]
+    calls = [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]
+    if not methods or len(calls) != 1:
+        return ""
+    method, call = max(methods, key=len), calls[0]
+    for home in interfaces.inner_homes_of(owner):
+        package, *inner = home.split(".")
+        folder = interfaces.folder_of(package)
+        text = read_text(folder.joinpath(*inner).with_suffix(".py")) if folder else ""
+        option = re.search(rf"['\"]({re.escape(name[len(method) + 1 :])}\w*)['\"]", text)
+        numbers = [
+            one for one in call.args if isinstance(one, ast.Constant) and not isinstance(one.value, str)
+        ]
+        if option and isinstance(call.func, ast.Attribute):
+            value = ast.unparse(numbers[0]) if numbers else "True"
+            rest = [ast.unparse(one) for one in call.args if one not in numbers[:1]]
+            return f"`{ast.unparse(call.func.value)}.{method}({', '.join([*rest, f'{option[1]}={value}'])})`"
+    return ""

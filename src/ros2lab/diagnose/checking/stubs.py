@@ -1,0 +1,65 @@
+"""What the messages that a file uses hold, written for a type checker: their Python code says nothing of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.signatures import fields_as_parameters, message_of
+
+_PLAIN = frozenset(("float", "int", "str", "bool", "list"))
+# What else is in a package is not known here, and so may be anything.
+_HEAD = "import typing\n\ndef __getattr__(name: str) -> typing.Any: ...\n"
+
+
+def write_stubs(names: Iterable[str], folder: Path) -> None:
+    """Write the stubs of messages, and of those that they hold, into a folder that is searched for modules.
+
+    Args:
+        names: of messages, and whatever else, such as `std_msgs.msg.String`.
+        folder: is made.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    modules: dict[str, list[str]] = {}
+    for name in _held(names):
+        modules.setdefault(name.rpartition(".")[0], []).append(_class(name))
+    for module, classes in modules.items():
+        path = folder.joinpath(*module.split("."))
+        path.mkdir(parents=True, exist_ok=True)
+        imported = {other.rpartition(".")[0] for other in modules} | set(modules)
+        lines = [f"import {other}\n" for other in sorted(filter(None, imported))]
+        path.joinpath("__init__.pyi").write_text("".join([*lines, _HEAD, *classes]))
+        path.parent.joinpath("__init__.pyi").write_text(_HEAD)
+
+
+def _held(names: Iterable[str]) -> Iterator[str]:
+    """Yield messages, and the messages of their fields, each once."""
+    left, known = list(names), set[str]()
+    while left:
+        name = left.pop()
+        if name not in known and ".msg." in name and interfaces.fields_of(name) is not None:
+            known.add(name)
+            yield name
+            fields = interfaces.fields_of(name) or {}
+            left += [held for one in fields_as_parameters(fields) if (held := message_of(one.type))]
+
+
+def _class(name: str) -> str:
+    """Return the stub of a message's class."""
+    rows = [(one.name, _type(one.type)) for one in fields_as_parameters(interfaces.fields_of(name) or {})]
+    given = "".join(f", {field}: {kind} = ..." for field, kind in rows)
+    # Properties, as in the real class: of the class itself they have nothing.
+    fields = "".join(
+        f"    @property\n    def {field}(self) -> {kind}: ...\n"
+        f"    @{field}.setter\n    def {field}(self, value: {kind}) -> None: ...\n"
+        for field, kind in rows
+    )
+    made = f"    def __init__(self{', *' if given else ''}{given}) -> None: ...\n"
+    known = "    @classmethod\n    def get_fields_and_field_types(cls) -> dict[str, str]: ...\n"
+    return f"\nclass {name.rpartition('.')[2]}:\n{fields}{made}{known}"
+
+
+def _type(kind: str) -> str:
+    """Return how Python names the type of a field."""
+    return message_of(kind) or (kind if kind in _PLAIN else "typing.Any")

@@ -1,0 +1,422 @@
+"""What a type checker finds in the sources, in sentences of our own; nothing where it is not installed."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ros2lab.diagnose.checking.call_forms import as_it_was_meant, call_at, rewritten
+from ros2lab.diagnose.checking.members import in_place_of, members
+from ros2lab.diagnose.checking.operands import as_template, unwrapped
+from ros2lab.diagnose.checking.stubs import write_stubs
+from ros2lab.diagnose.checking.type_words import of_class, plain
+from ros2lab.diagnose.finding import SAID, Finding, shown_path
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.calls import missing_imports
+from ros2lab.diagnose.sources.construction import is_of_construction
+from ros2lab.diagnose.sources.node_source import is_self_attribute
+from ros2lab.diagnose.sources.python_source import PythonSource, children, read_source, read_text
+from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.scratch import scratch_folder
+
+_LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
+_ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
+# Each rule that is asked, with the words in what it says.
+_RULES = {
+    "unresolved-reference": r"Name `(?P<name>\w+)` used when (?P<owner>)not defined",
+    "missing-attribute": r"(?:Object of type|Module|Class) `(?P<owner>.+)` has no (?:attribute|member) `(?P<name>\w+)`"
+    r"|Unresolved attribute `(?P<field>\w+)` on type `(?P<message>[A-Z]\w*)`",
+    "missing-union-attribute": r"Attribute `(?P<name>\w+)` is not defined on `(?P<owner>None)` in (?P<both>union)",
+    "missing-argument": r"required parameters? (?P<name>.+?) of (?:.*? )?`(?P<owner>[\w.]+)`",
+    "too-many-positional-arguments": r"to (?P<what>.*?) ?`(?P<owner>[\w.]+)`: expected (?P<takes>\d+), got (?P<got>\d+)",
+    "unknown-argument": r"Argument `(?P<name>\w+)` .* of (?:.*? )?`(?P<owner>[\w.]+)`",
+    "not-callable": r"Object of type `(?P<owner>.+)` is not callable",
+    "unsupported-operator": r"Operator `(?P<name>.+?)` .*type `(?P<owner>.+?)`(?: and `(?P<given>.+)`)?$",
+    "invalid-argument-type": r"Argument to (?:.*? )?`(?P<owner>[\w.]+)` is incorrect: Expected `(?P<wanted>.+)`, "
+    r"found `(?P<given>.+)`",
+}
+# What a value may be where there is no doubt: not one of several, and nothing that is made of others.
+_PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|")
+_CATCHES = frozenset(("AttributeError", "TypeError", "Exception", "ImportError"))
+
+
+def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ()) -> Iterator[Finding]:
+    """Yield what a type checker finds in a workspace's nodes and launch files.
+
+    Args:
+        look: the workspace.
+        known: what is known of it; nothing is said twice of a line, but in place of what is only passed on.
+        named: the lines that an error names, as their places are shown; there, everything is believed.
+    """
+    told = {one.place for one in known if one.code != SAID}
+    lines = set(named)
+    sources = {
+        str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
+    }
+    owners = {s: look.sources(p) for p in look.packages for s in p.sources.values()}
+    for row in _rows([*sources, *_launch_files(look)]):
+        said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
+        source = sources.get(f"/{row['file']}")
+        shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
+        place = f"{shown}:{row['line']}"
+        if said is None or place in told or _is_told_elsewhere(row, said, source):
+            continue
+        if source in owners and is_of_construction(owners[source], source, int(row["line"]), said[0]):
+            continue
+        groups = {key: value or "" for key, value in said.groupdict().items()}
+        is_sure = _is_sure(groups) and _may_not_fail(source, int(row["line"]), groups)
+        if place not in lines and not is_sure:
+            continue
+        told.add(place)
+        source = source or read_source(Path("/", row["file"]), Path(row["file"]).stem, shown)
+        yield _finding(row, groups, Spot(source, int(row["line"])), look)
+
+
+def _launch_files(look: Look) -> Iterator[str]:
+    """Yield the launch files in Python; what is too large to be read is too large for the type checker."""
+    paths = (path for package in look.packages for path in package.launch_files)
+    return (str(path) for path in paths if path.suffix == ".py" and read_text(path))
+
+
+def _is_told_elsewhere(row: re.Match[str], said: re.Match[str], source: PythonSource | None) -> bool:
+    """Return whether another rule says more: of names in nodes, or of what is asked of a class in place of its object."""
+    if row["rule"] == "unresolved-reference":  # that rule knows exec() and globals()
+        return source is not None
+    groups = said.groupdict()
+    return groups.get("owner") in ("property", "None") or groups.get("message") == "None"
+
+
+def _may_not_fail(source: PythonSource | None, line: int, groups: dict[str, str]) -> bool:
+    """Return whether a line is meant to work, and with the very class that the type checker knows."""
+    if source is None:
+        return True
+    return not _is_guarded(source, line) and not _is_of_any_class(source, line, groups["owner"])
+
+
+def _is_sure(said: dict[str, str]) -> bool:
+    owner = said["owner"]
+    if owner.startswith("bound method "):
+        return True
+    kinds = [said.get(name, "") for name in ("wanted", "given", "both")]
+    if not all(_PLAIN.fullmatch(kind) for kind in kinds):
+        return False
+    # Of which class a mixin is, is not known; and a function may be given attributes.
+    is_clear = not owner.startswith(("Self@", "def ")) and not re.search(r"Unknown| \| |\[|^object$", owner)
+    return is_clear or _PLAIN.fullmatch(owner) is not None
+
+
+def _rows(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
+    checker = shutil.which(
+        "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    )
+    if checker is None or not files:
+        return []
+    # It runs elsewhere, and what is said from here would be looked for there.
+    search = [Path(part).absolute() for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if part]
+    environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
+    for part in [*homes, *filter(Path.is_dir, search)]:
+        command += ["--extra-search-path", str(part)]
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/", env=environ
+        )
+    except (OSError, subprocess.SubprocessError):
+        return []
+    rows = [row for line in done.stdout.splitlines() if (row := _ROW.match(line)) is not None]
+    # What is named wrongly is missing, too; the wrong name says more.
+    return sorted(rows, key=lambda row: row["rule"] == "missing-argument")
+
+
+def _is_guarded(source: PythonSource, line: int) -> bool:
+    """Return whether a line may fail: what it raises is caught."""
+    for node in source.nodes:
+        if isinstance(node, ast.Try) and node.lineno <= line <= (node.body[-1].end_lineno or 0):
+            for handler in node.handlers:
+                names = (
+                    {getattr(n, "id", "") for n in (handler.type, *children(handler.type))}
+                    if handler.type
+                    else _CATCHES
+                )
+                if names & _CATCHES:
+                    return True
+    return False
+
+
+def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:
+    """Return whether a line makes an object of a class that it was given, which may take other values than its base class."""
+    given = {node.arg for node in source.nodes if isinstance(node, ast.arg)}
+    given |= {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    called = [n.func for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
+    return owner.endswith(".__init__") and any(
+        isinstance(one, ast.Subscript) or is_self_attribute(one) or getattr(one, "id", "") in given
+        for one in called
+    )
+
+
+def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -> Finding:
+    rule = row["rule"]
+    owner, name = _owner_and_name(said)
+    assert spot.source is not None
+    place = spot.source.at(spot.line)
+    if rule in _OF_VALUES:
+        return _of_member(rule, said, spot, look)
+    if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
+        return Finding("argument-missing", *of_class(said, spot))
+    call = call_at(spot, int(row["column"]) - 1, rule)
+    short = owner.rpartition(".")[2]
+    code, cause, fix = _of_call(rule, short, name, said)
+    if call is None or short == "object":
+        return Finding(code, cause, place, fix)
+    made = ast.unparse(call.func)
+    if code == "argument-missing" and made in _classes(spot.source) and made != short:
+        cause = f"{made} has no __init__ of its own, so {made}() takes what {short}() takes, and is called without {name}."
+        example = (
+            f"'{re.sub(r'(?<!^)(?=[A-Z])', '_', made).lower()}'" if name == "node_name" else f"{name}=..."
+        )
+        fix = f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})"
+    ways = {**as_it_was_meant(spot.source, call), **rewritten(call, rule, said)}
+    good = first_that_stands(spot.source, call, list(ways))
+    if rule == "invalid-argument-type" and _lacks_one(spot.source, call):
+        code = "argument-missing"
+        cause = f"{short} is called with a value too few, so that what it is given stands in another's place."
+        good = good or first_that_stands(spot.source, call, list(ways), are_items_open=True)
+    lines = missing_imports(spot.source, good)
+    more = f", with `{'; '.join(lines)}` at the top" if lines else ""
+    return Finding(code, cause, place, f"{ways[good]}{more}" if good else fix)
+
+
+def _lacks_one(source: PythonSource, call: ast.Call) -> bool:
+    """Return whether a type checker says of a call that it lacks an argument, whatever else it says."""
+    (rows,) = checked(source, [source.text.encode()])
+    ends = range(call.lineno, (call.end_lineno or call.lineno) + 1)
+    return any(row.rule == "missing-argument" and row.line in ends for row in rows)
+
+
+def _classes(source: PythonSource) -> set[str]:
+    return {node.name for node in source.nodes if isinstance(node, ast.ClassDef)}
+
+
+def _owner_and_name(said: dict[str, str]) -> tuple[str, str]:
+    """Return whose member, and which member or argument, a type checker speaks of."""
+    name = said.get("name") or said.get("field", "")
+    return (said["owner"] or said.get("message", "")).removesuffix(".__init__"), name.replace("`", "")
+
+
+def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Finding:
+    """Tell what a value does not have, or cannot do, and what was meant."""
+    assert spot.source is not None
+    owner, name = _owner_and_name(said)
+    code, cause, fix = _of_value(rule, said, spot, look)
+    if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
+        cause, fix = (
+            f"{plain(owner)} has no {name}. Did you mean {meant}?",
+            f"write {meant} in place of {name}",
+        )
+    else:
+        fix = _unwrapped(said, spot) or fix
+    return Finding(code, cause, spot.source.at(spot.line), fix)
+
+
+def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
+    """Return the member that was meant by a name: of several that are alike, the first that can be called so."""
+    known = members(owner, look)
+    alike = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
+    match [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]:
+        case [ast.Call(func=ast.Attribute(value=before)) as call] if len(alike) > 1 and spot.source:
+            rest = ast.unparse(call).removeprefix(ast.unparse(call.func))
+            ways = {f"{ast.unparse(before)}.{other}{rest}": other for other in alike}
+            return ways.get(first_that_stands(spot.source, call, list(ways)), "")
+    return ""
+
+
+def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
+    """Return whether a type checker finds nothing in the lines of a call that is written anew in a copy of its file."""
+    return first_that_stands(source, call, [written]) == written
+
+
+def first_that_stands(
+    source: PythonSource, call: ast.Call, ways: Sequence[str], *, are_items_open: bool = False
+) -> str:
+    """Return the first way to write a call in which a type checker finds nothing, each in a copy of the file; empty if none is.
+
+    Args:
+        source: the file.
+        call: the call in it.
+        ways: how it may be written.
+        are_items_open: whether a list may hold other items than the library's annotation says, which is often narrower
+            than what it takes.
+    """
+    lines = source.text.encode().splitlines(keepends=True)
+    last = call.end_lineno or call.lineno
+    before, behind = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
+    texts = []
+    for written in ways:
+        changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
+        changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
+        texts.append(b"".join(changed))
+    for written, rows in zip(ways, checked(source, texts), strict=True):
+        objections = [row for row in rows if row.rule in _RULES and row.line == call.lineno]
+        if are_items_open:
+            objections = [row for row in objections if not _OF_ITEMS.search(row.said)]
+        if not objections:
+            return written
+    return ""
+
+
+_OF_ITEMS = re.compile(r"Expected `(?:\w+\.)*(?P<kind>\w+)\[.*`, found `(?P=kind)\[")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the type checker says of a line: by which rule, and in which words."""
+
+    line: int
+    rule: str
+    said: str
+
+
+def checked(source: PythonSource, texts: Sequence[bytes]) -> list[list[Row]]:
+    """Return what the type checker says of each of some copies of a file, in the order of their lines.
+
+    Args:
+        source: the file, beside which the copies find what it imports.
+        texts: what the copies say.
+    """
+    parts = source.name.count(".") + source.is_package
+    # A test imports from the folder above its own.
+    home = [str(one) for one in [*source.path.parents][parts : parts + 2]] if source.path else []
+    with scratch_folder() as folder:
+        stubs = folder / "stubs"
+        write_stubs(source.names.values(), stubs)
+        found: dict[str, list[Row]] = {}
+        for number, text in enumerate(texts):
+            path = folder / f"copy_{number}.py"
+            path.write_bytes(text)
+            found[str(path)] = []
+        for row in _rows(list(found), [str(stubs), *home]):
+            found[f"/{row['file'].lstrip('/')}"].append(Row(int(row["line"]), row["rule"], row["said"]))
+    return [*found.values()]
+
+
+# What the value that stands there does not have, or cannot do; the others are about what a call gives.
+_OF_VALUES = frozenset(
+    (
+        "unresolved-reference",
+        "missing-union-attribute",
+        "missing-attribute",
+        "not-callable",
+        "unsupported-operator",
+    )
+)
+
+
+def _unwrapped(said: dict[str, str], spot: Spot) -> str:
+    """Say how a value is taken out of what holds it, where that stands in its place: a parameter, or a plain message."""
+    if not said.get("name") or not said.get("given"):
+        return ""
+    return unwrapped(spot, [said.get(key, "") for key in ("owner", "given")], said["name"])
+
+
+def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[str, str, str]:
+    """Return code, cause and fix of what a value does not have, or cannot do."""
+    owner, name = _owner_and_name(said)
+    if rule == "unresolved-reference":
+        homes = interfaces.homes_for(name, [one.target for one in spot.source.imports] if spot.source else ())
+        do = f"put it in quotes if it is a text ('{name}'); else import or define it above"
+        fix = f"write `from {homes[0]} import {name}` at the top" if homes else do
+        return "name-undefined", f"{name} is used here and never imported or defined.", fix
+    if rule == "missing-union-attribute":
+        fix = (
+            f"write `if ... is not None:` above this line, with what stands before .{name}, or set it earlier"
+        )
+        return "value-none", f"What stands before .{name} is still None when this runs.", fix
+    if rule == "missing-attribute":
+        if method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner):
+            cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
+            return "attribute-missing", cause, f"write {method[1]}() in place of {method[1]}"
+        return "attribute-missing", *_no_attribute(owner, name, spot, look)
+    if rule == "not-callable":
+        fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
+        return rule, f"What stands before the parentheses is {plain(owner)}, and no function.", fix
+    return "operand-type", *_of_operator(name, said, spot)
+
+
+def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of two values that an operator cannot join."""
+    one, other = (plain(said[key] or said["both"]) for key in ("owner", "given"))
+    if call := as_template(spot):
+        cause = f"{call.partition('(')[0]} is called as in C++: in Python `<` and `>` only compare."
+        return cause, f"write `{call}`"
+    is_text = "text" in one + other
+    fix = "write str(...) around what is no text, or an f-string" if is_text else "make both of one kind"
+    return f"`{name}` cannot join {one} and {other}.", fix
+
+
+def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[str, str, str]:
+    """Return code and cause of what a call gives, and the fix where the function itself is not known."""
+    if short == "object":
+        cause = (
+            "super().__init__() is object's here, which takes no values: the class has no other base class."
+        )
+        return (
+            "argument-unknown",
+            cause,
+            "write the base class in parentheses behind the name of the class, such as (Node)",
+        )
+    if rule == "missing-argument":
+        return (
+            "argument-missing",
+            f"{short} is called without {name}.",
+            f"add {name} in the parentheses of {short}(...)",
+        )
+    if rule == "unknown-argument":
+        fix = f"fix the spelling of {name}, or take it out"
+        return "argument-unknown", f"{short} takes nothing called {name}.", fix
+    if rule == "too-many-positional-arguments":
+        is_method = "method" in said["what"] or said["owner"].endswith("__init__")
+        takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
+        cause = f"{short} is called with {given} value{'s' * (given != 1)} without a name and takes {takes or 'none'}."
+        return (
+            "argument-unknown",
+            cause,
+            "take out what is too much, or give it by its name, as in name=value",
+        )
+    wanted = plain(said["wanted"])
+    return (
+        "argument-type",
+        f"{short} wants {wanted} here, and is given {plain(said['given'])}.",
+        f"give it {wanted}",
+    )
+
+
+def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str]:
+    cause = f"{plain(owner)} has no {name}."
+    if close := in_place_of(name, owner, spot, look):
+        is_name = close.isidentifier()
+        return (
+            (f"{cause} Did you mean {close}?", f"write {close} in place of {name}")
+            if is_name
+            else (cause, f"write {close}")
+        )
+    if owner.startswith("Self@"):
+        cause = f"self.{name} is asked for here, and nothing in the class sets it."
+        return cause, f"write self.{name} = ... in __init__, with the value that it has at first"
+    if name in (interfaces.names_in("rclpy") or ()):
+        fix = f"write rclpy.{name}(...), with the node in the parentheses"
+        return f"{cause} It is a function of rclpy.", fix
+    methods = interfaces.methods_of(owner)
+    return (
+        cause,
+        f"use what a {owner} has: {methods}" if methods else f"fix the spelling of {name}, or define it",
+    )

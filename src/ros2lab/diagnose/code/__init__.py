@@ -1,0 +1,1 @@
+"""Rules over Python code, whatever it is for."""

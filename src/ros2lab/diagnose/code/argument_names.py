@@ -1,0 +1,78 @@
+"""Arguments in the places of others: told by the names of what is given, against the names of what is taken."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
+
+
+def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield calls of the package's own functions of which two arguments have changed places."""
+    calls = [
+        (source, node, function, takes)
+        for source in sources.sources.values()
+        for owner, inside, node in sources.scoped(source)
+        if isinstance(node, ast.Call) and len(node.args) > 1
+        for function, takes in [_called(sources, source, owner, node)]
+        if function not in (None, inside) and not any(isinstance(one, ast.Starred) for one in node.args)
+    ]
+    # Who calls it both ways, as in `plan(start, goal)` and `plan(goal, start)`, means both.
+    both = {
+        id(function)
+        for _, node, function, takes in calls
+        if sum(_name_of(one) == name for one, name in zip(node.args, takes, strict=False)) > 1
+    }
+    for source, node, function, takes in calls:
+        right = _in_order(takes, node.args)
+        if right is not None and function is not None and id(function) not in both:
+            new = ", ".join([*map(ast.unparse, right), *(ast.unparse(one) for one in node.keywords)])
+            cause = f"{function.name}() takes {', '.join(takes)} in this order, and `{ast.unparse(node)}` gives them in another."
+            yield Finding(
+                "argument-order", cause, source.at(node), f"write `{ast.unparse(node.func)}({new})`"
+            )
+
+
+def _called(
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, call: ast.Call
+) -> tuple[Function | None, list[str]]:
+    """Return the function of the package that a call means, with the names of what it takes."""
+    if is_self_attribute(call.func):
+        function = sources.method(owner, call.func.attr)
+        is_static = function is not None and bool(function.decorator_list)
+        return (None if is_static else function), [
+            one.arg for one in parameters(function)[1:]
+        ] if function else []
+    name = sources.resolve(source, call.func) or ""
+    if name in sources.classes:
+        function = sources.method(sources.classes[name], "__init__")
+        return function, [one.arg for one in parameters(function)[1:]] if function else []
+    function = sources.functions.get(name, (source, None))[1]
+    return function, [one.arg for one in parameters(function)] if function else []
+
+
+def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
+    """Return arguments in the order of the parameters of their names; None if they are, or if that is not sure."""
+    names = [_name_of(one) for one in given]
+    for first, name in enumerate(names[: len(takes)]):
+        second = takes.index(name) if name in takes else first
+        if second in (first, *range(len(given), len(takes))) or names[second] == takes[second]:
+            continue
+        # The other one may be anything but what belongs here by its name to a third place.
+        if names[second] in ("", takes[first]) or names[second] not in takes:
+            right = list(given)
+            right[first], right[second] = right[second], right[first]
+            return right
+    return None
+
+
+def _name_of(node: ast.expr) -> str:
+    """Return what a value is called: its variable, its attribute or its parameter; empty if it has no telling name."""
+    for inner in walk(node):
+        if isinstance(inner, ast.Call) and getattr(inner.func, "attr", "") == "get_parameter" and inner.args:
+            return str(getattr(inner.args[0], "value", ""))
+    name = node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
+    return name if len(name) > 1 else ""

@@ -1,0 +1,179 @@
+"""Collections that are changed while a loop walks over them."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+
+_TAKES_OUT = frozenset(("remove", "pop", "popleft", "discard", "popitem", "clear"))
+_ADDS = frozenset(("append", "appendleft", "insert", "extend", "add"))
+_Path = list[tuple[list[ast.stmt], int, bool]]  # blocks, the statement's place in each, whether a loop has it
+
+
+def changed_loops(sources: NodeSources) -> Iterator[Finding]:
+    """Yield loops over a list, a dict or a set out of which their own bodies take something, and which go on."""
+    for source in sources.sources.values():
+        for owner, _, loop in sources.scoped(source):
+            if isinstance(loop, ast.For):
+                yield from _changes(sources, source, owner, loop)
+
+
+def _walked(loop: ast.For) -> tuple[str, str] | None:
+    """Return the name of what a loop walks over while it may change, and the name of its places in it, if it counts them."""
+    places = ""
+    match loop.iter:
+        case ast.Call(func=ast.Name(id="enumerate"), args=[ast.Name() | ast.Attribute() as kept, *_]):
+            pass
+        case ast.Call(
+            func=ast.Name(id="range"), args=[ast.Call(func=ast.Name(id="len"), args=[ast.expr() as kept])]
+        ):
+            places = loop.target.id if isinstance(loop.target, ast.Name) else ""
+            if not places:
+                return None
+        case ast.Call(
+            func=ast.Attribute(value=ast.Name() | ast.Attribute() as kept, attr="items" | "keys" | "values"),
+            args=[],
+        ):
+            pass
+        case ast.Name() | ast.Attribute() as kept:
+            pass
+        case _:
+            return None
+    name = dotted(kept)
+    return (name, places) if name and name != "self" else None  # a class says itself how it is walked over
+
+
+def _changes(
+    sources: NodeSources,
+    source: PythonSource,
+    owner: NodeClass | None,
+    loop: ast.For,
+) -> Iterator[Finding]:
+    walked = _walked(loop)
+    if walked is None:
+        return
+    name, places = walked
+    bound = [
+        node
+        for statement in loop.body
+        for node in walk(statement)
+        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
+    ]
+    if any(f"{name}.".startswith(f"{dotted(node)}.") for node in bound):
+        return  # what is changed may be another one
+    for path in _paths(loop.body, []):
+        block, index, _ = path[-1]
+        statement = block[index]
+        by, changed = _change(sources, owner, statement, name)
+        if not by or _is_last(path):
+            continue
+        if places and not any(_reads(node, places) for node in walk(changed)):
+            continue
+        if by in _ADDS and (len(path) > 1 or _leaves(loop.body)):
+            continue  # a list of what is still to do grows, and ends
+        how = f"its line {statement.lineno} {'adds to' if by in _ADDS else 'takes something out of'} it"
+        then = {
+            True: "so the loop never ends",
+            False: "so a list skips the element after each one taken out, and a dict or a set stops with an error",
+        }[by in _ADDS]
+        if places:
+            then = "so the element after each one taken out is skipped, and at the end there are fewer places than were counted"
+        cause = f"The loop walks over {name}, and {how} meanwhile, {then}."
+        whole = ast.unparse(loop.iter)
+        copy = (
+            f"range(len({name}) - 1, -1, -1)"
+            if places
+            else f"enumerate(list({name}))"
+            if whole.startswith("enumerate(")
+            else f"list({whole})"
+        )
+        if whole.startswith("enumerate(") and by == "pop":
+            copy = f"reversed(list({whole}))"
+        yield Finding("changed-in-loop", cause, source.at(loop), f"write {copy} in place of {whole} here")
+        return
+
+
+def _change(
+    sources: NodeSources, owner: NodeClass | None, statement: ast.stmt, name: str
+) -> tuple[str, ast.AST]:
+    """Return by what a statement changes what a name holds, itself or by a method of the class; empty if it does not."""
+    for node in _heads(statement):
+        match node:
+            case ast.Call(func=ast.Attribute(value=holder, attr=attr)) if (
+                attr in _TAKES_OUT | _ADDS and dotted(holder) == name
+            ):
+                return attr, node
+            case ast.Subscript(value=holder, ctx=ast.Del()) if dotted(holder) == name:
+                return "del", node
+            case ast.Call(func=called) if is_self_attribute(called) and name.startswith("self."):
+                method = sources.method(owner, called.attr)
+                for inner in method.body if method else ():
+                    by, _ = _change(sources, None, inner, name)
+                    if by in _TAKES_OUT | {"del"}:
+                        return by, node
+    return "", statement
+
+
+def _heads(statement: ast.stmt) -> Iterator[ast.AST]:
+    """Yield what a statement does itself, without the statements below it."""
+    blocks = [id(inner) for _, body in _bodies(statement) for inner in body]
+    nodes = [statement]
+    while nodes:
+        node = nodes.pop()
+        yield node
+        if not isinstance(node, (ast.FunctionDef, ast.Lambda, ast.ClassDef, ast.AsyncFunctionDef)):
+            nodes += [one for one in ast.iter_child_nodes(node) if id(one) not in blocks]  # type: ignore[misc]
+
+
+def _bodies(statement: ast.AST) -> Iterator[tuple[bool, list[ast.stmt]]]:
+    """Yield the blocks below a statement, and whether it may run them again and again."""
+    if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+        return
+    is_loop = isinstance(statement, (ast.For, ast.While, ast.AsyncFor))
+    for part in ("body", "orelse", "finalbody"):
+        if body := getattr(statement, part, None):
+            yield is_loop, body
+    for inner in (*getattr(statement, "handlers", ()), *getattr(statement, "cases", ())):
+        yield is_loop, inner.body
+
+
+def _paths(body: list[ast.stmt], above: _Path, *, is_loop: bool = False) -> Iterator[_Path]:
+    """Yield every statement of a block and of those below it, with the blocks around it."""
+    for index, statement in enumerate(body):
+        path = [*above, (body, index, is_loop)]
+        yield path
+        for again, inner in _bodies(statement):
+            yield from _paths(inner, path, is_loop=again)
+
+
+def _is_last(path: _Path) -> bool:
+    """Return whether the outer loop is left for good once a statement was run."""
+    is_left = False  # a loop inside, of which nothing more is run
+    for depth in range(len(path) - 1, -1, -1):
+        block, index, is_loop = path[depth]
+        is_inside = any(again for *_, again in path[: depth + 1])
+        for statement in () if is_left else block[index:]:
+            if isinstance(statement, (ast.Return, ast.Raise)):
+                return True
+            if isinstance(statement, (ast.Break, ast.Continue)):
+                if not is_inside:
+                    return isinstance(statement, ast.Break)
+                is_left = True
+                break
+        is_left = is_left and not is_loop
+    return False
+
+
+def _leaves(body: list[ast.stmt]) -> bool:
+    """Return whether anything in a loop may end it."""
+    kinds = (ast.Break, ast.Return, ast.Raise)
+    return any(isinstance(node, kinds) for statement in body for node in (statement, *own_nodes(statement)))
+
+
+def _reads(node: ast.AST, name: str) -> bool:
+    return isinstance(node, ast.Name) and node.id == name

@@ -1,0 +1,151 @@
+"""Values that are computed once, where a function or a class is defined, and were meant for each call or each object."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.uses import FUNCTIONS
+
+# Modules of Python whose functions give another value each time; what begins with a capital is a class.
+_CHANGING = frozenset(("time", "random", "secrets", "uuid"))
+_STEADY = frozenset(("strptime", "mktime", "strftime", "uuid3", "uuid5", "seed", "get_clock_info"))
+_OF_CLASSES = frozenset(
+    f"datetime.{name}" for name in ("datetime.now", "datetime.today", "datetime.utcnow", "date.today")
+)
+_IN_PLACE = frozenset(
+    ("append", "appendleft", "add", "insert", "extend", "update", "setdefault", "pop", "remove", "clear")
+)
+_LITERALS = (ast.List, ast.Dict, ast.Set)
+
+
+def defined_once(sources: NodeSources) -> Iterator[Finding]:
+    """Yield defaults and fields of classes that hold for all calls and objects, where each should have its own."""
+    for source in sources.sources.values():
+        for owner, _, node in sources.scoped(source):
+            if isinstance(node, FUNCTIONS):
+                yield from _defaults(source, owner, node)
+            elif isinstance(node, ast.ClassDef):
+                yield from _fields(sources, source, node)
+
+
+def _defaults(source: PythonSource, owner: NodeClass | None, function: Function) -> Iterator[Finding]:
+    for name, default in _given(function):
+        first = f"write {name}=None here, and `if {name} is None: {name} = {ast.unparse(default)}` as the first line of {function.name}()"
+        if call := _changing(source, default):
+            cause = f"The default {ast.unparse(call)} is computed once, when {function.name}() is defined, so each call without {name} gets the same value."
+            yield Finding("computed-once", cause, source.at(default), first)
+        elif _is_literal(default) and (changed := _changed(owner, function, name)):
+            cause = f"There is one {ast.unparse(default)} for all calls of {function.name}() that give no {name}, and line {changed} changes it for all of them."
+            yield Finding("one-object", cause, source.at(default), first)
+
+
+def _given(function: Function) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the parameters of a function that have a default, with it."""
+    places = [*function.args.posonlyargs, *function.args.args]
+    defaults = function.args.defaults
+    for one, default in zip(places[len(places) - len(defaults) :], defaults, strict=True):
+        yield one.arg, default
+    for one, also in zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True):
+        if also is not None:
+            yield one.arg, also
+
+
+def _changing(source: PythonSource, value: ast.expr) -> ast.Call | None:
+    """Return the call in an expression that gives another value each time."""
+    for node in (value, *own_nodes(value)):
+        if isinstance(node, ast.Call) and not isinstance(value, ast.Lambda):
+            name = source.resolve(node.func) or ""
+            module, _, short = name.partition(".")
+            is_function = module in _CHANGING and short.isidentifier() and short[:1].islower()
+            if (is_function and short not in _STEADY) or name in _OF_CLASSES:
+                return node
+    return None
+
+
+def _is_literal(value: ast.expr) -> bool:
+    is_call = isinstance(value, ast.Call) and dotted(value.func) in ("list", "dict", "set") and not value.args
+    return isinstance(value, _LITERALS) or is_call
+
+
+def _changed(owner: NodeClass | None, function: Function, name: str) -> int:
+    """Return the line that changes a default in place, here or where the object keeps it; 0 if none does."""
+    nodes = own_nodes(function)
+    stored = [n for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
+    if name in (one.id for one in stored):
+        return 0  # it may have become another one
+    # A dict or a list that is filled by keys is how a cache is written.
+    if line := _line_of_change([one for one in nodes if not isinstance(one, ast.Subscript)], name):
+        return line
+    kept = [
+        target
+        for node in nodes
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name) and node.value.id == name
+        for target in map(dotted, node.targets)
+        if target and target.startswith("self.")
+    ]
+    if owner is None or len(kept) != 1:
+        return 0
+    others = [node for method in owner.functions for node in walk(method)]
+    is_one = [dotted(n) for n in others if isinstance(getattr(n, "ctx", None), ast.Store)].count(kept[0]) == 1
+    return _line_of_change(others, kept[0]) if is_one else 0
+
+
+def _line_of_change(nodes: Iterable[ast.AST], name: str) -> int:
+    for node in nodes:
+        match node:
+            case ast.Call(func=ast.Attribute(value=holder, attr=attr)) if (
+                attr in _IN_PLACE and dotted(holder) == name
+            ):
+                return node.lineno
+            case ast.Subscript(value=holder, ctx=ast.Store() | ast.Del()) if dotted(holder) == name:
+                return node.lineno
+    return 0
+
+
+def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> Iterator[Finding]:
+    """Yield a field of a class whose value was computed with the class, where each object reads it as its own."""
+    decorators = [one.func if isinstance(one, ast.Call) else one for one in definition.decorator_list]
+    is_data = any((source.resolve(one) or "") == "dataclasses.dataclass" for one in decorators)
+    for statement in definition.body:
+        if not isinstance(statement, (ast.Assign, ast.AnnAssign)) or statement.value is None:
+            continue
+        target = statement.target if isinstance(statement, ast.AnnAssign) else statement.targets[0]
+        call = _changing(source, statement.value)
+        is_field = is_data and isinstance(statement, ast.AnnAssign) and "ClassVar" not in ast.dump(statement)
+        if call is None or not isinstance(target, ast.Name):
+            continue
+        name, value = target.id, ast.unparse(statement.value)
+        cause = f"{value} is computed once, when the class {definition.name} is defined, so all its objects have the same {name}."
+        if is_field:
+            fix = f"write field(default_factory=lambda: {value}) in place of {value}, and `from dataclasses import field`"
+            yield Finding("computed-once", cause, source.at(statement), fix)
+        elif _is_made_often(sources, source, definition) and _is_read(definition, name):
+            yield Finding(
+                "computed-once",
+                cause,
+                source.at(statement),
+                f"write `self.{name} = {value}` in __init__ instead",
+            )
+
+
+def _is_read(definition: ast.ClassDef, name: str) -> bool:
+    """Return whether the objects of a class read a field, and none of them makes it itself."""
+    found = [n for n in walk(definition) if isinstance(n, ast.Attribute) and dotted(n) == f"self.{name}"]
+    return bool(found) and all(isinstance(one.ctx, ast.Load) for one in found)
+
+
+def _is_made_often(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> bool:
+    """Return whether a package makes several objects of a class."""
+    wanted = f"{source.name}.{definition.name}"
+    calls = [
+        node
+        for other in sources.sources.values()
+        for node in other.nodes
+        if isinstance(node, ast.Call) and sources.resolve(other, node.func) == wanted
+    ]
+    return len(calls) > 1

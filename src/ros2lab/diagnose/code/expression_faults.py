@@ -1,0 +1,321 @@
+"""Expressions that Python takes, and which do something else than was meant."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Iterator
+
+from ros2lab.diagnose.code.placeholders import placeholder_faults
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import PythonSource, children
+
+_CHANGES_CASE: dict[str, Callable[[str], str]] = {
+    "lower": str.lower,
+    "upper": str.upper,
+    "strip": str.strip,
+    "title": str.title,
+}
+_SIGN = re.compile(r"[^=!<>+\-*/%&|^]=\s?(?P<sign>\+|-) ?(?=\S)")
+# What nobody calls or takes a part of, on purpose, right where it is written.
+_LITERALS = (ast.Tuple, ast.List, ast.Dict, ast.Constant, ast.JoinedStr, ast.Set)
+_NEXT: dict[type[ast.AST], str] = {ast.Call: "a call of", ast.Subscript: "a part of"}
+
+
+def expression_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield statements that do nothing, comparisons that never hold, and texts in which nothing is filled in."""
+    for source in sources.sources.values():
+        yield from comma_faults(source)
+        yield from path_faults(source)
+        yield from placeholder_faults(source)
+        for node in source.nodes:
+            if isinstance(node, ast.Expr):
+                yield from _without_effect(source, node.value)
+            elif isinstance(node, ast.Compare):
+                yield from _never_equal(source, node)
+            elif isinstance(node, (ast.If, ast.While, ast.IfExp)) and isinstance(node.test, ast.BoolOp):
+                yield from _texts(source, node.test)
+                yield from _always(source, node.test)
+            elif isinstance(node, ast.Assign):
+                yield from _sign(source, node)
+            elif isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith(
+                ("create_", "add_done")
+            ):
+                yield from _named_in_lambda(source, node)
+
+
+def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
+    """Yield a small function that is given to ROS, and that names what it should call."""
+    for given in (*call.args, *(keyword.value for keyword in call.keywords)):
+        if isinstance(given, ast.Lambda) and getattr(given.body, "is_function", False):
+            text = ast.unparse(given.body)
+            cause = f"`{ast.unparse(given)}` gives {text} back, and calls it never."
+            yield Finding(
+                "no-effect", cause, source.at(given), f"write {text} in place of `{ast.unparse(given)}`"
+            )
+
+
+def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterator[Finding]:
+    """Yield a comma too much at the end of an assignment, which makes a tuple, and one too few, of which Python warns.
+
+    Args:
+        source: the file.
+        missing: the code for one too few, which may keep the file from being used at all.
+    """
+    lines = {line for line, said in source.warned if "missed a comma" in said}
+    for node in source.nodes:
+        before = node.func if isinstance(node, ast.Call) else getattr(node, "value", None)
+        if (
+            isinstance(node, (ast.Call, ast.Subscript))
+            and node.lineno in lines
+            and isinstance(before, _LITERALS)
+        ):
+            text = ast.unparse(before)
+            cause = f"Behind `{text[:60]}` a comma is missing, so Python takes what comes next for {_NEXT[type(node)]} it."
+            fix = f"write a comma behind `{text[:60]}`"
+            yield Finding(missing, cause, source.at(before.end_lineno), fix)
+    yield from _tuple_faults(source)
+
+
+def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
+    for node in source.nodes:
+        value = getattr(node, "value", None)
+        if (
+            isinstance(node, (ast.Assign, ast.Return))
+            and isinstance(value, ast.Tuple)
+            and len(value.elts) == 1
+        ):
+            segment = (ast.get_source_segment(source.text, value) or "").strip()
+            if isinstance(value.elts[0], ast.Call) and not segment.startswith("(("):
+                line = value.end_lineno or value.lineno
+                cause = f"The comma at the end makes a tuple of `{ast.unparse(value.elts[0]).splitlines()[0][:60]}`."
+                yield Finding(
+                    "comma-tuple", cause, source.at(line), "take the comma at the end of this line away"
+                )
+
+
+def path_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield a part of a joined path that begins with a slash: os.path.join forgets what stands before it."""
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(
+            ("path.join", "PathJoinSubstitution")
+        ):
+            parts = (
+                node.args[0].elts if len(node.args) == 1 and isinstance(node.args[0], ast.List) else node.args
+            )
+            for part in parts[1:]:
+                if (
+                    isinstance(part, ast.Constant)
+                    and isinstance(part.value, str)
+                    and part.value.startswith("/")
+                ):
+                    yield Finding(
+                        "path-absolute",
+                        f"{part.value!r} begins with a slash, so os.path.join forgets all that stands before it.",
+                        source.at(part),
+                        f"write {part.value.lstrip('/')!r}",
+                    )
+
+
+def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
+    text = ast.unparse(value)
+    match value:
+        case ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]):
+            cause = f"`{text}` only compares, and nothing is done with what comes of it."
+            fix = f"write {ast.unparse(left)} = {ast.unparse(right)}"
+            yield Finding("comparison-unused", cause, source.at(value), fix)
+        # `self.subscription`, which tutorials write so that it counts as used, holds something and is no function.
+        case ast.Attribute() | ast.Name() if text not in source.stored and not (
+            source.resolve(value) or ""
+        ).startswith(("rclpy.spin", "rclpy.init")):
+            cause = f"`{text}` only names {text.rpartition('.')[2]}, and does nothing: without parentheses it is not called."
+            takes = "msg" if text.endswith("publish") else ""
+            yield Finding("no-effect", cause, source.at(value), f"write {text}({takes})")
+        case ast.BinOp() | ast.UnaryOp():
+            if not any(isinstance(n, (ast.Call, ast.Await, ast.Yield)) for n in ast.walk(value)):
+                cause = f"`{text}` is computed, and nothing is done with what comes of it."
+                yield Finding(
+                    "no-effect", cause, source.at(value), "assign it to something, or take the line away"
+                )
+
+
+def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
+    for left, operator, right in zip(
+        [node.left, *node.comparators], node.ops, node.comparators, strict=False
+    ):
+        for one, other in ((left, right), (right, left)):
+            texts = [
+                n.value
+                for n in (other, *children(other))
+                if isinstance(n, ast.Constant) and isinstance(n.value, str)
+            ]
+            if (
+                isinstance(operator, (ast.Is, ast.IsNot))
+                and other is right
+                and isinstance(right, ast.Constant)
+                and texts
+            ):
+                sign = "==" if isinstance(operator, ast.Is) else "!="
+                yield Finding(
+                    "literal-comparison",
+                    f"`{ast.unparse(node)}` asks whether both are one object, which a text that was received never is.",
+                    source.at(node),
+                    f"write {ast.unparse(one)} {sign} {ast.unparse(other)}",
+                )
+            elif isinstance(one, ast.Attribute) and one.attr in _CHANGES_CASE and texts:
+                yield Finding(
+                    "no-effect",
+                    f"`{ast.unparse(one)}` names the method {one.attr} and does not call it, so it never equals a text.",
+                    source.at(node),
+                    f"write {ast.unparse(one)}()",
+                )
+            elif (
+                isinstance(one, ast.Call)
+                and isinstance(one.func, ast.Attribute)
+                and one.func.attr in _CHANGES_CASE
+            ):
+                change = _CHANGES_CASE[one.func.attr]
+                for text in texts if isinstance(operator, (ast.Eq, ast.In)) and not one.args else ():
+                    if text != change(text):
+                        cause = f"`{ast.unparse(one)}` never equals {text!r}, because of {one.func.attr}()."
+                        yield Finding(
+                            "no-effect",
+                            cause,
+                            source.at(node),
+                            f"write {change(text)!r} in place of {text!r}",
+                        )
+
+
+def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
+    match test.values:
+        case [
+            ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]),
+            *_,
+            ast.Constant(value=str(text)) as other,
+        ] if text:
+            yield Finding(
+                "text-as-condition",
+                f"`{ast.unparse(test)}` does not compare {ast.unparse(other)}: a text by itself is always true.",
+                source.at(test),
+                f"write {ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(other)})",
+            )
+
+
+def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
+    """Yield `x != 'a' or x != 'b'`, which is always true, and `x == 'a' and x == 'b'`, which never is."""
+    wanted, holds, right = (
+        (ast.NotEq, "always", "and") if isinstance(test.op, ast.Or) else (ast.Eq, "never", "or")
+    )
+    pairs = [
+        (ast.unparse(one.left), one.comparators[0])
+        for one in test.values
+        if isinstance(one, ast.Compare) and len(one.ops) == 1 and isinstance(one.ops[0], wanted)
+    ]
+    values = [value.value for _, value in pairs if isinstance(value, ast.Constant)]
+    if (
+        len(pairs) == len(test.values) == len(set(values)) == len(values)
+        and len({left for left, _ in pairs}) == 1
+    ):
+        joint = " or " if isinstance(test.op, ast.Or) else " and "
+        text = ast.unparse(test)
+        fix = f"write `{text.replace(joint, f' {right} ')}`"
+        yield Finding(
+            "text-as-condition", f"`{text}` is {holds} true, whatever {pairs[0][0]} is.", source.at(test), fix
+        )
+
+
+def chain_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield ifs one behind the other about the same value, of which the last one's else undoes what others did."""
+    for block in (getattr(node, name, []) for node in source.nodes for name in ("body", "orelse")):
+        for chain in _chains(block if isinstance(block, list) else []):
+            last, rest = chain[-1], chain[-1].orelse
+            while len(rest) == 1 and isinstance(rest[0], ast.If):
+                rest = rest[0].orelse
+            undone = [
+                n
+                for n, one in enumerate(chain[:-1])
+                if _stored(one.body) & _stored(rest) and not _leaves(one.body)
+            ]
+            if not undone:
+                continue
+            first = chain[undone[0]]
+            name = min(_stored(first.body) & _stored(rest))
+            cause = f"Where `{ast.unparse(first.test)}` holds, the if of line {last.lineno} is asked, too, and its else sets {name} once more."
+            *others, end = (str(one.lineno) for one in chain[undone[0] + 1 :])
+            where = f" in lines {', '.join(others)} and {end}" if others else ""
+            yield Finding(
+                "replaced", cause, source.at(chain[undone[0] + 1]), f"write elif in place of if{where}"
+            )
+
+
+def _chains(block: list[ast.stmt]) -> Iterator[list[ast.If]]:
+    """Yield ifs that follow each other and ask whether the same value equals another one; the last one has an else."""
+    chain: list[ast.If] = []
+    asked = ""
+    for statement in block:
+        match statement:
+            case ast.If(test=ast.Compare(left=left, ops=[ast.Eq()])):
+                chain = [*(chain if ast.unparse(left) == asked else []), statement]
+                asked = ast.unparse(left)
+                if statement.orelse:
+                    yield chain
+                    chain = []
+            case _:
+                chain = []
+
+
+def _leaves(body: list[ast.stmt]) -> bool:
+    ends = (ast.Return, ast.Raise, ast.Continue, ast.Break)
+    return any(isinstance(node, ends) for statement in body for node in ast.walk(statement))
+
+
+def _stored(body: list[ast.stmt]) -> set[str]:
+    return {ast.unparse(target) for one in body if isinstance(one, ast.Assign) for target in one.targets}
+
+
+def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
+    """Yield `=+` and `=- `, where `+=` was meant."""
+    if not isinstance(node.value, ast.UnaryOp) or not isinstance(node.value.op, (ast.UAdd, ast.USub)):
+        return
+    line = source.text.splitlines()[node.lineno - 1]
+    found = _SIGN.search(line)
+    is_apart = found is not None and ("=+" in found[0] or re.search(r"=- ", found[0]))
+    if found and is_apart:
+        sign, target = found["sign"], ast.unparse(node.targets[0])
+        yield Finding(
+            "no-effect",
+            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time, and adds nothing to it.",
+            source.at(node),
+            f"write {target} {sign}= {ast.unparse(node.value.operand)}",
+        )
+
+
+def keys_twice(source: PythonSource) -> Iterator[Finding]:
+    """Yield a key that a dictionary is given more than once, with other values."""
+    for node in source.nodes:
+        given: dict[object, list[ast.expr]] = {}
+        for key, value in zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ():
+            if isinstance(key, ast.Constant):
+                given.setdefault(key.value, []).append(value)
+        for name, values in given.items():
+            if len({*map(ast.dump, values)}) > 1:
+                yield _key_again(source, name, values)
+
+
+def _key_again(source: PythonSource, key: object, values: list[ast.expr]) -> Finding:
+    *others, last = (str(value.lineno) for value in values)
+    is_pair = len(values) == 2
+    often = {2: "twice", 3: "three times"}.get(len(values), f"{len(values)} times")
+    lost = (
+        f"that of line {others[0]}"
+        if is_pair
+        else f"those of lines {', '.join(others[:-1])} and {others[-1]}"
+    )
+    cause = f"The dictionary has the key {key!r} {often}, and what stands in line {last} replaces {lost}."
+    away = "this entry" if is_pair else "the others"
+    fix = f"write another key in place of {key!r}, or take {away} away"
+    if all(isinstance(value, ast.List) for value in values):
+        lists = "both lists hold" if is_pair else "all of these lists hold"
+        fix = f"put what {lists} into the one of line {others[0]}, and take {away} away"
+    return Finding("replaced", cause, source.at(values[1]), fix)

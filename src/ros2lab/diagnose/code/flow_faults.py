@@ -1,0 +1,338 @@
+"""What is never reached, never read, done in the wrong order, or hidden from sight: nothing of it is an error."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+
+_LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
+_ENDS = frozenset(("shutdown", "try_shutdown", "destroy_node"))
+_CREATES = (
+    "create_publisher",
+    "create_subscription",
+    "create_timer",
+    "create_service",
+    "create_client",
+    "add_node",
+)
+_LONGEST_PERIOD = 100  # s; who writes more as one number, and no whole minutes, means ms
+
+
+def flow_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield what is wrong with the course of a package's code, and what no error tells."""
+    for source in sources.sources.values():
+        for _owner, function, node in sources.scoped(source):
+            for block in _blocks(node):
+                yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
+                yield from _disordered(source, block)
+        yield from _bound_late(source)
+        yield from _never_true(source)
+    for creation, function in sources.callbacks():
+        yield from _hidden(creation.source, function)
+        if creation.method in ("create_timer", "create_subscription"):
+            yield from _made_again(creation.source, function)
+        yield from _deadlocks(creation.source, function)
+    yield from _named_alike(sources)
+    for owner in sources.nodes:
+        yield from _never_started(owner.source, owner)
+    for creation in sources.creations:
+        yield from _period(sources, creation)
+        yield from _frequency(sources, creation)
+
+
+def _bound_late(source: PythonSource) -> Iterator[Finding]:
+    """Yield a lambda that a loop hands to ROS, and which asks for the loop's variable when the loop is over."""
+    for loop in source.nodes:
+        if not isinstance(loop, ast.For):
+            continue
+        names = {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
+        calls = (n for n in ast.walk(loop) if isinstance(n, ast.Call))
+        made = [n for n in calls if getattr(n.func, "attr", "").startswith("create_")]
+        for given in (one for call in made for one in (*call.args, *(k.value for k in call.keywords))):
+            if not isinstance(given, ast.Lambda):
+                continue
+            asked = {n.id for n in ast.walk(given.body) if isinstance(n, ast.Name)}
+            late = sorted(asked & names - {one.arg for one in (*given.args.args, *given.args.kwonlyargs)})
+            if late:
+                takes = [*filter(None, [ast.unparse(given.args)]), *(f"{name}={name}" for name in late)]
+                cause = f"This lambda asks for {late[0]} only when it is called, and then the loop is over: each of them gets the last {late[0]}."
+                fix = f"write `lambda {', '.join(takes)}: {ast.unparse(given.body)}`"
+                yield Finding("computed-once", cause, source.at(given), fix)
+
+
+def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    """Yield a timer with a period that calls without a pause, or in milliseconds."""
+    given = sources.written(creation.source, (creation.arguments or {}).get("timer_period_sec"))
+    period = sources.value(creation.source, given)
+    if given is not None and isinstance(period, (int, float)) and period <= 0:
+        text = ast.unparse(given)
+        is_cut = "//" in text
+        why = " (// divides without a remainder)" if is_cut else ""
+        cause = f"The period {text} is {period:g}{why}: this timer calls without a pause."
+        fix = f"write `{text.replace('//', '/')}`" if is_cut else "write more than 0, in seconds, such as 0.1"
+        yield Finding("period", cause, creation.source.at(given), fix)
+    if type(period) is int and period >= _LONGEST_PERIOD and period % 60:
+        cause = f"This timer calls its callback every {period:g} s, for a period is given in seconds."
+        fix = f"write {period / 1000:g}, if milliseconds were meant"
+        yield Finding("period", cause, creation.source.at(creation.call), fix)
+
+
+def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    """Yield a timer whose period is something that is named as a frequency, and is not below one."""
+    given = (creation.arguments or {}).get("timer_period_sec")
+    text = dotted(given) or ""
+    if given is None or not {"hz", "rate", "freq", "frequency"} & set(
+        text.rpartition(".")[2].lower().split("_")
+    ):
+        return
+    values = [
+        sources.value(creation.source, node.value)
+        for node in creation.source.nodes
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == text
+    ]
+    value = values[0] if len(values) == 1 else sources.value(creation.source, given)
+    if isinstance(value, (int, float)) and value >= 1:
+        cause = f"{text} is a frequency by its name, and a timer takes its period, in seconds: it calls every {value:g} s."
+        yield Finding("period", cause, creation.source.at(given), f"write 1.0 / {text}")
+
+
+def _named_alike(sources: NodeSources) -> Iterator[Finding]:
+    """Yield a name that nodes of two files have."""
+    first: dict[str, tuple[PythonSource, ast.AST]] = {}
+    for source in sources.sources.values():
+        for owner, function, node in sources.scoped(source):
+            if not isinstance(node, ast.Call) or not sources.makes_node(source, owner, function, node):
+                continue
+            name = sources.value(source, node.args[0] if node.args else None)
+            before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
+            stems = [one.name.rpartition(".")[2] for one in (before[0], source)]
+            # Two that may take each other's place have a name that is neither's, or add a word to it, as in driver_sim.
+            if before[0] is not source and name in stems and not _is_variant(*stems):
+                # The one whose file has another name was copied.
+                here, place = before if source.name.endswith(f".{name}") else (source, node)
+                stem = here.name.rpartition(".")[2]
+                yield Finding(
+                    "name-twice",
+                    f"The nodes of {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
+                    here.at(place),
+                    f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}",
+                )
+
+
+def _is_variant(stem: str, other: str) -> bool:
+    """Return whether one name says all that another one says, and a word more."""
+    words, others = (set(re.findall("[A-Za-z]+", one)) for one in (stem, other))
+    return words < others or others < words
+
+
+def _blocks(node: ast.AST) -> Iterator[list[ast.stmt]]:
+    for name in ("body", "orelse", "finalbody"):
+        block = getattr(node, name, None)
+        if isinstance(block, list) and block and isinstance(block[0], ast.stmt):
+            yield block
+
+
+def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) -> Iterator[Finding]:
+    for before, after in itertools.pairwise(block):
+        if isinstance(before, _LEAVES) and not isinstance(after, ast.Pass):
+            # A generator that yields nothing is made so.
+            if any(isinstance(n, (ast.Yield, ast.YieldFrom)) for n in ast.walk(after)):
+                continue
+            where = (
+                f" of {function.name}()"
+                if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
+                else ""
+            )
+            yield Finding(
+                "unreachable",
+                f"Nothing behind `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, such as `{ast.unparse(after).splitlines()[0]}`.",
+                source.at(after),
+                f"move the {type(before).__name__.lower()} to the end, or below the condition for which it is meant",
+            )
+
+
+def _never_true(source: PythonSource) -> Iterator[Finding]:
+    """Yield the conditions of an if and its elifs that nothing can meet, for an earlier one has taken it."""
+    inner = {id(n.orelse[0]) for n in source.nodes if isinstance(n, ast.If) and _is_elif(n)}
+    for first in (n for n in source.nodes if isinstance(n, ast.If) and id(n) not in inner):
+        chain = [first]
+        while _is_elif(chain[-1]):
+            chain.append(chain[-1].orelse[0])  # type: ignore[arg-type]
+        for number, later in enumerate(chain):
+            taken = next((one for one in chain[:number] if _takes_all(one.test, later.test)), None)
+            if taken:
+                cause = (
+                    f"Whatever meets `{ast.unparse(later.test)}` meets `{ast.unparse(taken.test)}` in line "
+                    f"{taken.lineno}, too, so this is never reached."
+                )
+                fix = f"ask `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` behind it"
+                yield Finding("unreachable", cause, source.at(later), fix)
+
+
+def _is_elif(node: ast.If) -> bool:
+    return len(node.orelse) == 1 and isinstance(node.orelse[0], ast.If)
+
+
+def _takes_all(before: ast.expr, after: ast.expr) -> bool:
+    """Return whether a comparison with a number holds wherever another one of the same value does."""
+    match before, after:
+        case (
+            ast.Compare(left=one, ops=[sign], comparators=[ast.Constant(value=int() | float() as limit)]),
+            ast.Compare(left=two, ops=[other], comparators=[ast.Constant(value=int() | float() as number)]),
+        ) if ast.unparse(one) == ast.unparse(two):
+            is_up = isinstance(sign, (ast.Gt, ast.GtE)) and isinstance(other, (ast.Gt, ast.GtE))
+            is_down = isinstance(sign, (ast.Lt, ast.LtE)) and isinstance(other, (ast.Lt, ast.LtE))
+            is_strict = isinstance(sign, (ast.Gt, ast.Lt)) and isinstance(other, (ast.GtE, ast.LtE))
+            if limit == number:
+                return (is_up or is_down) and not is_strict
+            return (is_up and limit < number) or (is_down and limit > number)
+    return False
+
+
+def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:
+    """Yield what ends a node before it is spun, and what is made for it only afterwards."""
+    names = [_called(source, statement) for statement in block]
+    spins = [number for number, name in enumerate(names) if _goes_on(name)]
+    if not spins:
+        return
+    first = spins[0]
+    for number, name in enumerate(names):
+        last = name.rpartition(".")[2]
+        if number < first and last in _ENDS and "rclpy.init" not in names[number:first]:
+            yield Finding(
+                "life-order",
+                f"`{ast.unparse(block[number])}` stands before the spin, which then has nothing left to spin.",
+                source.at(block[number]),
+                "move it behind rclpy.spin(node), to the end of main",
+            )
+        made = last in _CREATES or (isinstance(block[number], ast.Assign) and last in _CREATES)
+        if number > first and made:
+            yield Finding(
+                "life-order",
+                f"`{ast.unparse(block[number])}` stands behind the spin, which goes on until Ctrl-C: it is not reached before.",
+                source.at(block[number]),
+                "move it before rclpy.spin(node)",
+            )
+
+
+def _goes_on(name: str) -> bool:
+    """Return whether a call of this name goes on until Ctrl-C."""
+    return name == "rclpy.spin" or name.endswith("executor.spin")
+
+
+def _called(source: PythonSource, statement: ast.stmt) -> str:
+    if isinstance(statement, (ast.Try, ast.With)):
+        inner = [_called(source, one) for one in statement.body]
+        return next(filter(_goes_on, inner), "")
+    value = getattr(statement, "value", None)
+    if not isinstance(statement, (ast.Expr, ast.Assign)) or not isinstance(value, ast.Call):
+        return ""
+    return source.resolve(value.func) or ast.unparse(value.func)
+
+
+def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield a handler that hides each error of a callback."""
+    for node in own_nodes(function):
+        if not isinstance(node, ast.ExceptHandler) or not all(
+            isinstance(one, (ast.Pass, ast.Return)) for one in node.body
+        ):
+            continue
+        if node.type is None or getattr(node.type, "id", "") in ("Exception", "BaseException"):
+            yield Finding(
+                "errors-hidden",
+                f"In {function.name}() each error is caught and nothing is said of it, so what fails there fails silently.",
+                source.at(node),
+                "write `except ValueError as error:`, or whatever may come, and self.get_logger().error(str(error)) below it",
+            )
+
+
+def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
+    calls = {getattr(node.func, "attr", "") for node in own_nodes(function) if isinstance(node, ast.Call)}
+    if calls & {"cancel", "destroy_timer", "destroy_subscription"}:
+        return  # it ends what calls it, so it is called once
+    guards = {id(n) for one in own_nodes(function) if isinstance(one, (ast.If, ast.Try)) for n in walk(one)}
+    for node in own_nodes(function):
+        method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
+        if method in ("create_publisher", "create_subscription") and id(node) not in guards:
+            yield Finding(
+                "made-again",
+                f"{function.name}() is called again and again, and each time makes a new {method.removeprefix('create_')}, "
+                "which nobody has met yet when it is used.",
+                source.at(node),
+                f"move {method}(...) into __init__, and keep it as an attribute of self",
+            )
+
+
+def _deadlocks(source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield waits of a callback for what only another turn of the same executor could bring."""
+    if any(
+        getattr(n, "id", getattr(n, "attr", "")) in ("MultiThreadedExecutor", "ReentrantCallbackGroup")
+        for n in source.nodes
+    ):
+        return
+    clients = {
+        ast.unparse(t)
+        for n in source.nodes
+        if isinstance(n, ast.Assign)
+        for t in n.targets
+        if isinstance(n.value, ast.Call)
+        and getattr(n.value.func, "attr", "") == "create_client"
+        and not is_self_attribute(getattr(n.value.func, "value", None))
+    }
+    for node in own_nodes(function):
+        name = (source.resolve(node.func) or ast.unparse(node.func)) if isinstance(node, ast.Call) else ""
+        given = node.args[:1] if isinstance(node, ast.Call) else []
+        # Another node than the one that is spun may be kept just for this.
+        is_spin = name in ("rclpy.spin_until_future_complete", "rclpy.spin_once") and not any(
+            map(is_self_attribute, given)
+        )
+        if is_spin or (name.endswith(".call") and name.removesuffix(".call") in clients):
+            yield Finding(
+                "callback-waits",
+                f"{function.name}() is a callback, and {name}() in it waits for an answer, which cannot come before the callback returns.",
+                source.at(node),
+                "write future = client.call_async(request), and future.add_done_callback(self.answered)",
+            )
+
+
+def _never_started(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
+    """Yield a timer that the constructor ends again, or that is never begun."""
+    constructor = owner.methods.get("__init__")
+    if constructor is None or _names(owner, "reset"):
+        return
+    made = {
+        target.attr
+        for node in walk(owner.definition)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+        if getattr(node.value.func, "attr", "").startswith("create_")
+        for target in node.targets
+        if isinstance(target, ast.Attribute)
+    }
+    for statement in constructor.body:
+        call = statement.value if isinstance(statement, ast.Expr) else None
+        if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)):
+            continue
+        given = call.args[0] if call.func.attr.startswith("destroy_") and call.args else call.func.value
+        is_end = call.func.attr in ("cancel", "destroy") or call.func.attr.startswith("destroy_")
+        if is_end and is_self_attribute(given) and given.attr in made:
+            yield Finding(
+                "never-started",
+                f"`{ast.unparse(call)}` in __init__ ends self.{given.attr} before it is ever used.",
+                source.at(call),
+                f"take the line `{ast.unparse(call)}` away, or move it to where self.{given.attr} is to end",
+            )
+    for node in walk(constructor):
+        if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
+            cause = "autostart=False makes a timer that waits for its reset(), which nothing calls."
+            yield Finding("never-started", cause, source.at(node.value), "take autostart=False away")
+
+
+def _names(owner: NodeClass, name: str) -> bool:
+    return any(getattr(node, "attr", "") == name for node in walk(owner.definition))

@@ -1,0 +1,113 @@
+"""Variables that hide the function or the module whose name they have, where that is still used."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.uses import FUNCTIONS
+
+_VALUES = (
+    *(ast.Constant, ast.JoinedStr, ast.List, ast.Dict, ast.Set, ast.Tuple, ast.BinOp, ast.Compare),
+    *(ast.ListComp, ast.DictComp, ast.SetComp),
+)
+_LOOPS = (ast.For, ast.While, ast.AsyncFor)
+
+
+def hidden_names(sources: NodeSources) -> Iterator[Finding]:
+    """Yield variables of functions that have the name of what the same function calls or asks for something."""
+    for source in sources.sources.values():
+        for node in source.nodes:
+            if isinstance(node, FUNCTIONS):
+                yield from _hidden_in(source, node)
+
+
+def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
+    nodes = own_nodes(function)
+    taken = {one.arg for one in nodes if isinstance(one, ast.arg)}
+    taken |= {name for one in nodes if isinstance(one, (ast.Global, ast.Nonlocal)) for name in one.names}
+    taken |= {getattr(one, "name", None) or "" for one in nodes if not isinstance(one, ast.expr)}
+    taken |= {
+        a.asname or a.name for n in nodes if isinstance(n, (ast.Import, ast.ImportFrom)) for a in n.names
+    }
+    # What a comprehension goes through is its own.
+    taken |= {
+        n.id
+        for c in nodes
+        if isinstance(c, ast.comprehension)
+        for n in walk(c.target)
+        if isinstance(n, ast.Name)
+    }
+    outer = known_names(source)
+    stores: dict[str, list[ast.Name]] = {}
+    for node in nodes:
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id in outer.keys() - taken:
+            stores.setdefault(node.id, []).append(node)
+    loops = [one for one in nodes if isinstance(one, _LOOPS)]
+    for name, there in stores.items():
+        used = _used(nodes, name)
+        made = _first_statement(function, there)
+        before = [one for one in used if made is not None and _comes_before(one, made, loops)]
+        if before:
+            cause = f"{name} is {outer[name]}, and this function makes a variable of that name (line {there[0].lineno}), so here {name} has no value yet."
+        else:
+            before = [one for one in used if _is_value_called(nodes, there, one)]
+            cause = f"{name} is {outer[name]}, and line {there[0].lineno} makes a variable of that name, which cannot be called."
+        if before:
+            yield Finding("name-hidden", cause, source.at(before[0]), fix_of(name, function.name))
+
+
+def known_names(source: PythonSource) -> dict[str, str]:
+    """Return what a file may call or ask for something: Python's own, and what it imports or defines at its top."""
+    found = {name: "a function of Python itself" for name in dir(builtins) if name[:1].islower()}
+    found |= {one.local: "an imported name" for one in source.imports}
+    defined = [one for one in source.tree.body if isinstance(one, FUNCTIONS)]
+    return found | {one.name: "a function of this file" for one in defined}
+
+
+def fix_of(name: str, function: str) -> str:
+    """Return how a variable gets another name."""
+    return f"give the variable {name} of {function}() another name in all its places, such as {name}_value; leave the {name} that is called or asked for something"
+
+
+def _used(nodes: tuple[ast.AST, ...], name: str) -> list[ast.AST]:
+    """Return where a name is called, or asked for something."""
+    found: list[ast.AST] = []
+    for node in nodes:
+        match node:
+            case ast.Call(func=ast.Name(id=called)) if called == name:
+                found.append(node)
+            case ast.Attribute(value=ast.Name(id=owner, ctx=ast.Load())) if owner == name:
+                found.append(node)
+    return found
+
+
+def _first_statement(function: Function, stores: list[ast.Name]) -> ast.stmt | None:
+    """Return the statement that gives a variable its first value; None if there may be several such."""
+    first = min(stores, key=lambda one: (one.lineno, one.col_offset))
+    kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign, *_LOOPS, ast.With)
+    around = [n for n in own_nodes(function) if isinstance(n, kinds) and first in walk(n)]
+    return max(around, key=lambda one: one.lineno, default=None)
+
+
+def _comes_before(used: ast.AST, made: ast.stmt, loops: Sequence[ast.stmt]) -> bool:
+    """Return whether a name is used before its function has given it a value."""
+    line = getattr(used, "lineno", 0)
+    is_in_it = isinstance(made, (ast.Assign, ast.AnnAssign)) and made.value and used in walk(made.value)
+    is_in_it = is_in_it or (isinstance(made, ast.For) and used in walk(made.iter))
+    if is_in_it:
+        return True
+    # In a loop, what stands above may be run when the variable has its value.
+    together = any(made in walk(loop) and used in walk(loop) and loop is not made for loop in loops)
+    return line < made.lineno and not together
+
+
+def _is_value_called(nodes: tuple[ast.AST, ...], stores: list[ast.Name], used: ast.AST) -> bool:
+    """Return whether a variable is called that is never given anything that can be called."""
+    values = [n.value for n in nodes if isinstance(n, ast.Assign) and any(t in stores for t in n.targets)]
+    is_all = len(values) == len(stores) and all(isinstance(one, _VALUES) for one in values)
+    return isinstance(used, ast.Call) and is_all and used.lineno > min(one.lineno for one in stores)

@@ -1,0 +1,287 @@
+"""Names that are imported from where they are not, and names that are never made."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+import sys
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import Function, Import, PythonSource, read_source, walk
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+
+_MODULE_NAMES = frozenset(
+    ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
+)
+# What other languages call what Python calls otherwise.
+_FOREIGN = {"this": "self", "null": "None", "nullptr": "None", "nil": "None", "undefined": "None"}
+ROS_1 = {
+    "rospy": "rclpy",
+    "roslib": "rclpy",
+    "roslaunch": "launch",
+    "tf": "tf2_ros",
+    "rospkg": "ament_index_python",
+}
+
+
+def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[str]) -> Iterator[Finding]:
+    """Yield an import that a file or folder beside it takes for itself, as `random.py` takes `import random`."""
+    for one in source.imports:
+        module, _, name = one.target.rpartition(".") if one.is_from else (one.target, "", "")
+        top = (module or one.target).partition(".")[0]
+        own = next(
+            (p for p in (folder / f"{top}.py", folder / top) if p.is_file() or (p / "__init__.py").is_file()),
+            None,
+        )
+        is_other = top in sys.stdlib_module_names or top in interfaces.PACKAGES
+        if (
+            own is None
+            or not is_other
+            or (module or one.target) in own_modules
+            or (name and own.is_file() and _binds(own, name))
+        ):
+            continue
+        yield Finding(
+            "name-shadowed",
+            f"{own.name} beside this file has the name of the module {top}, and may be imported in its place.",
+            source.at(one.line),
+            f"rename {own.name}, for example to my_{own.name}, and whatever imports it",
+        )
+
+
+def hidden_types(source: PythonSource) -> Iterator[Finding]:
+    """Yield a class or function of a file that has the name of a message type which it imports above."""
+    imported = {
+        one.local: one for one in source.imports if one.is_from and interfaces.is_interface(one.target)
+    }
+    for node in source.tree.body:
+        if not isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+            continue
+        one = imported.get(node.name)
+        if one is None or one.line > node.lineno:
+            continue
+        what = "class" if isinstance(node, ast.ClassDef) else "function"
+        better = f"{node.name}Node" if what == "class" else f"{node.name}_node"
+        yield Finding(
+            "name-shadowed",
+            f"The {what} {node.name} has the name of the message type that line {one.line} imports, so below it {node.name} is the {what} and not the message.",
+            source.at(node),
+            f"call the {what} {better}, here and where it is {'made' if what == 'class' else 'called'}",
+            (node.name,),
+        )
+
+
+def _binds(file: Path, name: str) -> bool:
+    return name in _bound(read_source(file, file.stem, file.name))[0]
+
+
+def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:
+    """Yield what is wrong with the imports of one of some files, and the names that nothing binds."""
+    own_modules = sources.sources
+    for one in source.imports:
+        if one.is_guarded:
+            continue
+        top = one.target.partition(".")[0]
+        if top in ("rospy", "roslib", "roslaunch"):
+            yield Finding(
+                "ros1-import",
+                f"{top} belongs to ROS 1; in ROS 2 it is {ROS_1[top]}.",
+                source.at(one.line),
+                f"import {ROS_1[top]}, and write the node as a class derived from rclpy.node.Node",
+            )
+        elif top in interfaces.PACKAGES and one.is_from:
+            yield from _wrong_home(source, one)
+        elif one.is_from and top in own_modules:
+            yield from _own_module(source, one, own_modules)
+        elif whole := _bare_sibling(source, one, own_modules):
+            yield bare_import(
+                whole, whole.removeprefix(f"{source.name.rpartition('.')[0]}."), source.at(one.line)
+            )
+        elif top not in own_modules and (wanted := interfaces.meant(top) or _own_package(top, own_modules)):
+            yield Finding(
+                "module-missing",
+                f"There is no Python package {top}. Did you mean {wanted}?",
+                source.at(one.line),
+                f"write {wanted}",
+            )
+    for name, node in undefined_names(source):
+        if name in sources.members_at(source, node):
+            yield Finding(
+                "name-undefined",
+                f"{name} belongs to the class, and its methods find it only as self.{name}.",
+                source.at(node),
+                f"write self.{name}",
+            )
+            continue
+        yield _undefined(source, name, node)
+
+
+def _bare_sibling(source: PythonSource, one: Import, own_modules: Collection[str]) -> str:
+    """Return the module of a file's own package that it imports without the package's name, as a script does; or nothing."""
+    module = one.target.rpartition(".")[0] if one.is_from else one.target
+    package = source.name.rpartition(".")[0]
+    whole, top = f"{package}.{module}", module.partition(".")[0]
+    is_elsewhere = top in own_modules or top in sys.stdlib_module_names or interfaces.is_installed(top)
+    # What lies in no package is run as a script, or by pytest, beside its neighbours.
+    is_packaged = package in own_modules and "test" not in package.split(".")
+    return whole if module and is_packaged and whole in own_modules and not is_elsewhere else ""
+
+
+def bare_import(whole: str, name: str, place: str) -> Finding:
+    """Say that a module of a package is imported without the package's name."""
+    return Finding(
+        "import-wrong",
+        f"{name} is a module of the package {whole.removesuffix(f'.{name}')}, and is imported by its whole name.",
+        place,
+        f"write {whole} in place of {name} there, and build again",
+    )
+
+
+def _own_package(name: str, own_modules: Collection[str]) -> str | None:
+    """Return the package of one's own of which a name is a misspelling."""
+    if name in sys.stdlib_module_names or interfaces.is_installed(name):
+        return None
+    return next((one for one in own_modules if "." not in one and is_near_miss(name, one)), None)
+
+
+def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
+    cause, place = f"{name} is used here and never imported or defined.", source.at(node)
+    if alias := next((one for one in source.imports if one.target == name and one.local != name), None):
+        cause = f"{name} is imported under the name {alias.local}, so here there is no {name}."
+        return Finding("name-undefined", cause, place, f"write `import {name}` in line {alias.line}")
+    if homes := interfaces.homes_for(name, [one.target for one in source.imports]):
+        return Finding("name-undefined", cause, place, f"write `from {homes[0]} import {name}` at the top")
+    here = _bound(source)[0]
+    known = sorted(here | set(dir(builtins)))
+    meant = _FOREIGN.get(name.lower()) or next((one for one in known if one.lower() == name.lower()), None)
+    if meant:
+        return Finding("name-undefined", f"Python has no {name}; it writes {meant}.", place, f"write {meant}")
+    close = nearest(name, here) or nearest(name, dir(builtins), 0.85)
+    if close:
+        cause, fix = f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    elif function := _hands_on(source, name, node):
+        first = source.text.splitlines()[function.lineno - 1].strip()
+        cause = f"{name} is handed on here, and {function.name}() has no parameter of that name."
+        new = re.sub(r"\)(?=[^)]*$)", f"{', ' if function.args.args else ''}{name}=None)", first, count=1)
+        fix = f"write `{new}` in line {function.lineno}"
+    else:
+        is_called = any(isinstance(one, ast.Call) and one.func is node for one in source.nodes)
+        fix = (
+            f"write the object that has {name}, and a dot, before it"
+            if is_called
+            else f"put it in quotes if it is a text ('{name}')"
+        )
+        fix += "; else import or define it above"
+    return Finding("name-undefined", cause, place, fix)
+
+
+def _hands_on(source: PythonSource, name: str, used: ast.AST) -> Function | None:
+    """Return the function that gives a value on under its own name, as in `rclpy.init(args=args)`."""
+    is_handed = any(
+        isinstance(node, ast.keyword) and node.arg == name and node.value is used for node in source.nodes
+    )
+    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
+    around = [n for n in source.nodes if isinstance(n, kinds) and used in walk(n)]
+    function = max(around, key=lambda one: one.lineno, default=None) if is_handed else None
+    is_short = function and function.body[0].lineno > function.lineno and not function.args.kwarg
+    return function if is_short else None
+
+
+def _wrong_home(source: PythonSource, one: Import) -> Iterator[Finding]:
+    module, _, name = one.target.rpartition(".")
+    names = interfaces.names_in(module)
+    if name == "*" or names is None or name in names:
+        return
+    homes = interfaces.homes_of(name)
+    known = sorted(names | {message for home in homes for message in (interfaces.names_in(home) or ())})
+    close = nearest(name, known)
+    yield Finding(
+        "import-wrong",
+        f"{name} is not in {module}"
+        + (f"; it is in {homes[0]}." if homes else f".{f' Did you mean {close}?' if close else ''}"),
+        source.at(one.line),
+        f"write `from {homes[0] if homes else module} import {name if homes or not close else close}`",
+    )
+
+
+def _own_module(source: PythonSource, one: Import, own_modules: Collection[str]) -> Iterator[Finding]:
+    module = one.target.rpartition(".")[0]
+    if module.endswith((".msg", ".srv", ".action")) and module not in own_modules:
+        kind = module.rpartition(".")[2]
+        yield Finding(
+            "module-missing",
+            f"{module} would hold messages of this package's own, and a package of type ament_python makes none of its .{kind} files.",
+            source.at(one.line),
+            f"put the .{kind} files into a package of their own, of type ament_cmake, with rosidl_generate_interfaces in CMakeLists.txt, and import from that",
+        )
+        return
+    if module not in own_modules and one.target not in own_modules:
+        close = nearest(module, own_modules)
+        yield Finding(
+            "module-missing",
+            f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
+            source.at(one.line),
+            f"write {close} in place of {module}" if close else "fix the name, or make the file",
+        )
+
+
+def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
+    """Yield each name that a file uses and that is bound nowhere in it, with its first use.
+
+    Which function binds a name, and when, is not asked: what is yielded fails wherever it is reached.
+    What a class binds is known in its body, and not in its methods.
+    """
+    used = {node.id for node in source.nodes if isinstance(node, ast.Name)}
+    if any(one.local == "*" for one in source.imports) or used & {"exec", "globals"}:
+        return  # what these bind is known only when they run
+    names, of_classes = _bound(source)
+    known = names | set(dir(builtins)) | _MODULE_NAMES
+    told: set[str] = set()
+    for node, is_in_body in _placed(source.tree):
+        if not (isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)) or node.id in known | told:
+            continue
+        if not (is_in_body and node.id in of_classes):
+            told.add(node.id)
+            yield node.id, node
+
+
+def _placed(parent: ast.AST, is_in_body: bool = False) -> Iterator[tuple[ast.AST, bool]]:
+    """Yield everything in a tree, and whether it stands in a class's body and in none of its methods'."""
+    scopes = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
+    for name, value in ast.iter_fields(parent):
+        # Decorators, defaults and annotations are read where the function itself stands.
+        is_inner = name == "body" and isinstance(parent, scopes)
+        is_within = isinstance(parent, ast.ClassDef) if is_inner else is_in_body
+        for node in value if isinstance(value, list) else [value]:
+            if isinstance(node, ast.AST):
+                yield node, is_within
+                yield from _placed(node, is_within)
+
+
+def _bound(source: PythonSource) -> tuple[set[str], set[str]]:
+    """Return the names that a file binds, and those that the bodies of its classes bind."""
+    names = {one.local for one in source.imports}
+    of_classes: set[str] = set()
+    for node, is_in_body in _placed(source.tree):
+        match node:
+            case ast.Name(ctx=ast.Store() | ast.Del()):
+                (of_classes if is_in_body else names).add(node.id)
+            case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.ClassDef():
+                (of_classes if is_in_body else names).add(node.name)
+                if not isinstance(node, ast.ClassDef):
+                    names.add("__class__")
+            case ast.arg():
+                names.add(node.arg)
+            case ast.ExceptHandler() | ast.MatchAs() | ast.MatchStar() if node.name:
+                names.add(node.name)
+            case ast.MatchMapping() if node.rest:
+                names.add(node.rest)
+            case ast.Global() | ast.Nonlocal():
+                names.update(node.names)
+        names.update(one.name for one in getattr(node, "type_params", ()))
+    return names, of_classes

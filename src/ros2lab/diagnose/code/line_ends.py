@@ -1,0 +1,191 @@
+"""Lines of a file that are compared with words, and still have their line end."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+
+_FILE, _LINES, _LINE, _PARTS = "file", "lines", "line", "parts"  # what an expression may hold
+_ITEM = {_FILE: _LINE, _LINES: _LINE}
+_SAME = {one: one for one in (_FILE, _LINES, _LINE, _PARTS)}
+# What functions and methods make of what they are given, or belong to.
+_OF_FUNCTIONS = {
+    **dict.fromkeys(("list", "sorted", "tuple", "reversed"), dict.fromkeys(_ITEM, _LINES)),
+    "next": {_FILE: _LINE},
+}
+_OF_METHODS = {
+    "readlines": {_FILE: _LINES},
+    "readline": {_FILE: _LINE},
+    "split": {_LINE: _PARTS},
+    **{name: {_LINE: _LINE} for name in ("lower", "upper", "lstrip", "title", "capitalize")},
+}
+_DEEPEST = 12  # steps from a comparison to the file that was opened
+
+
+def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield comparisons of a line, as it was read, with a text that has no line end: these are never alike."""
+    for source in sources.sources.values():
+        if not any(name in source.text for name in ("open(", "stdin", "readline")):
+            continue
+        told = set()
+        for owner, function, node in sources.scoped(source):
+            if isinstance(node, ast.Compare) and len(node.ops) == 1:
+                side = _Reader(sources, source, owner, function).unequal(node)
+                text = ast.unparse(side) if side is not None else ""
+                if side is not None and (id(function), text) not in told:  # one for all branches of an if
+                    told.add((id(function), text))
+                    cause = f"A line that is read from a file ends with its line end '\\n', so `{ast.unparse(node)[:70]}` does not hold for it."
+                    yield Finding(
+                        "never-equal",
+                        cause,
+                        source.at(node),
+                        f"write {text}.strip() in place of {text}, in each comparison of it",
+                    )
+
+
+class _Reader:
+    """What the expressions of a function hold of a file's text."""
+
+    def __init__(
+        self, sources: NodeSources, source: PythonSource, owner: NodeClass | None, function: Function | None
+    ) -> None:
+        self._sources, self._source, self._owner, self._function = sources, source, owner, function
+
+    def unequal(self, node: ast.Compare) -> ast.expr | None:
+        """Return the side of a comparison that is a line, where no other side can be one."""
+        left, right = node.left, node.comparators[0]
+        if isinstance(node.ops[0], (ast.Eq, ast.NotEq)):
+            for side, other in ((left, right), (right, left)):
+                if self._is_word(other) and self.kind(side) == _LINE:
+                    return side
+        is_choice = isinstance(node.ops[0], (ast.In, ast.NotIn)) and isinstance(
+            right, (ast.List, ast.Tuple, ast.Set)
+        )
+        words = right.elts if is_choice else []  # type: ignore[attr-defined]
+        if words and all(map(self._is_word, words)) and self.kind(left) == _LINE:
+            return left
+        return None
+
+    def _is_word(self, node: ast.expr) -> bool:
+        value = self._sources.value(self._source, node)
+        return isinstance(value, str) and value != "" and not value.endswith(("\n", "\r"))
+
+    def kind(self, node: ast.expr | None, depth: int = _DEEPEST) -> str:
+        """Return what an expression holds of a file; empty if nothing, or if that is not known."""
+        found = ""
+        if depth == 0:
+            return found
+        match node:
+            case ast.Name(id=name):
+                found = self._of_name(name, depth - 1)
+            case ast.Attribute() if is_self_attribute(node):
+                found = self._of_attribute(node, depth - 1)
+            case ast.Attribute() if self._source.resolve(node) == "sys.stdin":
+                found = _FILE
+            case ast.Call():
+                found = self._of_call(node, depth - 1)
+            case ast.Subscript(value=value, slice=index):
+                inner = self.kind(value, depth - 1)
+                if isinstance(index, ast.Slice):
+                    found = inner if inner == _LINES else ""
+                elif inner == _PARTS:
+                    found = _LINE if ast.unparse(index) == "-1" else ""
+                else:
+                    found = _ITEM.get(inner, "") if inner == _LINES else ""
+            case ast.ListComp(
+                elt=ast.Name(id=name), generators=[ast.comprehension(target=ast.Name(id=taken), iter=given)]
+            ) if name == taken and _ITEM.get(self.kind(given, depth - 1)):
+                found = _LINES
+        return found
+
+    def _of_call(self, call: ast.Call, depth: int) -> str:
+        match call.func, call.args:
+            case ast.Name(id="open"), [*given]:
+                mode = [*given[1:2], *(one.value for one in call.keywords if one.arg == "mode")]
+                is_text = all(isinstance(one, ast.Constant) and "b" not in str(one.value) for one in mode)
+                return _FILE if is_text else ""
+            case ast.Name(id=name), [held] if name in _OF_FUNCTIONS:
+                return _OF_FUNCTIONS[name].get(self.kind(held, depth), "")
+            case ast.Attribute(value=held, attr=name), given if name in _OF_METHODS:
+                is_meant = (
+                    bool(given) == (name == "split") or name == "readlines"
+                )  # split() takes the line end away
+                return _OF_METHODS[name].get(self.kind(held, depth), "") if is_meant else ""
+            case ast.Name() | ast.Attribute(), _:
+                return self._of_own(call.func, depth)
+        return ""
+
+    def _of_own(self, called: ast.expr, depth: int) -> str:
+        """Return what a function of the package's own returns."""
+        if is_self_attribute(called):
+            method = self._sources.method(self._owner, called.attr)
+            found = (self._source, method) if method is not None else None
+        else:
+            found = self._sources.functions.get(self._sources.resolve(self._source, called) or "")
+        if found is None or found[1].decorator_list:
+            return ""
+        inner = _Reader(self._sources, found[0], self._owner, found[1])
+        returned = [
+            one for one in own_nodes(found[1]) if isinstance(one, (ast.Return, ast.Yield, ast.YieldFrom))
+        ]
+        kinds = {inner.kind(one.value, depth) if isinstance(one, ast.Return) else "" for one in returned}
+        return kinds.pop() if len(kinds) == 1 else ""
+
+    def _of_name(self, name: str, depth: int) -> str:
+        """Return what a variable holds, if all that it is given is of one kind."""
+        nodes = own_nodes(self._function or self._source.tree)
+        if any(isinstance(one, ast.arg) and one.arg == name for one in nodes):
+            return ""
+        stores = [
+            n for n in nodes if isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)
+        ]
+        found = [self._given(nodes, one, depth) for one in stores]
+        return found[0] if found and len(set(found)) == 1 else ""
+
+    def _given(self, nodes: tuple[ast.AST, ...], store: ast.Name, depth: int) -> str:
+        """Return what the statement holds that gives a variable its value."""
+        for node in nodes:
+            kinds = _SAME
+            match node:
+                case (
+                    ast.Assign(targets=[target], value=value)
+                    | ast.NamedExpr(target=target, value=value)
+                    | ast.withitem(context_expr=value, optional_vars=target)
+                ) if target is store:
+                    pass
+                case ast.Assign(targets=[ast.Tuple(elts=[*_, last])], value=value) if last is store:
+                    kinds = {_PARTS: _LINE}
+                case ast.For(target=target, iter=value) | ast.comprehension(target=target, iter=value) if (
+                    target is store
+                ):
+                    kinds = _ITEM
+                case ast.For(
+                    target=ast.Tuple(elts=[_, target]),
+                    iter=ast.Call(func=ast.Name(id="enumerate"), args=[value, *_]),
+                ) if target is store:
+                    kinds = _ITEM
+                case _:
+                    continue
+            return kinds.get(self.kind(value, depth), "")
+        return ""
+
+    def _of_attribute(self, node: ast.Attribute, depth: int) -> str:
+        """Return what an attribute holds, if all that the class gives it is of one kind."""
+        kinds = set()
+        name = dotted(node)
+        for method in self._owner.functions if self._owner else ():
+            inner = _Reader(self._sources, self._source, self._owner, method)
+            stores = [
+                n
+                for n in walk(method)
+                if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store) and dotted(n) == name
+            ]
+            for store in stores:
+                given = [n.value for n in walk(method) if isinstance(n, ast.Assign) and store in n.targets]
+                kinds.add(inner.kind(given[0], depth) if given else "")
+        return kinds.pop() if len(kinds) == 1 else ""

@@ -1,0 +1,99 @@
+"""Locks that are taken again by whoever holds them: a wait that never ends."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+
+# What may be taken once; an RLock, and a Condition of its own, may be taken again by the same thread.
+_ONCE = frozenset(
+    ("threading.Lock", "multiprocessing.Lock", "threading.Semaphore", "threading.BoundedSemaphore")
+)
+
+
+def lock_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield what takes a lock below a `with` of the same lock, also in a function that is called there."""
+    for source in sources.sources.values():
+        locks = {
+            ast.unparse(target)
+            for node in source.nodes
+            if isinstance(node, ast.Assign) and _is_lock(source, node.value)
+            for target in node.targets
+        }
+        scoped = sources.scoped(source) if locks else ()
+        for owner, node in ((owner, node) for owner, _, node in scoped if isinstance(node, ast.With)):
+            for item in node.items:
+                lock = ast.unparse(item.context_expr)
+                held = _Held(sources, source, owner, lock)
+                if lock in locks and not held.is_released(node) and (way := held.taken_again(node)):
+                    yield held.finding(node, way)
+
+
+def _is_lock(source: PythonSource, value: ast.expr) -> bool:
+    match value:
+        case ast.Call(func=function, args=[] | [ast.Constant(value=1)]):
+            return source.resolve(function) in _ONCE
+    return False
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A lock that is held, in a class or in none."""
+
+    sources: NodeSources
+    source: PythonSource
+    owner: NodeClass | None
+    lock: str
+
+    def taken_again(self, node: ast.AST, seen: frozenset[int] = frozenset()) -> list[ast.AST]:
+        """Return what takes the lock in a function or a statement, behind the calls that lead there; nothing if none does."""
+        for inner in own_nodes(node):
+            if self._takes(inner):
+                return [inner]
+            function = self._called(inner)
+            is_new = function is not None and id(function) not in seen
+            if function is not None and is_new and (way := self.taken_again(function, seen | {id(function)})):
+                return [inner, *way]
+        return []
+
+    def is_released(self, node: ast.AST) -> bool:
+        """Return whether something gives the lock back below a statement."""
+        return any(
+            ast.unparse(n) == f"{self.lock}.release" for n in walk(node) if isinstance(n, ast.Attribute)
+        )
+
+    def finding(self, node: ast.With, way: list[ast.AST]) -> Finding:
+        """Say that the lock is taken again below a statement."""
+        first, last = way[0], way[-1]
+        line = f"line {getattr(last, 'lineno', 0)}"
+        if isinstance(first, ast.Call) and len(way) > 1:
+            name = ast.unparse(first.func)
+            cause = f"{name}() is called while {self.lock} is held (line {node.lineno}), and {line} takes {self.lock} again, so it waits for ever."
+            fix = f"call {name}() behind the with, or write threading.RLock() in place of threading.Lock()"
+        else:
+            cause = f"{self.lock} is taken again in {line} while it is held (line {node.lineno}), so it waits for ever."
+            fix = f"take the lock only in line {node.lineno}, or write threading.RLock() in place of threading.Lock()"
+        return Finding("lock-held", cause, self.source.at(first), fix)
+
+    def _takes(self, node: ast.AST) -> bool:
+        """Return whether something takes the lock, and waits for it as long as it takes."""
+        match node:
+            case ast.With(items=items):
+                return self.lock in [ast.unparse(one.context_expr) for one in items]
+            case ast.Call(func=ast.Attribute(attr="acquire", value=held), args=[], keywords=[]):
+                return ast.unparse(held) == self.lock
+        return False
+
+    def _called(self, node: ast.AST) -> Function | None:
+        """Return the file's own function that is called."""
+        if not isinstance(node, ast.Call):
+            return None
+        if is_self_attribute(node.func):
+            return self.sources.method(self.owner, node.func.attr)
+        found = self.sources.functions.get(self.sources.resolve(self.source, node.func) or "")
+        return found[1] if found and found[0] is self.source and not self.lock.startswith("self.") else None

@@ -1,0 +1,151 @@
+"""Iterators that give their values once, and which are walked through again."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses
+
+_MAKERS = frozenset(
+    ("map", "zip", "filter", "enumerate", "reversed", "iter", "open", "csv.reader", "csv.DictReader")
+)
+_TAKERS = frozenset(("list", "tuple", "set", "sorted", "sum", "max", "min", "dict", "frozenset"))
+_LOOPS = (ast.For, ast.AsyncFor, ast.While)
+_COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp)
+
+
+def one_time_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield iterators of which a second walk gets nothing, since the first one has taken all."""
+    if any(source.fault for source in sources.sources.values()):
+        return
+    uses = Uses(sources)
+    for owner in sources.classes.values():
+        yield from _kept(uses, owner)
+    for source in sources.sources.values():
+        for node in source.nodes:
+            if isinstance(node, FUNCTIONS):
+                yield from _walked_twice(sources, source, node)
+
+
+def _kept(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
+    """Yield an iterator that `__init__` keeps, and that a callback walks through each time it is called."""
+    state = State(uses, owner)
+    for text in state.stores:
+        value = state.initial(text)
+        if text.count(".") != 1 or value is None or not _is_once(uses.sources, owner.source, value):
+            continue
+        readers = state.loads.get(text, [])
+        if any(not _is_all(method, node) for method, node in readers):
+            continue
+        for method, _ in readers:
+            if id(method) in uses.callbacks and not _stops(method):
+                yield _finding(
+                    owner.source,
+                    value,
+                    text,
+                    f"{method.name}() is called again and again: from the second call on",
+                )
+                break
+
+
+def _walked_twice(sources: NodeSources, source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield an iterator that a function keeps in a variable and walks through twice, or in each turn of a loop."""
+    nodes = own_nodes(function)
+    stores = [n for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
+    for made in nodes:
+        match made:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if _is_once(sources, source, value):
+                pass
+            case _:
+                continue
+        loads = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name and n not in stores]
+        if [one.id for one in stores].count(name) != 1 or not all(_is_all(function, one) for one in loads):
+            continue
+        loads.sort(key=lambda one: (one.lineno, one.col_offset))
+        first = loads[0] if loads else None
+        if first is None:
+            continue
+        around = [
+            n
+            for n in nodes
+            if isinstance(n, _LOOPS) and any(first in walk(s) for s in n.body) and made not in walk(n)
+        ]
+        if around and not _leaves(around[-1].body):
+            yield _finding(source, value, name, "the loop around it goes on: from its second turn on")
+        elif len(loads) > 1 and _is_sure(function, first, loads[1]):
+            yield _finding(source, value, name, f"line {first.lineno} has taken all of them: here")
+
+
+def _finding(source: PythonSource, value: ast.expr, name: str, then: str) -> Finding:
+    written = ast.unparse(value)
+    what = "A file" if written.startswith("open(") else f"What `{written[:60]}` gives"
+    cause = f"{what} can be walked through once only, and {then}, {name} has nothing left."
+    if isinstance(value, ast.GeneratorExp):
+        kept = f"[{written[1:-1]}]"
+    else:
+        kept = f"{written}.readlines()" if written.startswith("open(") else f"list({written})"
+    return Finding("used-up", cause, source.at(value), f"write {name} = {kept}")
+
+
+def _is_once(sources: NodeSources, source: PythonSource, value: ast.expr) -> bool:
+    """Return whether an expression makes what can be walked through once."""
+    if isinstance(value, ast.GeneratorExp):
+        return True
+    if not isinstance(value, ast.Call):
+        return False
+    name = sources.resolve(source, value.func) or dotted(value.func) or ""
+    if name in sources.functions:
+        function = sources.functions[name][1]
+        is_made = not function.decorator_list and isinstance(function, ast.FunctionDef)
+        return is_made and any(isinstance(one, (ast.Yield, ast.YieldFrom)) for one in own_nodes(function))
+    return name in _MAKERS and not (name == "iter" and len(value.args) > 1)
+
+
+def _is_all(function: Function, load: ast.AST) -> bool:
+    """Return whether an iterator is walked through to its end where it is read."""
+    for node in walk(function):
+        match node:
+            case ast.For(iter=given, body=body) if given is load:
+                return not _leaves(body)
+            case ast.comprehension(iter=given) if given is load:
+                return any(
+                    node in one.generators for one in walk(function) if isinstance(one, _COMPREHENSIONS)
+                )
+            case ast.Call(func=ast.Name(id=name), args=[given]) if given is load and name in _TAKERS:
+                return True
+            case ast.Call(func=ast.Attribute(attr="join"), args=[given]) if given is load:
+                return True
+            case ast.For(iter=ast.Call(func=ast.Name(id="enumerate"), args=[given, *_]), body=body) if (
+                given is load
+            ):
+                return not _leaves(body)
+    return False
+
+
+def _leaves(body: Iterable[ast.stmt]) -> bool:
+    """Return whether anything in a loop may end it before its time."""
+    kinds = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.YieldFrom, ast.Await)
+    return any(isinstance(node, kinds) for statement in body for node in walk(statement))
+
+
+def _stops(function: Function) -> bool:
+    """Return whether a callback may see to it that it is not called again."""
+    names = {getattr(n, "attr", "") for n in walk(function)}
+    return not names.isdisjoint(("cancel", "destroy_timer", "destroy_subscription", "shutdown", "seek"))
+
+
+def _is_sure(function: Function, first: ast.AST, second: ast.AST) -> bool:
+    """Return whether a use is always reached and over before the second one."""
+    kinds = (*_LOOPS, ast.If, ast.Try, ast.IfExp, ast.BoolOp, *FUNCTIONS, ast.Lambda, ast.Match)
+    for node in walk(function):
+        if not isinstance(node, kinds) or node is function or first not in walk(node):
+            continue
+        is_its_own = isinstance(node, ast.For) and first in walk(node.iter)
+        if not is_its_own or second in walk(node):
+            return False
+    return True

@@ -1,0 +1,78 @@
+"""Texts with places for values that nothing fills in: a missing f, doubled braces, a `{}` or `%d` that is shown as it is."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import is_self_attribute
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.uses import is_log
+
+_FIELD = re.compile(r"\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
+_EMPTY = re.compile(r"\{(?:\d*|\d*:[^{}]*)\}|%[-+ 0]*\d*(?:\.\d+)?[dsif]\b")
+
+
+def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield texts that show the place of a value, where the value was meant."""
+    filled = {id(n) for node in source.nodes for n in _filled_in(node)}
+    is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
+    for node in source.nodes if not is_formatted else ():
+        if isinstance(node, ast.JoinedStr):
+            texts = [one.value for one in node.values if isinstance(one, ast.Constant)]
+            for name in _known(source, "".join(map(str, texts))):
+                cause = f"In an f-string, doubled braces stand for braces, so {{{name}}} is shown as it is, and no value is filled in."
+                fix = f"write {{{name}}} in place of {{{{{name}}}}}"
+                yield Finding("text-not-filled", cause, source.at(node), fix)
+                break
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
+            names = _FIELD.findall(node.value)
+            if names and [*_known(source, node.value)] == names:
+                cause = f"The f before the text is missing, so {{{names[0]}}} stands in it as it is, and no value is filled in."
+                yield Finding(
+                    "text-not-filled",
+                    cause,
+                    source.at(node),
+                    f"write f before the quote: f{node.value[:40]!r}",
+                )
+    for text in _shown(source.nodes):
+        if (found := _EMPTY.search(str(text.value))) and id(text) not in filled:
+            cause = f"{found[0]} stands in the text as it is: nothing says which value belongs there."
+            fix = f"write f before the quote, and the value's name in braces in place of {found[0]}"
+            yield Finding("text-not-filled", cause, source.at(text), fix)
+
+
+def _known(source: PythonSource, text: str) -> Iterator[str]:
+    """Yield what stands in braces in a text and is something in the file."""
+    own = {n.attr for n in source.nodes if is_self_attribute(n)}
+    bound = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    bound |= {n.arg for n in source.nodes if isinstance(n, ast.arg)}
+    for name in _FIELD.findall(text):
+        first, *others = name.replace("()", "").split(".")
+        if others[0] in own if first == "self" and others else first in bound:
+            yield name
+
+
+def _shown(nodes: Iterable[ast.AST]) -> Iterator[ast.Constant]:
+    """Yield the texts that are logged, or put into a message, just as they are written."""
+    for node in nodes:
+        match node:
+            case ast.Call(args=[ast.Constant(value=str()) as text], keywords=[]) if is_log(node):
+                yield text
+            case ast.Assign(targets=[ast.Attribute(attr="data")], value=ast.Constant(value=str()) as text):
+                yield text
+            case ast.keyword(arg="data", value=ast.Constant(value=str()) as text):
+                yield text
+
+
+def _filled_in(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the texts that something else fills in, or that are no texts to be read: docstrings, patterns, keys."""
+    match node:
+        case ast.Call(func=ast.Attribute(value=owner, attr="format" | "format_map" | "substitute")):
+            yield from ast.walk(owner)
+        case ast.BinOp(op=ast.Mod()):
+            yield from ast.walk(node.left)
+        case ast.Expr(value=ast.Constant()) | ast.JoinedStr():
+            yield from ast.walk(node)

@@ -1,0 +1,65 @@
+"""Names with two underscores at their front, which belong to the class in whose body they are written."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import walk
+
+
+def private_name_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield private names of a base class that a class derived from it uses as if they were its own."""
+    for owner in sources.classes.values():
+        for base in sources.lineage(owner)[0]:
+            if base is not owner and base.definition.name.lstrip("_") != owner.definition.name.lstrip("_"):
+                yield from _taken_for_own(owner, base)
+
+
+def _taken_for_own(owner: NodeClass, base: NodeClass) -> Iterator[Finding]:
+    """Yield a private name that a class reads and only its base makes, or makes and only its base reads."""
+    of_base, of_owner = _Private(base), _Private(owner)
+    for name, node in sorted(of_owner.read.items()):
+        if name in of_base.made and name not in of_owner.made:
+            yield _finding(owner, base, name, node, f"{base.definition.name} makes another one")
+    for name, node in sorted(of_owner.made.items()):
+        if name not in of_owner.read and name in of_base.read and name in of_base.made:
+            yield _finding(owner, base, name, node, f"{base.definition.name} goes on with its own")
+
+
+def _finding(owner: NodeClass, base: NodeClass, name: str, node: ast.AST, then: str) -> Finding:
+    short = owner.definition.name
+    cause = (
+        f"A name with two underscores in front belongs to the class in which it is written: in {short}, {name} stands for "
+        f"_{short.lstrip('_')}{name}, and {then}, _{base.definition.name.lstrip('_')}{name}."
+    )
+    fix = f"write {name[1:]} in place of {name}, here and in {base.source.shown}"
+    return Finding("private-name", cause, owner.source.at(node), fix)
+
+
+class _Private:
+    """The private names that a class makes and reads."""
+
+    def __init__(self, owner: NodeClass) -> None:
+        self.made: dict[str, ast.AST] = {}
+        self.read: dict[str, ast.AST] = {}
+        for function in owner.definition.body:
+            if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef)) and _is_private(function.name):
+                self.made[function.name] = function
+        for node in walk(owner.definition):
+            match node:
+                case ast.Attribute(attr=name) if is_self_attribute(node) and _is_private(name):
+                    where = self.read if isinstance(node.ctx, ast.Load) else self.made
+                    where.setdefault(name, node)
+                case ast.Name(id=name, ctx=ast.Store()) if _is_private(name):
+                    self.made.setdefault(name, node)
+                case ast.AugAssign(target=ast.Attribute(attr=name) as target) if _is_private(name):
+                    if is_self_attribute(target):
+                        self.read.setdefault(name, target)
+
+
+def _is_private(name: str) -> bool:
+    return re.fullmatch(r"__\w*[A-Za-z0-9]_?", name) is not None

@@ -1,0 +1,258 @@
+"""One object where several were meant: it is kept in more than one place, and changed in place."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses
+
+_ADDS = {"append": 0, "appendleft": 0, "add": 0, "insert": 1}  # which argument is what is added
+_EMPTIES = frozenset(("clear", "pop", "popleft", "remove"))
+_CHANGES = frozenset((*_ADDS, *_EMPTIES, "extend", "update", "setdefault", "sort", "reverse"))
+_LITERALS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp)
+_Loop = ast.For | ast.While | ast.AsyncFor
+_LOOPS = (ast.For, ast.While, ast.AsyncFor)
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """One object that is kept in another place, too.
+
+    Attributes:
+        node: where that is done.
+        holder: in what.
+        given: the object, as it is written.
+    """
+
+    node: ast.AST
+    holder: str
+    given: ast.expr
+
+
+def shared_objects(uses: Uses) -> Iterator[Finding]:
+    """Yield objects of which there is one where a later value should leave the earlier ones as they are."""
+    for source in uses.sources.sources.values():
+        for node in source.nodes:
+            if isinstance(node, FUNCTIONS):
+                yield from _kept_in_loops(source, node)
+            if isinstance(node, (ast.Assign, ast.AnnAssign)):
+                yield from _repeated(source, node)
+    for owner in uses.sources.classes.values():
+        yield from _kept_by(uses, owner)
+        yield from _of_the_class(uses, owner)
+
+
+def _kept_in_loops(source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield what is made before a loop, changed in it, and added there to something that was made before it, too."""
+    for loop in (node for node in walk(function) if isinstance(node, _LOOPS)):
+        if isinstance(loop.body[-1], (ast.Break, ast.Return)):
+            continue  # it has one turn
+        inside = [node for statement in loop.body for node in walk(statement)]
+        bound = {dotted(target) for node in (loop, *inside) for target in _targets(node)}
+        for kept in _additions(inside):
+            name = dotted(kept.given) or ""
+            made = _made_before(function, loop, name)
+            changed = _first_change(inside, name)
+            if made is None or changed is None or not bound.isdisjoint((name, kept.holder)):
+                continue
+            cause = f"{kept.holder} gets the same object in each turn of the loop, and {_line(changed)} changes it, so all that it holds shows the last value."
+            fix = f"move `{ast.unparse(made)}` into the loop"
+            yield Finding("one-object", cause, source.at(kept.node), fix)
+
+
+def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
+    """Yield an attribute that is kept elsewhere, and is one object that changes in place later."""
+    later = [node for method in owner.functions if method.name != "__init__" for node in walk(method)]
+    bound = {dotted(target) or "" for node in later for target in _targets(node)}
+    for method in owner.functions:
+        kept_ones = [one for one in _remembered(own_nodes(method)) if _is_read(later, one.holder)]
+        if id(method) in uses.callbacks:
+            kept_ones += [one for one in _additions(own_nodes(method)) if _goes_on(one.holder, bound, later)]
+        for kept in kept_ones:
+            name = dotted(kept.given) or ""
+            changed = _first_change(later, name)
+            if changed is None or name in bound or name == kept.holder or not _is_object(uses, owner, name):
+                continue
+            cause = (
+                f"{kept.holder} gets the object {name} itself, not a copy, and {_line(changed)} changes it later, "
+                "so what was kept changes with it."
+            )
+            fix = f"write copy.deepcopy({name}) in place of {name} here, and `import copy` at the top of the file"
+            yield Finding("one-object", cause, owner.source.at(kept.node), fix)
+
+
+def _goes_on(holder: str, bound: Iterable[str], later: Iterable[ast.AST]) -> bool:
+    """Return whether an attribute holds what was added before, too: nothing makes it anew or empties it."""
+    is_anew = any(one.startswith("self.") and f"{holder}.".startswith(f"{one}.") for one in bound)
+    return not is_anew and not _first_change(later, holder, _EMPTIES)
+
+
+def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
+    """Yield what stands in the body of a class of which several are made, and is changed by each of them."""
+    made = [
+        node
+        for source in uses.sources.sources.values()
+        for node in source.nodes
+        if isinstance(node, ast.Call) and uses.sources.resolve(source, node.func) == owner.name
+    ]
+    if len(made) < 2:
+        return
+    nodes = [node for method in owner.functions for node in walk(method)]
+    own = {target.attr for node in nodes for target in _targets(node) if is_self_attribute(target)}
+    # A list of all objects of the class is one by intent.
+    own |= {kept.holder.removeprefix("self.") for kept in _additions(nodes) if dotted(kept.given) == "self"}
+    for statement in owner.definition.body:
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if (
+                isinstance(value, _LITERALS) and name not in own
+            ):
+                changed = _first_change(nodes, f"self.{name}")
+            case _:
+                continue
+        if changed:
+            cause = f"{name} stands in the body of the class, so all objects of {owner.definition.name} share it, and {_line(changed)} changes it for all of them."
+            fix = f"write `self.{name} = {ast.unparse(value)}` in __init__ instead"
+            yield Finding("one-object", cause, owner.source.at(statement), fix)
+
+
+def _repeated(source: PythonSource, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:
+    """Yield a list that has one list, or one message, several times, where a part of that is set later."""
+    match node.value:
+        case ast.BinOp(left=ast.List(elts=[one]), op=ast.Mult(), right=count):
+            each = f"[{ast.unparse(one)} for _ in range({ast.unparse(count)})]"
+        case ast.Call(func=ast.Attribute(value=ast.Name(id="dict"), attr="fromkeys"), args=[keys, one]):
+            each = f"{{key: {ast.unparse(one)} for key in {ast.unparse(keys)}}}"
+        case _:
+            return
+    is_list = isinstance(one, ast.BinOp) and isinstance(one.op, ast.Mult) and isinstance(one.left, ast.List)
+    is_object = (
+        is_list or isinstance(one, _LITERALS) or (isinstance(one, ast.Call) and _is_class(source, one))
+    )
+    for target in _targets(node):
+        name = dotted(target)
+        if is_object and name and (changed := _change_below(source.nodes, name)):
+            cause = f"{name} has the same object {ast.unparse(one)} several times, so {_line(changed)} changes all of them."
+            yield Finding("one-object", cause, source.at(node), f"write {name} = {each}")
+
+
+def _additions(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
+    """Yield what is added to something that holds many."""
+    for node in nodes:
+        match node:
+            case ast.Call(func=ast.Attribute(value=holder, attr=attr), args=args) if (
+                attr in _ADDS and len(args) == _ADDS[attr] + 1
+            ):
+                given = args[-1]
+            case ast.Assign(targets=[ast.Subscript(value=holder, slice=key)], value=given) if not isinstance(
+                key, ast.Constant
+            ):
+                pass
+            case _:
+                continue
+        if name := dotted(holder):
+            yield _Kept(node, name, given)
+
+
+def _remembered(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
+    """Yield one attribute that is given to another."""
+    for node in nodes:
+        match node:
+            case ast.Assign(targets=[ast.Attribute() as target], value=ast.Attribute() as given) if (
+                is_self_attribute(target) and is_self_attribute(given)
+            ):
+                yield _Kept(node, ast.unparse(target), given)
+
+
+def _made_before(function: Function, loop: _Loop, name: str) -> ast.Assign | None:
+    """Return the one statement that makes what a variable holds, before a loop; None if there are others."""
+    stores = [node for node in own_nodes(function) if name in map(_variable, _targets(node))]
+    match stores:
+        case [ast.Assign(value=ast.Call() | ast.List() | ast.Dict() | ast.Set()) as made] if (
+            made.lineno < loop.lineno
+        ):
+            return made
+    return None
+
+
+def _variable(target: ast.expr) -> str:
+    return target.id if isinstance(target, ast.Name) else ""
+
+
+def _is_object(uses: Uses, owner: NodeClass, name: str) -> bool:
+    """Return whether `__init__` makes an attribute an object of a class, or a list or the like."""
+    constructor = owner.methods.get("__init__")
+    values = [
+        node.value
+        for node in (own_nodes(constructor) if constructor else ())
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and name in map(dotted, _targets(node))
+    ]
+    match values:
+        case [ast.Call() as call]:
+            return (
+                _is_class(owner.source, call)
+                or uses.sources.resolve(owner.source, call.func) in uses.sources.classes
+            )
+        case [value]:
+            return isinstance(value, _LITERALS)
+    return False
+
+
+def _is_class(source: PythonSource, call: ast.Call) -> bool:
+    """Return whether a call makes an object, by its name."""
+    name = (source.resolve(call.func) or dotted(call.func) or "").rpartition(".")[2]
+    return name[:1].isupper() or name in ("list", "dict", "set", "deque")
+
+
+def _targets(node: ast.AST) -> list[ast.expr]:
+    """Return what a statement gives another value."""
+    match node:
+        case ast.Assign(targets=targets):
+            return [part for one in targets for part in (one.elts if isinstance(one, ast.Tuple) else [one])]
+        case ast.AnnAssign(target=target) | ast.For(target=target) | ast.NamedExpr(target=target):
+            return [target]
+    return []
+
+
+def _first_change(nodes: Iterable[ast.AST], name: str, by: Collection[str] = _CHANGES) -> ast.AST | None:
+    """Return where a part of what a name holds is set, or where one of some methods is called on it or on a part."""
+    for node in nodes:
+        match node:
+            case ast.Attribute(ctx=ast.Store()) | ast.Subscript(ctx=ast.Store()) if by is _CHANGES:
+                changed = [*_above(node)]
+            case ast.Call(func=ast.Attribute(attr=attr, value=value)) if attr in by:
+                changed = [ast.unparse(value), *_above(value)]
+            case _:
+                continue
+        if name in changed:
+            return node
+    return None
+
+
+def _change_below(nodes: Iterable[ast.AST], name: str) -> ast.AST | None:
+    """Return where a part of one of those that a name holds is changed."""
+    items = [node for node in nodes if isinstance(node, ast.Subscript) and ast.unparse(node.value) == name]
+    if any(isinstance(item.ctx, ast.Store) for item in items):
+        return None  # each may be replaced by one of its own
+    return next(filter(None, (_first_change(nodes, ast.unparse(item)) for item in items)), None)
+
+
+def _above(node: ast.expr) -> Iterator[str]:
+    """Yield what an attribute or an item is a part of."""
+    while isinstance(node, (ast.Attribute, ast.Subscript)):
+        node = node.value
+        yield ast.unparse(node)
+
+
+def _is_read(nodes: Iterable[ast.AST], name: str) -> bool:
+    """Return whether anything reads an attribute."""
+    return any(isinstance(getattr(node, "ctx", None), ast.Load) and dotted(node) == name for node in nodes)
+
+
+def _line(node: ast.AST) -> str:
+    return f"line {getattr(node, 'lineno', 0)}"

@@ -1,0 +1,135 @@
+"""Times in one unit where another is meant: nanoseconds that are compared with seconds."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.static_value import UNKNOWN
+
+_NS, _S = 1e-9, 1.0
+# In seconds: what an attribute, a function or an argument of rclpy, builtin_interfaces or time is counted in.
+_ATTRIBUTES = {"nanoseconds": _NS, "nanosec": _NS, "sec": _S}
+_FUNCTIONS = {
+    **dict.fromkeys(("time.time", "time.monotonic", "time.perf_counter", "time.process_time"), _S),
+    **dict.fromkeys(("time.time_ns", "time.monotonic_ns", "time.perf_counter_ns"), _NS),
+}
+_SAME = frozenset(("abs", "float", "int", "round", "max", "min"))  # they give the unit of what they are given
+_NAMES = {_NS: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", _S: "seconds"}
+# Nothing that a node waits for is as short (s): DDS alone takes longer.
+_TOO_SHORT = 1e-5
+
+
+def unit_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield times that are compared or added, or given to a Duration, in another unit than was meant."""
+    for source in sources.sources.values():
+        if "nano" not in source.text and "_ns(" not in source.text:
+            continue
+        times = _Times(sources, source)
+        # What is added to a time or taken from it may be as short as it likes.
+        operands = {id(one) for n in source.nodes if isinstance(n, ast.BinOp) for one in (n.left, n.right)}
+        for node in source.nodes:
+            match node:
+                case ast.Compare(left=left, ops=[_], comparators=[right]):
+                    yield from times.mixed(node, left, right)
+                case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
+                    yield from times.mixed(node, left, right)
+                case ast.Call() if id(node) not in operands:
+                    yield from times.too_short(node)
+
+
+class _Times:
+    """The expressions of a file, and in which unit each of them counts time."""
+
+    def __init__(self, sources: NodeSources, source: PythonSource) -> None:
+        self._sources, self._source = sources, source
+
+    def mixed(self, node: ast.expr, left: ast.expr, right: ast.expr) -> Iterator[Finding]:
+        """Yield two sides of which one counts time in a finer unit than the other, or than a number can be meant in."""
+        sides = [(unit, side) for side in (left, right) if (unit := self.unit(side)) is not None]
+        if not sides:
+            return
+        fine, side = min(sides, key=lambda one: one[0])
+        other = right if side is left else left
+        coarse = max(unit for unit, _ in sides) if len(sides) == 2 else _S
+        value = self._number(other)
+        if len(sides) == 1 and (value is None or not 0 < abs(value) * fine < _TOO_SHORT):
+            return
+        if fine not in _NAMES or coarse not in _NAMES or _is_same(fine, coarse):
+            return
+        text, against = ast.unparse(side), ast.unparse(other)
+        said = f"counts {_NAMES[coarse]}" if len(sides) == 2 else f"is {value:g}"
+        cause = f"{text} counts {_NAMES[fine]}, and {against} {said}, so `{ast.unparse(node)}` mixes units."
+        factor = f"1e{round(math.log10(coarse / fine))}"
+        yield Finding(
+            "unit-mixed",
+            cause,
+            self._source.at(node),
+            f"write {_in_parentheses(text)} / {factor} in place of {text}",
+        )
+
+    def too_short(self, call: ast.Call) -> Iterator[Finding]:
+        """Yield a Duration of so few nanoseconds that no node could keep to it."""
+        if not (self._source.resolve(call.func) or "").endswith(".Duration"):
+            return
+        given = {one.arg: one.value for one in call.keywords}
+        value = self._number(given.get("nanoseconds"))
+        if len(given) == 1 and value and 1 < value < _TOO_SHORT / _NS:  # one is the least that there is
+            cause = (
+                f"{ast.unparse(call)} lasts {value:g} nanoseconds, which is over before anything can happen."
+            )
+            fix = f"write Duration(seconds={value:g}), or Duration(seconds={value / 1000:g}) if milliseconds are meant"
+            yield Finding("unit-mixed", cause, self._source.at(call), fix)
+
+    def unit(self, node: ast.expr | None, depth: int = 4) -> float | None:
+        """Return in how many seconds an expression counts; None if it counts no time, or if that is not known."""
+        found: float | None = None
+        match node:
+            case ast.Attribute(attr=attr) if attr in _ATTRIBUTES:
+                found = _ATTRIBUTES[attr]
+            case ast.Attribute() | ast.Name() if depth:
+                written = self._sources.written(self._source, node)
+                found = self.unit(written, depth - 1) if written is not node else None
+            case ast.Call(func=ast.Name(id=name), args=[first, *_]) if name in _SAME:
+                found = self.unit(first, depth)
+            case ast.Call(func=function):
+                found = _FUNCTIONS.get(self._source.resolve(function) or "")
+            case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
+                units = {self.unit(left, depth), self.unit(right, depth)} - {None}
+                found = units.pop() if len(units) == 1 else None
+            case ast.BinOp(left=left, op=ast.Div() | ast.FloorDiv(), right=right):
+                found = self._scaled(left, right, depth, divides=True)
+            case ast.BinOp(left=left, op=ast.Mult(), right=right):
+                found = self._scaled(left, right, depth) or self._scaled(right, left, depth)
+        return found
+
+    def _scaled(self, node: ast.expr, by: ast.expr, depth: int, *, divides: bool = False) -> float | None:
+        unit, factor = self.unit(node, depth), self._number(by)
+        if unit is None or not factor or self.unit(by, depth) is not None:
+            return None
+        found = unit * factor if divides else unit / factor
+        return next((known for known in _NAMES if _is_same(known, found)), found)
+
+    def _number(self, node: ast.expr | None) -> float | None:
+        """Return a number that is written, kept under a name, or the default of a parameter."""
+        written = self._sources.written(self._source, node)
+        match written:
+            case ast.Attribute(
+                attr="value", value=ast.Call(func=ast.Attribute(attr=how), args=[_, default, *_])
+            ) if how == "declare_parameter":
+                written = default
+        value = self._sources.value(self._source, written)
+        is_number = value is not UNKNOWN and isinstance(value, (int, float)) and not isinstance(value, bool)
+        return float(value) if is_number else None
+
+
+def _is_same(one: float, other: float) -> bool:
+    return abs(one / other - 1) < 1e-6
+
+
+def _in_parentheses(text: str) -> str:
+    return text if text.replace(".", "").replace("_", "").isalnum() else f"({text})"

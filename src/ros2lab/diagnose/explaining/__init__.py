@@ -1,0 +1,1 @@
+"""From what was printed, or from a look at a workspace, to the finding that explains it."""

@@ -1,0 +1,120 @@
+"""What pytest shows of tests that failed: two values that are not equal, a function that returns nothing, a node before init."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import math
+import re
+from pathlib import Path, PurePath
+from xml.etree import ElementTree
+
+from ros2lab.diagnose.code.result_faults import return_in_place
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorText, Frame, own_frames
+from ros2lab.diagnose.printed.spots import place_of, spot_at
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_text
+from ros2lab.diagnose.sources.static_value import evaluate, expression
+
+_MOST_OF_TESTS = 20_000  # characters of what pytest has written
+_NEAR = 1e-6  # of 32-bit floats, and of what 64-bit ones add up to
+# Of two long values pytest shows only in which element they differ.
+_FAILED = re.compile(
+    r"^E +(?:(?:AssertionError: )?assert (?P<left>.+?) == (?P<right>.+)|At index \d+ diff: (?P<one>.+?) != (?P<other>.+))$",
+    re.MULTILINE,
+)
+# Behind the lines of code, or before them.
+_PLACE = re.compile(r"^(\S+\.py):(\d+): (?:AssertionError|in )", re.MULTILINE)
+
+
+def results_of_tests(error: ErrorText, root: Path) -> str:
+    """Return what pytest has written of failed tests into the files that a text names; empty if nothing."""
+    texts = []
+    for name in re.findall(r"^(build/[\w-]+/pytest\.xml):", error.text, re.MULTILINE):
+        with contextlib.suppress(OSError, ElementTree.ParseError):
+            # expat itself stops where entities would become too much.
+            for node in ElementTree.fromstring(read_text(root / name)).iter():  # noqa: S314
+                if node.tag in ("error", "failure") and node.text:
+                    texts.append(node.text)
+    return "\n".join(texts)[-_MOST_OF_TESTS:]
+
+
+def of_assertion(error: ErrorText, look: Look) -> Finding | None:
+    """Say why two values are not equal; None if their assertion does not tell."""
+    for match in _FAILED.finditer(error.text):
+        places = _PLACE.findall(error.text[: match.end()])[-1:] or _PLACE.findall(error.text[match.end() :])
+        file, line = places[0] if places else ("", "")
+        place = place_of([Frame(file, int(line or 0))], look)
+        spot = spot_at(place, look)
+        test = next((n.test for n in spot.nodes if isinstance(n, ast.Assert)), None)
+        if not isinstance(test, ast.Compare):
+            continue
+        shown = [match["left"] or match["one"], match["right"] or match["other"]]
+        left, right = map(_literal, shown)
+        if left != right and _is_near(left, right):
+            cause = f"{shown[0]} and {shown[1]} differ only as floats do, which are rounded: a Float32 has 7 digits, and sums have their last one wrong."
+            texts = ast.unparse(test.left), ast.unparse(test.comparators[0])
+            fix = f"write `assert {texts[0]} == pytest.approx({texts[1]})`, with `import pytest` at the top"
+            return Finding("never-equal", cause, place, fix)
+        if left is None and shown[0].startswith("None") and (found := _returns_nothing(test.left, look)):
+            source, function = found
+            cause = f"{function.name}() returns nothing, so what the test gets of it is None."
+            fix = return_in_place(function) or f"write a return at the end of {function.name}()"
+            return Finding("value-none", cause, source.at(function), fix)
+        if match["left"] and isinstance(test.left, ast.Call):
+            cause = f"`{ast.unparse(test.left)}` gives {shown[0]}, and this test expects {shown[1]}."
+            fix = f"mend {ast.unparse(test.left.func)}() if {shown[1]} is right; else write {shown[0]} here"
+            return Finding("test-failed", cause, place, fix)
+    return None
+
+
+def of_test_without_init(error: ErrorText, look: Look) -> Finding | None:
+    """Say where a test makes a node before rclpy.init(); None if it is no test, or about something else."""
+    report = error.reports[-1] if error.reports else None
+    outer = own_frames(report.frames)[-1:] if report else []
+    if report is None or "init" not in report.message or not outer or not is_test(outer[0].file):
+        return None
+    if report.kind != "NotInitializedException" and "rclpy.init" not in report.message:
+        return None
+    cause = "This test makes a node before rclpy.init() was called."
+    fix = "write rclpy.init() above this line, and rclpy.shutdown() at the end of the test, with `import rclpy` at the top"
+    return Finding("rclpy-init-missing", cause, place_of(outer, look), fix)
+
+
+def is_test(file: str) -> bool:
+    """Return whether pytest takes a file for one of tests."""
+    name = PurePath(file).name
+    return name.startswith("test_") or name.endswith("_test.py")
+
+
+def _is_near(left: object, right: object) -> bool:
+    """Return whether two values are nearly equal numbers, or lists or dictionaries of such."""
+    match left, right:
+        case ((int() | float()), (int() | float())):
+            return math.isclose(left, right, rel_tol=_NEAR)
+        case [*left_items], [*right_items]:
+            return len(left_items) == len(right_items) and all(map(_is_near, left_items, right_items))
+        case dict(), dict():
+            return left.keys() == right.keys() and all(_is_near(left[key], right[key]) for key in left)
+    return left == right
+
+
+def _literal(text: str) -> object:
+    written = expression(text)
+    return evaluate(written, {}, {}) if written else None
+
+
+def _returns_nothing(tested: ast.expr, look: Look) -> tuple[PythonSource, ast.FunctionDef] | None:
+    """Return a function of the workspace that a test calls and that has no return, with its file."""
+    name = (
+        getattr(tested.func, "attr", getattr(tested.func, "id", "")) if isinstance(tested, ast.Call) else ""
+    )
+    for package in look.packages:
+        for source in package.sources.values():
+            for node in source.nodes:
+                if isinstance(node, ast.FunctionDef) and node.name == name:
+                    given = [n for n in own_nodes(node) if isinstance(n, (ast.Return, ast.Yield))]
+                    if not any(n.value for n in given):
+                        return source, node
+    return None

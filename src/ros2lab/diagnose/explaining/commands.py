@@ -1,0 +1,409 @@
+"""A command as it was meant: each of its words against what the workspace and ROS have at that place."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import re
+import shlex
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+from ros2lab.diagnose.explaining.typed_message import as_message, read_as
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.nodes.topic_faults import ends_of
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.static_value import UNKNOWN
+
+# What stands where behind each verb of ros2; what follows is not looked at.
+_PLACES = {
+    "run": ("package", "executable"),
+    "launch": ("package", "launch file"),
+    "topic pub": ("topic", "type", "message"),
+    **{f"topic {verb}": ("topic",) for verb in ("echo", "hz", "info", "bw", "delay", "type")},
+    "node info": ("node",),
+    "param get": ("node", "parameter"),
+    "param set": ("node", "parameter", "value"),
+    "param describe": ("node", "parameter"),
+    "param list": ("node",),
+    "service call": ("service", "service type"),
+    "service type": ("service",),
+    "interface show": ("type",),
+    "pkg prefix": ("package",),
+    "pkg executables": ("package",),
+}
+_MAY_LACK = frozenset(("param list", "pkg executables"))
+_LEVELS = ("debug", "info", "warn", "error", "fatal")
+_VALUED = frozenset(
+    ("-r", "--rate", "-t", "--times", "-w", "--qos-profile", "--keep-alive", "--log-level", "-p")
+)
+# What ROS's own variables may hold: a pattern, that in words, and an example.
+_VARIABLES = {
+    "ROS_DOMAIN_ID": (r"\d{1,2}|10[01]", "a whole number from 0 to 101", "7"),
+    "ROS_AUTOMATIC_DISCOVERY_RANGE": (
+        r"SUBNET|LOCALHOST|OFF|SYSTEM_DEFAULT",
+        "SUBNET, LOCALHOST or OFF",
+        "LOCALHOST",
+    ),
+    "ROS_LOCALHOST_ONLY": (r"[01]", "0 or 1", "1"),
+    "RCUTILS_COLORIZED_OUTPUT": (r"[01]", "0 or 1", "1"),
+    "RMW_IMPLEMENTATION": (r"rmw_\w+_cpp", "the name of a middleware that is installed", "rmw_fastrtps_cpp"),
+}
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?")
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """A command as it was meant, and what was wrong with it, as a sentence."""
+
+    line: str
+    why: str
+
+
+def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
+    """Return a command with its first wrong word put right; None if none is known to be wrong.
+
+    Args:
+        line: what was typed.
+        look: the workspace.
+        said: what was printed.
+    """
+    try:
+        words = shlex.split(line.rstrip("& "))
+    except ValueError:
+        return None
+    match words:
+        case ["colcon", "build" | "test", *_]:
+            return _of_colcon(line, words, look)
+        case ["export", setting, *_]:
+            return _of_variable(setting)
+        case ["ros2", "pkg", "create", *rest] if "already exists" in said and (
+            own := {p.name for p in look.packages}.intersection(rest)
+        ):
+            name = own.pop()
+            why = f"There is a package {name} already; another one needs another name."
+            return Corrected(line.replace(name, f"{name}_2"), why)
+    verbs = (verb for verb in _PLACES if words[: 1 + len(verb.split())] == ["ros2", *verb.split()])
+    verb = next(verbs, "")
+    if not verb:
+        return None
+    rest = words[1 + len(verb.split()) :]
+    command = _Command(line, verb, rest, _Known(look, rest))
+    return next(command.faults(), None)
+
+
+def _of_colcon(line: str, words: list[str], look: Look) -> Corrected | None:
+    names = {package.name for package in look.packages}
+    for before, word in itertools.pairwise(words[1:]):
+        if word in names and not before.startswith("-"):
+            why = f"colcon {words[1]} takes the names of packages only behind an option."
+            return Corrected(line.replace(f" {word}", f" --packages-select {word}", 1), why)
+        if before.startswith("--packages") and word not in names and (near := nearest(word, names, 0.6)):
+            return Corrected(line.replace(word, near), f"No package here is called {word}; there is {near}.")
+    return None
+
+
+def _of_variable(setting: str) -> Corrected | None:
+    """Return the setting of one of ROS's variables with a value that it takes."""
+    name, _, value = setting.partition("=")
+    pattern, what, right = _VARIABLES.get(name, ("", "", ""))
+    if not pattern or re.fullmatch(pattern, value):
+        return None
+    return Corrected(
+        f"export {name}={right}",
+        f"The variable {name} must be {what}, and is set to {value!r}; look also into ~/.bashrc.",
+    )
+
+
+class _Known:
+    """What there is at each place of a command."""
+
+    def __init__(self, look: Look, rest: list[str]) -> None:
+        self.look, self.rest = look, rest
+        self.sources = [look.sources(package) for package in look.packages]
+        self.types = {end.topic: end.type for sources in self.sources for end in ends_of(sources)}
+
+    def package(self) -> list[str]:
+        return [package.name for package in self.look.packages]
+
+    def executable(self) -> list[str]:
+        return list(self.look.executables.get(self.rest[0] if self.rest else "") or ())
+
+    def launch_file(self) -> list[str]:
+        name = self.rest[0] if self.rest else ""
+        return [
+            path.name
+            for package in self.look.packages
+            if package.name == name
+            for path in package.launch_files
+        ]
+
+    def topic(self) -> list[str]:
+        return [f"/{topic}" for topic in self.types if not topic.startswith("~")]
+
+    def type(self) -> list[str]:
+        return [kind.replace(".", "/") for kind in self.types.values() if kind]
+
+    def node(self) -> list[str]:
+        return [f"/{name}" for sources in self.sources for name in sources.node_names() if name]
+
+    def parameter(self) -> list[str]:
+        return [name for sources in self.sources for name in declared_in(sources) or ()]
+
+    def service(self) -> list[str]:
+        creations = [
+            one for sources in self.sources for one in sources.creations if one.method == "create_service"
+        ]
+        names = ((one.arguments or {}).get("srv_name") for one in creations)
+        return [f"/{str(n.value).lstrip('/')}" for n in names if isinstance(n, ast.Constant)]
+
+    def default(self, parameter: str) -> object:
+        """Return the default of a parameter."""
+        found = {name: value for s in self.sources for name, value in (declared_in(s) or {}).items()}
+        return found.get(parameter, UNKNOWN)
+
+    def is_foreign(self, place: str, word: str) -> bool:
+        """Return whether a word may mean something that is not in the workspace."""
+        if place == "package":
+            return interfaces.folder_of(word) is not None or word in interfaces.PACKAGES
+        return place in ("executable", "launch file") and self.rest[0] not in self.package()
+
+    def at(self, place: str) -> list[str]:
+        """Return the names that there are at a place."""
+        ways: Mapping[str, Callable[[], list[str]]] = {
+            "package": self.package,
+            "executable": self.executable,
+            "launch file": self.launch_file,
+            "topic": self.topic,
+            "type": self.type,
+            "node": self.node,
+            "parameter": self.parameter,
+            "service": self.service,
+        }
+        return ways[place]() if place in ways else []
+
+
+class _Command:
+    def __init__(self, line: str, verb: str, rest: list[str], known: _Known) -> None:
+        self.line, self.verb, self.rest, self.known = line, verb, rest, known
+        self.plain = [
+            word
+            for number, word in enumerate(rest)
+            if not word.startswith("-") and not (number and rest[number - 1] in _VALUED)
+        ]
+
+    def faults(self) -> Iterator[Corrected]:
+        """Yield what is wrong with it, each time with that alone put right."""
+        places = _PLACES[self.verb]
+        yield from self._shifted(places)
+        for number, place in enumerate(places):
+            if number >= len(self.plain):
+                yield from self._missing(place)
+                return
+            yield from self._word(place, self.plain[number])
+        if self.verb == "launch":
+            yield from self._launch_arguments(self.plain[2:])
+        yield from self._options()
+
+    def _with(self, old: str, new: str) -> str:
+        for text in (f"'{old}'", f'"{old}"', old):
+            # Whole: the word may be the beginning of another one.
+            if match := re.search(rf" {re.escape(text)}(?![\w/.-])", self.line):
+                return f"{self.line[: match.start()]} {in_shell(new)}{self.line[match.end() :]}"
+        return self.line
+
+    def _shifted(self, places: tuple[str, ...]) -> Iterator[Corrected]:
+        """Yield a command whose first word is left out; launch takes a file alone."""
+        is_two = places in (_PLACES["run"], _PLACES["launch"])
+        if not is_two or not self.plain or self.plain[0] in self.known.package():
+            return
+        first, *others = self.plain
+        look = self.known.look
+        for package in look.packages:
+            names = set(look.executables.get(package.name) or ())
+            if self.verb == "launch":
+                names = {path.name for path in package.launch_files}
+            if (
+                others
+                and others[0] in names
+                and (first in names or first in (look.executables.get(package.name) or ()))
+            ):
+                why = f"{first} is no package: behind `ros2 {self.verb}` the package's name comes first."
+                yield Corrected(self.line.replace(f" {first}", f" {package.name}", 1), why)
+            elif first in names and not (look.root / first).exists():
+                why = f"`ros2 {self.verb}` wants two names: the package's, and then {first}."
+                yield Corrected(self.line.replace(f" {first}", f" {package.name} {first}", 1), why)
+
+    def _missing(self, place: str) -> Iterator[Corrected]:
+        names = self.known.at(place)
+        if names and self.verb not in _MAY_LACK:
+            what = {"launch file": "the launch file's name"}.get(place, f"the {place}'s name")
+            why = f"`ros2 {self.verb}` is not complete: {what} must follow; there is {', '.join(sorted(names))}."
+            yield Corrected(f"{self.line.rstrip('& ')} {sorted(names)[0]}", why)
+
+    def _word(self, place: str, word: str) -> Iterator[Corrected]:
+        if place == "message":
+            yield from self._message(word)
+        elif place == "value":
+            yield from self._value(self.plain[1], word)
+        elif place == "executable" and word in self.known.launch_file():
+            why = f"{word} is a launch file, and no executable: it is started with ros2 launch."
+            yield Corrected(self.line.replace("ros2 run", "ros2 launch", 1), why)
+        elif place in ("type", "service type"):
+            yield from self._type(word)
+        elif place == "node" and f"/{word.lstrip('/')}" in self.known.at(place):
+            return
+        elif (names := self.known.at(place)) and word not in names and not self.known.is_foreign(place, word):
+            near = _meant(word, names)
+            # Only a launch file knows which namespace stands before a topic.
+            if near and not (place == "topic" and f"/{word}".endswith(f"/{near.lstrip('/')}")):
+                why = f"There is no {place} {word}; there is {near}."
+                yield Corrected(self._with(word, near), why)
+
+    def _type(self, word: str) -> Iterator[Corrected]:
+        right_verb = {"srv": "service call", "msg": "topic pub"}.get(word.partition("/")[2].partition("/")[0])
+        if right_verb and self.verb in ("service call", "topic pub") and self.verb != right_verb:
+            what = f"the type of a {right_verb.partition(' ')[0]}"
+            plain = [in_shell(one) for one in self.plain]
+            yield Corrected(f"ros2 {right_verb} {' '.join(plain)}", f"{word} is {what}: ros2 {right_verb}.")
+            return
+        right = self.known.types.get(self.plain[0].lstrip("/")) if self.verb == "topic pub" else None
+        short = word.rpartition("/")[2]
+        homes = [home for home in interfaces.homes_of(short) if home.endswith((".msg", ".srv"))]
+        full = right.replace(".", "/") if right else f"{homes[0].replace('.', '/')}/{short}" if homes else ""
+        is_short = re.fullmatch(r"\w+/\w+", word) and self.verb.startswith("topic")
+        is_whole = re.fullmatch(r"\w+/(?:msg|srv|action)/\w+", word) or is_short
+        if not full and (near := _alike_type(word)):
+            yield Corrected(self._with(word, near), f"The type {word} is written {near}.")
+            return
+        same = (word, word.replace("/", "/msg/")) if is_short else (word,)
+        if full and full not in same and (right or not is_whole):
+            yield Corrected(self._with(word, full), f"The type is written with its package: {full}.")
+
+    def _message(self, word: str) -> Iterator[Corrected]:
+        """Yield a message that is no dictionary with the type's fields."""
+        kind = self.plain[1].replace("/msg/", ".msg.")
+        fields = interfaces.fields_of(kind if ".msg." in kind else kind.replace("/", ".msg."))
+        if not fields:
+            return
+        text = as_message(word, fields)
+        if text != word:
+            blank = re.search(r"\w+:(?=[^\s/:])", word)
+            why = f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
+            if blank:
+                why = f"Behind the colon of {blank[0]!r} a blank is missing, without which YAML takes it for one word."
+            elif taken := read_as(word, fields):
+                why = f"YAML reads {taken[0]} as {taken[1]!r}, and no text: a text that could be something else stands in quotes."
+            yield Corrected(self._with(word, text), why)
+
+    def _value(self, name: str, word: str) -> Iterator[Corrected]:
+        default = self.known.default(name)
+        if isinstance(default, bool):
+            right = word.lower() if word.lower() in ("true", "false") else str(default).lower()
+        elif isinstance(default, float):
+            number = word.replace(",", ".")
+            right = (
+                (number if "." in number else f"{number}.0") if _NUMBER.fullmatch(number) else str(default)
+            )
+        elif isinstance(default, int):
+            right = word.partition(".")[0] if _NUMBER.fullmatch(word) else str(default)
+        else:
+            return
+        if right != word:
+            kind = {"bool": "true or false", "float": "a number with a point"}.get(
+                type(default).__name__, "an integer"
+            )
+            yield Corrected(
+                self._with(word, right), f"The parameter {name} is {kind}, and cannot be {word!r}."
+            )
+
+    def _launch_arguments(self, words: list[str]) -> Iterator[Corrected]:
+        path = next(
+            (p for k in self.known.look.packages for p in k.launch_files if p.name == self.plain[1]), None
+        )
+        declared = (
+            re.findall(r"DeclareLaunchArgument\(\s*(?:name=)?['\"](\w+)", read_text(path)) if path else []
+        )
+        for word in words:
+            name, sign, value = re.match(r"([\w.]*)\s*(:=|=:|=|:)?(.*)", word).groups()  # type: ignore[union-attr]
+            if sign != ":=" and sign:
+                why = f"An argument of a launch file is written with :=, and not as {word!r}."
+                yield Corrected(self._with(word, f"{name}:={value}"), why)
+            elif name not in declared and path and "IncludeLaunch" not in read_text(path):
+                near = nearest(name, declared, 0.6)
+                known = f"it has {', '.join(declared)}" if declared else "it has none"
+                why = f"{path.name} has no argument {name}; {known}."
+                better = self._with(word, f"{near}:={value}") if near else self.line.replace(f" {word}", "")
+                yield Corrected(better, why)
+
+    def _options(self) -> Iterator[Corrected]:
+        yield from self._without_option()
+        for before, word in itertools.pairwise(self.rest):
+            if before == "--log-level" and word.rpartition(":=")[2].lower() not in (*_LEVELS, "unset"):
+                near = nearest(word.lower(), _LEVELS, 0.6) or "debug"
+                why = f"There is no log level {word}; there are {', '.join(_LEVELS)}."
+                yield Corrected(self._with(word, near), why)
+            if before in ("-r", "--remap") and word.startswith("__ns:=") and not word.startswith("__ns:=/"):
+                why = f"A namespace is given whole, with a slash at its beginning, and not as {word!r}."
+                yield Corrected(self._with(word, word.replace(":=", ":=/", 1)), why)
+            if before in ("-r", "--remap") and "--ros-args" in self.rest and re.match(r"[^:=]+=[^:=]", word):
+                why = f"The rule {word!r} behind {before} has no `:=` between the two names."
+                yield Corrected(self._with(word, word.replace("=", ":=", 1)), why)
+            if before == "--params-file" and not word.startswith(("/", "~")):
+                yield from self._file(word)
+            if before in ("-p", "--param") and "--ros-args" in self.rest and ":=" not in word:
+                name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
+                default = self.known.default(name)
+                value = value or (str(default) if default is not UNKNOWN else "1.0")
+                why = f"The rule {word!r} behind {before} has no `:=` between the name and the value."
+                yield Corrected(self._with(word, f"{name}:={value}"), why)
+
+    def _without_option(self) -> Iterator[Corrected]:
+        """Yield a parameter or a rule behind --ros-args that no option announces."""
+        behind = self.rest[self.rest.index("--ros-args") :] if "--ros-args" in self.rest else []
+        for before, word in itertools.pairwise(behind):
+            name, sign, _ = word.partition(":=")
+            if sign and (before == "--ros-args" or not before.startswith("-")):
+                is_rule = name.startswith(("__", "/")) or name in self.known.types
+                option = "-r" if is_rule else "-p"
+                why = f"Behind --ros-args each setting needs its option: {option} before {word}."
+                yield Corrected(self.line.replace(f" {word}", f" {option} {word}", 1), why)
+
+    def _file(self, word: str) -> Iterator[Corrected]:
+        """Yield a file that lies elsewhere in the workspace."""
+        root = self.known.look.root
+        there = [file for package in self.known.look.packages for file in package.parameter_files]
+        lies = next((file for file in there if file.name == word.rpartition("/")[2]), None)
+        if lies is not None and not (root / word).exists():
+            why = f"There is no file {word} in the folder in which this was typed."
+            yield Corrected(self._with(word, str(lies.relative_to(root))), why)
+
+
+def _alike_type(word: str) -> str:
+    """Return the type that is meant by one in other letters, or without its middle part; empty if it is right, or none is."""
+    package, *middle, name = word.split("/") if "/" in word else ("", "")
+    for kind in middle or ("msg", "srv", "action"):
+        known = interfaces.names_in(f"{package}.{kind}") or ()
+        same = [one for one in known if one.lower() == name.lower() and one[:1].isupper()]
+        if same and (same[0] != name or not middle):
+            return f"{package}/{kind}/{same[0]}"
+    return ""
+
+
+def in_shell(word: str) -> str:
+    """Return a word as it is typed in a shell, in quotes if it needs some, and in those that are easily read."""
+    if re.fullmatch(r"[\w./:=@,+~-]+", word):
+        return word
+    return f'"{word}"' if "'" in word and not set(word) & set('"$`\\!') else shlex.quote(word)
+
+
+def _meant(word: str, names: list[str]) -> str | None:
+    """Return the name that a word means: without an ending or a slash too much, in other letters, or nearly so."""
+    bare = re.sub(r"\W|_", "", word.removesuffix(".py")).lower()
+    same = [
+        name for name in names if re.sub(r"\W|_", "", name).lower() == bare or name.partition(".")[0] == word
+    ]
+    return same[0] if same else nearest(word, names, 0.6)

@@ -1,0 +1,141 @@
+"""What an error means by its words alone, where nothing in the sources explains it."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+from collections.abc import Mapping
+
+from ros2lab.diagnose.causes.python_says import of_error, of_function
+from ros2lab.diagnose.checking.members import in_place_of, members
+from ros2lab.diagnose.code.syntax import explained
+from ros2lab.diagnose.explaining.meaning import Meaning
+from ros2lab.diagnose.explaining.not_found import no_module
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.message_faults import set_field
+from ros2lab.diagnose.nodes.parameter_faults import given_at, of_parameter_file, typed_rightly
+from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
+from ros2lab.diagnose.sources.interfaces import homes_of, launch_homes_of, methods_of
+from ros2lab.diagnose.sources.python_source import own_nodes
+
+
+def said_of(
+    meaning: Meaning, groups: Mapping[str, str], line: str, error: ErrorText, look: Look | None
+) -> list[Finding]:
+    """Explain an error by its words alone."""
+    place = place_of(own_frames(error.frames), look)
+    told = None
+    if meaning.codes[0] == "parameter-file-syntax":
+        told = of_parameter_file(error.text, look)
+    elif meaning.codes[0] == "entry-point-module":
+        told = no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
+    if told or meaning.cause:
+        return [told or _in_words(meaning, groups, place, error, look)]
+    report = error.reports[-1] if error.reports else ErrorReport("", "")
+    hint = re.search(r"Did you mean: '(.+?)'", line)
+    if report.kind in ("SyntaxError", "IndentationError", "TabError"):
+        return [_of_syntax(report, look)]
+    if report.kind == "NameError":
+        is_launched = "Caught exception in launch" in error.text
+        return [
+            _no_name(
+                groups.get("name", ""),
+                hint[1] if hint else "",
+                spot_at(place, look),
+                place,
+                is_launched=is_launched,
+            )
+        ]
+    if report.kind == "AttributeError" and "name" in groups:
+        return [_no_attribute(groups, hint[1] if hint else "", place, look)]
+    return []
+
+
+def _in_words(
+    meaning: Meaning, groups: Mapping[str, str], place: str, error: ErrorText, look: Look | None
+) -> Finding:
+    """Say what the words of an error always mean, with what they name."""
+    code, cause = meaning.codes[0], meaning.cause.format(**groups).replace(" ()", "")
+    do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
+    if code == "parameter-type" and groups.get("name"):
+        if command := typed_rightly(groups["name"], groups["value"], groups["wanted"], error.typed):
+            return Finding(code, cause, "", f"type `{command}`")
+        is_declared = groups["wanted"] == "INTEGER" and not groups["value"].lstrip("-").isdigit()
+        place = place if is_declared else given_at(groups["name"], look, error.typed) or place
+    elif "what" in groups and "name" in groups:
+        do = _field_fix(spot_at(place, look), groups) or do
+    return Finding(code, cause, place, do)
+
+
+def _of_syntax(report: ErrorReport, look: Look | None) -> Finding:
+    place = place_of([*reversed(report.frames)], look)
+    code = "setup-syntax" if is_setup(place) else "node-syntax"
+    source = spot_at(place, look).source
+    found = source.fault if source and source.tree else None
+    fault = found or getattr(builtins, report.kind)(report.message)
+    return explained(code, "Python cannot read the file", place, fault, source if found else None)
+
+
+def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool) -> Finding:
+    homes = launch_homes_of(name) if is_launched else homes_of(name)
+    do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a text"
+    do = f"write {near}" if near else do
+    do = f"write `from {homes[0]} import {name}` at the top" if homes else do
+    code = "setup-import" if is_setup(place) else "name-missing"
+    if owner := _made_in(name, spot):
+        cause = (
+            f"{name} is a variable of {owner.name}(), and what a function assigns is seen by no other one."
+        )
+        fix = f"write `global {name}` as the first line of {owner.name}(); or better, keep it in a class as self.{name}"
+        return Finding(code, cause, place, fix)
+    return Finding(code, f"{name} is used before it is imported or defined.", place, do)
+
+
+def _made_in(name: str, spot: Spot) -> ast.FunctionDef | None:
+    """Return the function of the file's top level, other than the one around a line, that assigns a name of its own."""
+    for function in spot.source.tree.body if spot.source and spot.source.tree else ():
+        if isinstance(function, ast.FunctionDef) and function is not spot.function:
+            names = (n for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == name)
+            if any(isinstance(n.ctx, ast.Store) for n in names):
+                return function
+    return None
+
+
+def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
+    """Say how the value that stands in a line is put into a field of a message; empty if that is not found there."""
+    wanted = re.search(r"type '(\w+)'", groups["what"])
+    home = (homes_of(wanted[1]) if wanted and wanted[1][:1].isupper() else ()) or ("",)
+    for node in spot.nodes:
+        target = node.targets[0] if isinstance(node, ast.Assign) else None
+        kind = f"{home[0]}.{wanted[1]}".lstrip(".") if wanted else ""
+        if kind and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
+            return set_field(target, kind, node.value)  # type: ignore[attr-defined]
+        fields = [one for one in getattr(target, "elts", ()) if getattr(one, "attr", "") == groups["name"]]
+        if kind and fields:
+            new = set_field(fields[0], kind, ast.Constant(0)).partition(" = ")[0]
+            return f"{new} in place of {ast.unparse(fields[0])}, and so for what stands beside it"
+    return ""
+
+
+def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:
+    name, owner = groups["name"], groups.get("owner") or groups.get("module") or "what stands before the dot"
+    homes = homes_of(name) if groups.get("module") else ()
+    if owner == "NoneType":
+        spot = spot_at(place, look)
+        message = f"'NoneType' object has no attribute '{name}'"
+        return of_error("AttributeError", message, place, spot) or Finding(
+            "attribute-unknown", message, place
+        )
+    if homes:
+        fix = f"write `from {homes[0]} import {name}` at the top, and {name} here"
+        return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
+    if owner in ("function", "method", "builtin_function_or_method"):
+        return of_function(name, place, spot_at(place, look))
+    methods = methods_of(owner) or ", ".join(sorted(members(owner, look) - {*dir(object)}))
+    near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot_at(place, look), look)
+    fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
+    fix = f"write {near}" if near else fix
+    return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)

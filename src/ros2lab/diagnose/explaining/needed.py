@@ -1,0 +1,45 @@
+"""Which packages the commands of a terminal need: those that they name, and what these import, start or depend on."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.sources.package import SourcePackage
+
+_BUILDS_ALL = re.compile(r"\bcolcon build\b(?!.*--packages-(?:select|up-to|start|end|ignore|skip))")
+
+
+def of_needed(findings: Sequence[Finding], error: ErrorText, look: Look) -> list[Finding]:
+    """Return findings without those of packages that were not built, and that no command needs.
+
+    Where no command names a package of the workspace, or one builds them all, each of them is needed.
+    """
+    by_name = {package.name: package for package in look.packages}
+    said = error.decisive if error.is_clear else ""
+    words = {word for line in (*error.typed, said) for word in re.findall(r"[\w-]+", line)}
+    needed = words & by_name.keys()
+    if not needed or any(map(_BUILDS_ALL.search, error.typed)):
+        return [*findings]
+    new = set(needed)
+    while new:
+        new = {name for one in new for name in _uses(by_name[one], look)} & by_name.keys() - needed
+        needed |= new
+    passed_over = {by_name[name].shown("") for name in by_name.keys() - needed}
+    return [one for one in findings if one.code != "not-built" or one.place not in passed_over]
+
+
+def _uses(package: SourcePackage, look: Look) -> Iterator[str]:
+    """Yield the names of what a package depends on, imports, or starts in its launch files."""
+    if package.manifest is not None:
+        for kind in ("build_depends", "exec_depends", "buildtool_depends"):
+            yield from (one.name for one in getattr(package.manifest, kind))
+    for source in package.sources.values():
+        yield from (one.target.partition(".")[0] for one in source.imports)
+    own = {package.shown(str(path.relative_to(package.folder))) for path in package.launch_files}
+    for file in look.launch_files:
+        if file.shown in own:
+            yield from (str(node.package) for node in file.nodes)

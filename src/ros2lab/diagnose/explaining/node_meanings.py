@@ -1,0 +1,247 @@
+"""What the words of an error may mean that a running node, or a message, has brought about."""
+
+from __future__ import annotations
+
+from ros2lab.diagnose.explaining.meaning import Meaning, meaning
+from ros2lab.diagnose.nodes.message_faults import filling
+from ros2lab.diagnose.nodes.parameter_faults import value_fix
+
+NODE_MEANINGS: tuple[Meaning, ...] = (
+    # Nodes
+    meaning(
+        r"_TYPE_SUPPORT|might be a ROS 1 message type",
+        "type-not-a-message",
+        "A publisher or a subscription was given something that is no message type.",
+        "give a type such as String, from std_msgs.msg import String",
+    ),
+    meaning(
+        r"'Publisher' object has no attribute '(?P<name>\w+)'",
+        "publisher-method",
+        "A publisher has no method {name}; it is publish.",
+        "write publish(msg)",
+    ),
+    meaning(
+        r"'NoneType' object is not callable",
+        "callback-called",
+        "Something that is None was called: most often a callback was called where it should be given.",
+        "look for a method with parentheses where create_timer or create_subscription is given one, and take them away",
+    ),
+    meaning(
+        r"callback should be either be callable with one argument",
+        "callback-arguments callback-missing argument-order",
+        "The callback of a subscription is called with the message, and it does not take one.",
+        "write def callback(self, msg):",
+    ),
+    meaning(
+        r"create_(?:subscription|publisher)\(\) missing 1 required positional argument: 'qos_profile'",
+        "qos-missing argument-order",
+        "The length of the queue is missing.",
+        "add 10 as the last argument",
+    ),
+    meaning(
+        r"\.(?P<name>create_\w+)\(\) missing \d+ required positional arguments?: (?P<what>.*)",
+        "argument-missing argument-order dot-for-comma",
+        "{name} lacks {what}.",
+        "give it what it lacks",
+    ),
+    meaning(
+        r"Expected QoSProfile or int, but received",
+        "argument-order",
+        "The arguments stand in the wrong order: the length of the queue is the last one.",
+        "write create_subscription(String, 'topic', self.callback, 10)",
+    ),
+    meaning(
+        r"unexpected keyword argument 'queue_size'",
+        "queue-size",
+        "queue_size belongs to ROS 1; in ROS 2 the queue's length is the last argument.",
+        "write create_publisher(String, 'topic', 10)",
+    ),
+    meaning(
+        r"'(?:float|int)' object has no attribute 'self'",
+        "dot-for-comma",
+        "Behind a number a dot stands where a comma belongs, as in create_timer(2.0.self.callback).",
+        "write a comma and a blank in place of the dot",
+    ),
+    meaning(
+        r"'(?:float|int)' object has no attribute '(?P<name>\w+)'",
+        "dot-for-comma attribute-missing message-field attribute-unknown",
+        "",
+    ),
+    meaning(
+        r"'super' object has no attribute '(?P<name>\w*init\w*)'|descriptor '__init__' .*'super' object|type super.*__init__",
+        "super-misspelt",
+        "The constructor of Node is called super().__init__, with two underscores on each side.",
+        "write super().__init__('node_name')",
+    ),
+    meaning(
+        r"has no attribute '_(?:default_callback_group|Node__\w+|logger|parameters|handle|context|clock|callback_groups)'"
+        r"|__init__ \w*(?:not|never) called",
+        "super-missing super-late super-misspelt",
+        "The node is used before super().__init__() was called, or it never is.",
+        "write super().__init__('node_name') as the first line of __init__",
+    ),
+    meaning(
+        r"property '(?P<name>\w+)' of '(?P<owner>\w+)' object has no setter|can't set attribute '?(?P<name2>\w*)",
+        "node-property",
+        "Every node already has `{name}{name2}`, which cannot be set.",
+        "give your own another name, such as self.{name}{name2}_",
+    ),
+    meaning(
+        r"InvalidNodeNameException|[Ii]nvalid node name",
+        "node-name-invalid",
+        "A node's name may hold letters, digits and _ only.",
+        "write _ in place of other characters",
+    ),
+    meaning(
+        r"validating node name or namespace for .*namespace=(?!None)(?P<name>[^']*)'",
+        "node-name-invalid",
+        "The namespace {name!r} is not valid: between its slashes, letters, digits and _ may stand, and no digit first.",
+        "write _ in place of other characters",
+    ),
+    meaning(
+        r"Logger severity cannot be changed between calls",
+        "python-error",
+        "rclpy remembers for each line of code with which severity it logs, and this line logs now with one and then with another.",
+        "write a line of its own for each: if ...: self.get_logger().warning(...) and else: self.get_logger().info(...)",
+    ),
+    meaning(
+        r"UnknownROSArgsError: (?P<name>\[.*\])",
+        "typed-wrong",
+        "Behind --ros-args stands {name}, which ROS does not know.",
+        "put a value that holds a blank in quotes, or write _ for the blank, and what the node itself is to read before --ros-args",
+    ),
+    meaning(
+        r"InvalidTopicNameException|InvalidServiceNameException|[Ii]nvalid topic name",
+        "topic-name-invalid",
+        "Between its slashes, a topic's name may hold letters, digits and _ only, and no digit first.",
+        "write _ in place of other characters",
+    ),
+    meaning(
+        r"NotInitializedException|rclpy\.init\(\) has not been called",
+        "rclpy-init-missing",
+        "A node is made before rclpy.init() was called.",
+        "write rclpy.init(args=args) as the first line of main",
+    ),
+    meaning(
+        r"Context\.init\(\) must only be called once",
+        "rclpy-init-twice",
+        "rclpy.init() is called twice in one program.",
+        "remove one of the two; it belongs into main",
+    ),
+    meaning(
+        r"'method' object does not support the context manager protocol",
+        "node-property",
+        "Every node already has `handle`, which a method of this name hides.",
+        "call the method handle_ or another name, also where it is used",
+    ),
+    meaning(
+        r"object does not support the context manager protocol|AttributeError: __enter__",
+        "context-manager",
+        "What stands behind `with` is not made for it; in ROS 2 Jazzy neither rclpy.init() nor a node is.",
+        "write rclpy.init(args=args) as the first line of main, and rclpy.try_shutdown() as its last",
+    ),
+    meaning(
+        r"rcl_shutdown already called",
+        "shutdown-twice",
+        "Ctrl-C had already shut rclpy down, and the program does it once more: it is harmless.",
+        "write rclpy.try_shutdown() in place of rclpy.shutdown()",
+    ),
+    meaning(
+        r"ParameterNotDeclaredException|undeclared parameter\(s\): (?P<name>\w*)",
+        "parameter-undeclared",
+        "A parameter is read that the node has never declared.",
+        "write self.declare_parameter('name', 1.0) before it is read",
+    ),
+    meaning(
+        r"Trying to set parameter '(?P<name>[\w.]+)' to '(?P<value>.*?)' of type '(?P<kind>\w+)', expecting type '(?P<wanted>\w+)'",
+        "parameter-type",
+        "The parameter {name} is of type {wanted}, and it is given {value}, of type {kind}.",
+        value_fix,
+    ),
+    meaning(
+        r"InvalidParameterTypeException",
+        "parameter-type",
+        "A parameter is given a value of another type.",
+        "write 2.0 and not 2 for a double",
+    ),
+    meaning(
+        r"yaml\.\w+Error|parse[rd]? .*ya?ml|Couldn't parse params file",
+        "parameter-file-syntax parameter-file-node",
+        "The parameter file cannot be read.",
+        "indent with blanks, and write the node's name, then ros__parameters:, then the parameters",
+    ),
+    # Messages
+    meaning(
+        # Numbers so near 0 that they are hardly ever meant: they are bytes of an int, read as a float.
+        r"\b(?P<value>\d(?:\.\d+)?e-3(?:0[89]|1\d|2[0-4]))\b",
+        "int-in-float",
+        "{value} is as good as 0, and nobody has written it: an int was put into a field that holds a float, and ROS has "
+        "read the wrong bytes.",
+        "write 1.0 and not 1 where that field is filled",
+    ),
+    meaning(
+        r"PyFloat_Check|must be of type 'float'",
+        "int-in-float field-type",
+        "This field holds a float, and was given something else: an int, a text, or the None of a parameter without a default.",
+        "write 1.0 and not 1, or float(...) around the value; and give a parameter a default, as in declare_parameter('speed', 0.5)",
+    ),
+    meaning(
+        r"has no (?:field|attribute) '(?P<name>\w+):(?P<value>[^' ]+)'",
+        "message-field",
+        "YAML wants a blank after a colon; without one {name}:{value} is a name.",
+        "write {name}: {value}",
+    ),
+    meaning(
+        r"PyUnicode_Check|bad argument type for built-in operation|The 'data' field must be of type 'str'",
+        "string-data-type field-type",
+        "The text of a String was given something that is no text.",
+        "write str(...) around it",
+    ),
+    meaning(
+        r"The '(?P<name>\w+)' field must be (?P<what>.*)",
+        "field-type int-in-float string-data-type",
+        "The field {name} must be {what}.",
+        "give it a value of that type",
+    ),
+    meaning(
+        r"Expected <class '(?P<package>\w+)\.msg\.\w+\.(?P<wanted>\w+)'>, got <class '(?:[\w.]+\.)?(?P<given>\w+)'>",
+        "publish-text publish-type",
+        "publish() wants a {wanted}, and was given a value of type {given}.",
+        lambda package, wanted, given: filling(f"{package}.msg.{wanted}", "...", given),
+    ),
+    meaning(
+        r"RcutilsLogger\.\w+\(\) takes|rclpy_logging_rcutils_log\(\): incompatible function arguments",
+        "logger-arguments",
+        "A logger's method takes one text.",
+        "make one text of the values: f'... {{value}}'",
+    ),
+    meaning(
+        r"takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) (?:was|were) given",
+        "node-property callback-arguments argument-missing",
+        "A function is called with {given} arguments and takes {takes} (self is counted).",
+        "write the parameters that it is called with; a subscription's callback is def callback(self, msg):",
+    ),
+    meaning(
+        r"(?P<name>\w+)\(\) missing (?P<number>\d+) required positional arguments?: (?P<what>.*)",
+        "entry-point-function callback-arguments argument-missing argument-order",
+        "{name}() is called without {what}.",
+        "give it {what} in its parentheses",
+    ),
+    meaning(
+        r"incompatible QoS\..*[Ll]ast incompatible policy: (?P<policy>\w+)|incompatible QoS",
+        "qos-mismatch",
+        "The two ends of a topic do not agree on the quality of service ({policy}), so nothing arrives.",
+        "give the publisher and the subscription the same quality of service",
+    ),
+    meaning(
+        r"'property' object has no attribute '(?P<name>\w+)'",
+        "attribute-unknown",
+        "Here .{name} is asked of a field of a class, and not of an object of that class.",
+        "make an object first, with parentheses behind the class: twist = Twist()",
+    ),
+    meaning(
+        r"'(?P<owner>\w+)' object has no attribute '(?P<name>\w+)'",
+        "private-name attribute-missing message-field callback-missing super-missing publisher-method attribute-unknown",
+        "",
+    ),
+)

@@ -1,0 +1,270 @@
+"""What a command asked of a workspace and did not get: a package, an executable, a file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from ros2lab.diagnose.code.imports import bare_import
+from ros2lab.diagnose.finding import Finding, stops_build
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.packaging.entry_point_faults import meant_function
+from ros2lab.diagnose.packaging.installed import prefix_of
+from ros2lab.diagnose.packaging.layout_faults import hidden, outside
+from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
+from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, nearest_module
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
+
+# Why an executable that setup.py names is not where `ros2 run` looks, the likeliest first.
+_LOSE_EXECUTABLES = (
+    "setup-value",
+    "setup-cfg-missing",
+    "setup-cfg-dashes",
+    "entry-points-key",
+    "entry-points-missing",
+    "install-stale",
+    "entry-point-spec",
+    "replaced",
+)
+
+
+# What `setup.bash` sets, and what hides it if it is set anew.
+_VARIABLE = re.compile(
+    r"^(?:export |unset )?(?P<name>AMENT_PREFIX_PATH|PYTHONPATH|PATH|COLCON_PREFIX_PATH)\b(?P<to>=.*)?$"
+)
+_SOURCES = re.compile(r"^(?:source|\.) +(?P<file>\S*setup\.\w*sh)\b")
+_RUNS_IT = re.compile(r"^(?:(?:ba|z)?sh +|\./)?(?P<file>\S*install/(?:local_)?setup\.\w*sh)$")
+
+
+def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Finding:
+    """Say why a package that is built is not found, by what was typed in that terminal."""
+    fix, cause = (
+        f"source {root}/install/setup.bash",
+        f"The package {name} is built, and this terminal has not sourced the workspace",
+    )
+    sourced = [n for n, line in enumerate(typed) if _SOURCES.match(line)]
+    built = [n for n, line in enumerate(typed) if line.startswith("colcon build")]
+    ran = next((line for line in typed if _RUNS_IT.match(line)), "")
+    last = sourced[-1] if sourced else -1
+    hidden = next(
+        (line for line in typed[last + 1 :] if (m := _VARIABLE.match(line)) and "$" + m["name"] not in line),
+        "",
+    )
+    file = _SOURCES.match(typed[last])["file"] if sourced else ""  # type: ignore[index]
+    if hidden and sourced:
+        variable = _VARIABLE.match(hidden)["name"]  # type: ignore[index]
+        cause = (
+            f"`{hidden}` takes away what sourcing has put into {variable}, so {name} is not found any more"
+        )
+        fix = f"{fix}, and take `{hidden}` away, also in ~/.bashrc"
+    elif sourced and built and last < built[-1]:
+        cause = f"The workspace was sourced before {name} was built, and a terminal does not notice what is built later"
+    elif sourced and re.search(
+        rf"{re.escape(file)}'?: (?:No such file|Permission)|no such file.*{re.escape(file)}", text
+    ):
+        cause = f"`{typed[last]}` found no file {file} in the folder in which it was typed, so nothing was sourced"
+    elif sourced and re.search(r"source: (?:command )?not found|not found: source", text):
+        cause = f"`{typed[last]}` was not understood, for this shell is no bash, so nothing was sourced"
+        fix = f"type bash, and in it {fix}"
+    elif ran and not sourced:
+        cause = (
+            f"`{ran}` runs in a shell of its own, and what it sets is gone when it ends: it must be sourced"
+        )
+    return Finding("not-sourced", f"{cause}.", "", fix)
+
+
+def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
+    """Say why ROS does not find a package."""
+    package = _package(name, look)
+    if look is None or package is None:
+        return _unknown_package(name, look)
+    if not package.has("package.xml"):
+        return next(
+            manifest_faults(package, ())
+        )  # whatever it was meant for, as a package of ROS it was asked for
+    if package.manifest_fault and (invalid := _fault_of(package, look, ("manifest-invalid",))):
+        return invalid
+    if prefix_of(look.root, name) is not None:
+        return not_sourced(name, error.typed, error.text, look.root)
+    folder = package.shown("-").removesuffix("-")
+    stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
+    stops += [f for f in look.findings if f.code == "link-stale" and f"/{name}/" in f"{f.place}/"]
+    stops += [f for f in look.findings if f.code in ("build-elsewhere", "build-type-unknown")]
+    cause = f"The package {name} is in src, and it was not built."
+    fix = f"colcon build --packages-select {name}, then source install/setup.bash"
+    return next(iter(stops), None) or Finding("not-built", cause, package.shown(""), fix)
+
+
+def _unknown_package(name: str, look: Look | None) -> Finding:
+    """Say where a package is that colcon does not see, or which one was meant."""
+    for one in look.passed_over if look else ():
+        if one.package.name == name:
+            return hidden(one)
+    if look and (found := next(outside(look.root, name), None)):
+        return found
+    named = [f for f in look.findings if f.code == "package-name" and name in f.about] if look else []
+    if named:
+        return named[0]
+    names = [one.name for one in look.packages] if look else []
+    cause = (
+        f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
+    )
+    near = nearest(name, names)
+    do = "look at the name, build the workspace, and source install/setup.bash in this terminal"
+    return Finding("package-not-found", cause, "", f"write {near} in place of {name}" if near else do)
+
+
+def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Finding:
+    """Say why `ros2 run` does not find an executable.
+
+    Args:
+        command: such as ("run", "my_bot", "talker"), if it is known.
+        look: the workspace, if there is one.
+    """
+    package = _package(command[1], look) if command else None
+    there = look.executables[package.name] if look and package else None
+    stem = command[2].partition(".")[0] if command else ""
+    if command and package and there and stem in there and stem != command[2]:
+        return Finding(
+            "executable-missing",
+            f"An executable is called without the ending of its file: it is {stem}, as setup.py names it.",
+            "",
+            f"ros2 run {package.name} {stem}",
+        )
+    if package and f"{package.name}.{stem}" in package.sources and stem not in (there or ()):
+        return _fault_of(package, look, _LOSE_EXECUTABLES) or _no_entry_point(package, stem)
+    if command and package and there and command[2] not in there:
+        return _fault_of(package, look, ("replaced",)) or Finding(
+            "executable-missing",
+            f"The package {package.name} has no executable {command[2]}; it has {', '.join(sorted(there))}."
+            f"{did_you_mean(command[2], there)}",
+            package.shown("setup.py"),
+            "write its name as it stands in the entry points of setup.py, or add an entry point and build again",
+        )
+    what = f" {command[2]} in {command[1]}" if command else ""
+    return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(
+        "executable-missing",
+        f"ROS finds no such executable{what}: it is no entry point of setup.py, it was not built since, or setup.cfg "
+        "does not put it into lib/<package>.",
+        "",
+        "look at entry_points in setup.py and at setup.cfg, build again, and source install/setup.bash",
+    )
+
+
+def _no_entry_point(package: SourcePackage, name: str) -> Finding:
+    """Say that no entry point calls a module of a package."""
+    module = f"{package.name}.{name}"
+    return Finding(
+        "executable-missing",
+        f"{package.sources[module].shown} is there, and no entry point of setup.py calls it, so it is no executable.",
+        package.shown("setup.py"),
+        f"write `'{name} = {module}:{meant_function(package, module)}'` into 'console_scripts', and build again",
+    )
+
+
+# Why a file may not be where ROS looks.
+_UNINSTALLED = frozenset(("not-in-data-files", "installed-elsewhere", "install-stale", "setup-value"))
+
+
+def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
+    """Say why `ros2 launch` does not find a file; None if that is told already."""
+    package = _package(package_name, look)
+    names = [path.name for path in package.launch_files] if package else []
+    for one in look.findings if look else ():
+        if one.code in _UNINSTALLED and {name, "data_files"} & {*one.about}:
+            return one
+    begun = [one for one in names if one.startswith(f"{name}.")]
+    if begun:
+        return Finding(
+            "file-not-found",
+            f"There is no launch file {name}: its whole name, with the ending, is {begun[0]}.",
+            "",
+            f"ros2 launch {package_name} {begun[0]}",
+        )
+    for path in package.launch_files if package else ():
+        inner = path.relative_to(package.folder).as_posix() if package else ""
+        if path.name == name:
+            return Finding(
+                "not-in-data-files",
+                f"{inner} is in src, and it is not where ROS looks, the folder share/{package_name} of install: "
+                "it was not installed since, or elsewhere.",
+                package.shown(inner) if package else "",
+                f"let setup.py install it: (os.path.join('share', package_name, 'launch'), ['{inner}']), then colcon build --packages-select {package_name}",
+            )
+    return Finding(
+        "file-not-found",
+        f"The package {package_name} has installed no file {name}.{did_you_mean(name, names)}",
+        "",
+        "compare the name with the file's; put it into data_files of setup.py, build again and source",
+    )
+
+
+def _package(name: str, look: Look | None) -> SourcePackage | None:
+    return next((one for one in look.packages if one.name == name), None) if look else None
+
+
+def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str, ...]) -> Finding | None:
+    """Return the first fault of a package, or of any, that has the first of these codes."""
+    folder = package.shown("-").removesuffix("-") if package else ""
+    found = [one for one in look.findings if one.place.startswith(folder)] if look else []
+    found = [one for one in found if one.code != "replaced" or "/setup.py:" in one.place]
+    return next((one for code in codes for one in found if one.code == code), None)
+
+
+def no_module(name: str, place: str, look: Look | None) -> Finding | None:
+    """Say where a module is that Python does not find; None if nothing here is called so.
+
+    Args:
+        name: of the module, as it is imported.
+        place: of the import.
+        look: at the workspace; None if there is none.
+    """
+    top = name.partition(".")[0]
+    if top in PACKAGES and is_installed(top):
+        if nearest_module(name):  # of this Python's own, misspelt
+            return None
+        return Finding(
+            "command-not-found",
+            f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
+            place,
+            "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
+        )
+    if look is None:
+        return None
+    if found := _own_module(name, place, look):
+        return found
+    own = {part for package in look.packages for module in package.sources for part in module.split(".")}
+    if top in own or nearest_module(name) or any(is_near_miss(top, one) for one in own):
+        return None
+    return Finding(
+        "module-missing",
+        f"Nothing of the workspace or of ROS is called {top}: it is a library that is not installed here, or a misspelt name.",
+        place,
+        f"install the library that brings {top}, as its own page says, and name it in package.xml; or fix the name",
+    )
+
+
+def _own_module(name: str, place: str, look: Look) -> Finding | None:
+    """Say why a module that lies in the workspace is not found; None if none is called so."""
+    for package in look.packages:
+        for module in package.sources:
+            if module.endswith(f".{name}"):
+                return bare_import(module, name, place)
+            if module == name and place.startswith("cell"):
+                return Finding(
+                    "not-sourced",
+                    f"{name} lies in {package.shown('')}, and the notebook's kernel has sourced no workspace; a cell with ! is a shell of its own.",
+                    place,
+                    "use it in one %%terminal cell, after source install/setup.bash there",
+                )
+            if module == name:
+                return Finding(
+                    "install-stale",
+                    f"{name} lies in {package.shown('')}, and not where the package is installed, or this terminal does not look there.",
+                    place,
+                    f"run colcon build --packages-select {package.name} in the workspace, and source install/setup.bash",
+                )
+    return None

@@ -1,0 +1,149 @@
+"""What a notebook shows under a cell that has failed: the likeliest cause, its place and its fix."""
+
+from __future__ import annotations
+
+import dataclasses
+import html
+import linecache
+import traceback
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+    from ros2lab.diagnose.finding import Finding
+
+_EXPLAIN_THEMSELVES = frozenset(("CheckError", "SystemExit", "WorkspaceError"))
+
+
+def load_ipython_extension(shell: InteractiveShell) -> None:
+    """Explain each cell that fails, from now on; loading it twice does no harm."""
+    unload_ipython_extension(shell)
+    shell.events.register("post_run_cell", explain_cell)
+
+
+def unload_ipython_extension(shell: InteractiveShell) -> None:
+    """Explain no more."""
+    for known in [one for one in shell.events.callbacks["post_run_cell"] if one is explain_cell]:
+        shell.events.unregister("post_run_cell", known)
+
+
+def explain_cell(result: Any) -> None:
+    """Show the first finding about a cell that has failed, and nothing about any other. Never raises."""
+    error = result.error_in_exec or result.error_before_exec
+    if error is None:
+        return
+    try:
+        finding = find_cause(error)
+        if finding is not None:
+            from IPython.display import display
+
+            display(Explanation(finding, is_folded=_is_in_exercise(error)))  # type: ignore[no-untyped-call]
+    except Exception:
+        # The student has an error already, and is not helped by one of ours.
+        return
+
+
+def find_cause(error: BaseException) -> Finding | None:
+    """Return the likeliest cause of a cell's error; None if there is nothing to add to what it says itself."""
+    if type(error).__name__ in _EXPLAIN_THEMSELVES or isinstance(error, KeyboardInterrupt):
+        return None
+    from ros2lab.diagnose import of_text
+    from ros2lab.diagnose.finding import SAID, UNKNOWN
+
+    shown = getattr(error, "shown", None)  # what a terminal has printed before its command failed
+    if shown is not None:
+        findings = of_text(shown, _workspace_of(error.folder)) if shown else []  # type: ignore[attr-defined]
+    else:
+        text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
+        cells = _cells(error)
+        findings = [_with_cells_named(finding, cells) for finding in of_text(text, sources=cells)]
+    # What is only passed on stands above it already, unless there is something to type.
+    is_typed = shown is not None
+    # The line of a cell stands above it, too, with what Python says of it; and a cell shows what it computes.
+    is_above = {UNKNOWN, "python-error", "no-effect"} if shown is None else {UNKNOWN}
+    return next(
+        (f for f in findings if f.code not in is_above and (f.code != SAID or (f.fix and is_typed))), None
+    )
+
+
+def _cells(error: BaseException) -> dict[str, str]:
+    """Return the texts of the cells through which an error came, by the names that they have in its traceback."""
+    names = {frame.filename for frame in traceback.extract_tb(error.__traceback__)}
+    if isinstance(error, SyntaxError) and error.filename:
+        names.add(error.filename)
+    texts = {name: "".join(linecache.getlines(name)) for name in names if not Path(name).is_file()}
+    return {name: text for name, text in texts.items() if text}
+
+
+def _with_cells_named(finding: Finding, cells: Iterable[str]) -> Finding:
+    """Return a finding that calls cells what IPython calls them above it, and not by the names of files."""
+    cause, place, fix = finding.cause, finding.place, finding.fix
+    for name in cells:
+        shown = _name_of_cell(name)
+        place = f"{shown}, line {place.rpartition(':')[2]}" if place.startswith(f"{name}:") else place
+        cause, fix = cause.replace(name, shown), fix.replace(name, shown)
+    return dataclasses.replace(finding, cause=cause, place=place, fix=fix)
+
+
+def _name_of_cell(file: str) -> str:
+    from IPython.core.getipython import get_ipython
+
+    shell = get_ipython()
+    name = shell.compile.format_code_name(file) if shell is not None else None
+    return " ".join(name) if name else "this cell"
+
+
+def _workspace_of(terminal_folder: str) -> Path | None:
+    from ros2lab import course
+    from ros2lab.diagnose.look import workspace_around
+
+    folder = course.student_path(terminal_folder)
+    return workspace_around(folder) if folder.is_dir() else None
+
+
+def _is_in_exercise(error: BaseException) -> bool:
+    """Return whether a command has failed in a workspace in which a finding is told step by step."""
+    from ros2lab import course
+    from ros2lab.diagnose.explaining.steps import is_text_step_by_step
+
+    shown = getattr(error, "shown", None)
+    return shown is not None and is_text_step_by_step(shown, course.student_path(error.folder))  # type: ignore[attr-defined]
+
+
+class Explanation:
+    """A finding as a notebook shows it.
+
+    Args:
+        finding: what is shown.
+        is_folded: whether all but the cause is shown only when it is clicked.
+    """
+
+    def __init__(self, finding: Finding, *, is_folded: bool = False) -> None:
+        self.finding, self.is_folded = finding, is_folded
+
+    @property
+    def _rows(self) -> list[tuple[str, str]]:
+        rows = [("Cause", self.finding.cause), ("Place", self.finding.place), ("Fix", self.finding.fix)]
+        return [(name, text) for name, text in rows if text]
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name}: {text}" for name, text in self._rows[: 1 if self.is_folded else None])
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            self._row(name, text, is_folded=self.is_folded and number > 0)
+            for number, (name, text) in enumerate(self._rows)
+        )
+        return f'<div role="note" style="border-left:4px solid #c77700;padding:0.3em 0.8em;margin:0.3em 0">{rows}</div>'
+
+    @staticmethod
+    def _row(name: str, text: str, *, is_folded: bool) -> str:
+        # Of the classes each is for one release of MathJax, for which $base … $base is a formula.
+        classes = "mathjax_ignore tex2jax_ignore"
+        shown = f'<span class="{classes}" style="white-space:pre-wrap">{html.escape(text)}</span>'
+        if is_folded:
+            return f"<details><summary><b>{name}</b></summary>{shown}</details>"
+        return f"<div><b>{name}:</b> {shown}</div>"

@@ -1,0 +1,75 @@
+"""Nodes of one name of which a terminal has started fewer than there are: an older one still runs somewhere."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorText
+
+_TWICE = "share an exact name"
+_STARTED = re.compile(r"\bros2 run (?P<package>[\w.-]+) (?P<executable>[\w.-]+)")
+_ECHOED = re.compile(r"data: '?(?P<text>[^\W\d][^'\n]*[^\W\d])'?$", re.MULTILINE)
+
+
+def of_older_node(error: ErrorText, look: Look) -> Finding | None:
+    """Say that a node of an earlier start still runs; None if all that there are were started in the text, or none was.
+
+    Args:
+        error: the text, in which nodes of one name are listed.
+        look: the workspace.
+    """
+    listed = Counter(
+        line.strip()
+        for step in error.steps
+        if _TWICE in step.text
+        for line in step.lines
+        if line.startswith("/")
+    )
+    for name, number in listed.items():
+        makers = {*_makers(name.rpartition("/")[2], look)}
+        starts = [match.groups() for line in error.typed for match in _STARTED.finditer(line)]
+        begun = [one for one in starts if one in makers]
+        is_launched = any(line.startswith("ros2 launch") for line in error.typed)
+        if number > 1 and len(makers) == 1 and not is_launched and 0 < len(begun) < number:
+            package, executable = begun[0]
+            cause = (
+                f"There are {number} nodes {name}, and here it was started {_times(len(begun))}: an older one still runs in "
+                f"another terminal, or in the background, with the code that it was started with.{_not_in_the_sources(error, look)}"
+            )
+            fix = (
+                f"press Ctrl-C in the terminal of the older one, or type `pkill -f lib/{package}/{executable}` to end all of "
+                f"them; then start it once: ros2 run {package} {executable}"
+            )
+            return Finding("name-twice", cause, "", fix)
+    return None
+
+
+def _times(number: int) -> str:
+    return "once" if number == 1 else f"{number} times"
+
+
+def _makers(name: str, look: Look) -> Iterator[tuple[str, str]]:
+    """Yield the packages and executables whose file gives a node this name."""
+    for package in look.packages:
+        for point in (package.setup.entry_points if package.setup else None) or ():
+            source = package.sources.get(point.module)
+            texts = (
+                node.value for node in (source.nodes if source else ()) if isinstance(node, ast.Constant)
+            )
+            if name in texts:
+                yield package.name, point.name
+
+
+def _not_in_the_sources(error: ErrorText, look: Look) -> str:
+    """Say which text is received that stands in no file any more; empty if each does, or none is made of a fixed text."""
+    echoed = [*dict.fromkeys(match["text"] for step in error.steps for match in _ECHOED.finditer(step.text))]
+    files = [source.text for package in look.packages for source in package.sources.values()]
+    gone = [text for text in echoed if not any(text in file for file in files)]
+    if len(gone) == len(echoed):
+        return ""  # they are put together when it runs
+    return f" Its text {gone[0]!r} stands in no file any more." if gone else ""

@@ -1,0 +1,33 @@
+"""An error of what ran before a file was changed."""
+
+from __future__ import annotations
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.packaging.installed import changed_sources, prefix_of
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import place_of
+
+
+def of_earlier(error: ErrorText, look: Look) -> Finding | None:
+    """Return that an error is of an installed copy, where its file was changed since; None if none was."""
+    own = own_frames(error.reports[-1].frames) if error.reports else []
+    frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
+    stale = next((one for one in look.findings if one.code == "install-stale"), None) if frames else None
+    if stale is None:
+        return None
+    prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)
+    changed = {
+        one.shown: one
+        for package, prefix in prefixes
+        if prefix
+        for one, _ in changed_sources(prefix, package)
+    }
+    for place, frame in frames.items():
+        file = place.rpartition(":")[0]
+        if file in changed:
+            cause = f"{file} was changed since the last build, and the error is of what was built before."
+            if frame.text and frame.text not in map(str.strip, changed[file].text.splitlines()):
+                cause = f"{cause.rstrip('.')}: `{frame.text}` is not in it any more."
+            return Finding("install-stale", cause, place, f"{stale.fix}; then run the same command again")
+    return None

@@ -1,0 +1,63 @@
+"""Warnings that the student's own code gives: they are meant so, and no tool has said them."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import Frame, own_frames
+from ros2lab.diagnose.printed.transcript import WARNING
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
+
+_GIVES_ONE = re.compile(r"\s*(?:warnings\.)?warn\(")
+_SHORTEST = 8  # characters of a text that is known again
+
+
+def without_own_warnings(text: str, look: Look | None) -> str:
+    """Leave the warnings out of a text that the code gives which was run, each with the line of code below it."""
+    lines = text.splitlines()
+    left, n = [], 0
+    while n < len(lines):
+        warning = WARNING.match(lines[n])
+        below = lines[n + 1] if n + 1 < len(lines) else ""
+        if warning and _is_own(warning, below, look):
+            n += 1 + below.startswith("  ")
+            continue
+        left.append(lines[n])
+        n += 1
+    return text if len(left) == len(lines) else "\n".join(left)
+
+
+def _is_own(warning: re.Match[str], below: str, look: Look | None) -> bool:
+    if not own_frames([Frame(warning["file"], int(warning["line"]))]):
+        return False
+    if _GIVES_ONE.match(below):
+        return True
+    # With a stacklevel it names the line that called what gives it.
+    return any(
+        text in warning["message"] for source in _files(warning["file"], look) for text in _texts(source)
+    )
+
+
+def _files(file: str, look: Look | None) -> Iterator[PythonSource]:
+    path = (look.root if look else Path()) / file
+    if path.is_file():
+        yield read_source(path, path.stem, file)
+    for package in look.packages if look else ():
+        yield from package.sources.values()
+
+
+def _texts(source: PythonSource) -> Iterator[str]:
+    """Yield the longer texts of a file, of an f-string what stands between its values."""
+    if source.tree is None or source.fault:
+        return
+    for node in source.nodes:
+        if (
+            isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and len(node.value.strip()) >= _SHORTEST
+        ):
+            yield node.value.strip()

@@ -1,0 +1,168 @@
+"""A file of Python that was run and has printed nothing, because nothing in it calls what it defines."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import PurePath
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import commands_with_output
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
+from ros2lab.diagnose.sources.setup_script import EntryPoint
+
+_GUARD = "`if __name__ == '__main__':`"
+
+
+def of_quiet_program(text: str, look: Look | None) -> Finding | None:
+    """Say why a file that was run has done nothing; None if none was, or it does something.
+
+    Args:
+        text: what was typed and printed.
+        look: the workspace.
+    """
+    for line, printed in reversed(commands_with_output(text)) if look else ():
+        if any(map(str.strip, printed)):
+            continue
+        for package, source in _run_by(line, look):
+            if source.text and not source.fault and (found := _does_nothing(source, package)):
+                return found
+    return None
+
+
+def _run_by(line: str, look: Look | None) -> Iterator[tuple[SourcePackage, PythonSource]]:
+    """Yield the files of the workspace that a command may run by itself."""
+    for part in re.split(r" *(?:&&|;) *", line):
+        try:
+            words = [word for word in shlex.split(part) if not re.match(r"\w+=", word)]
+        except ValueError:
+            continue
+        program = words[0] if words else ""
+        is_python = re.fullmatch(r"(?:\S*/)?python[\d.]*", program) is not None
+        is_module = "-m" in words[:-1]
+        rest = words[words.index("-m") + 1 :] if is_module else [w for w in words[is_python:] if w[:1] != "-"]
+        if not rest or not (is_python or program.endswith(".py")):
+            continue
+        path = f"{rest[0].replace('.', '/')}.py" if is_module else rest[0]
+        if path.endswith(".py"):
+            for package in look.packages if look else ():
+                yield from ((package, source) for source in _files(package) if _is_meant(path, source))
+
+
+def _files(package: SourcePackage) -> Iterator[PythonSource]:
+    yield from package.sources.values()
+    others = [*package.launch_files, *package.folder.glob("test*/*.py")]
+    for path in others:
+        if path.suffix == ".py":
+            yield read_source(path, path.stem, package.shown(path.relative_to(package.folder).as_posix()))
+
+
+def _is_meant(path: str, source: PythonSource) -> bool:
+    """Return whether a path that was typed somewhere in a workspace ends as that of a file does."""
+    parts = [part for part in PurePath(path).parts if part not in (".", "..", "~", "/")]
+    there = [*PurePath(source.shown).parts]
+    # Where it was typed is not known, and so neither what stands before the part that both have.
+    return there[-1:] == parts[-1:] and (len(parts) == 1 or there[-2:] == parts[-2:])
+
+
+def _does_nothing(source: PythonSource, package: SourcePackage) -> Finding | None:
+    """Say that a file only defines something, and how it is run; None if it does more."""
+    guards = [node for node in source.nodes if isinstance(node, ast.If) and _is_guard(node)]
+    if any(not _only_defines(one) for one in source.tree.body if one not in guards):
+        return None
+    functions = [node for node in source.tree.body if isinstance(node, ast.FunctionDef)]
+    if found := _of_others(source, package, [node.name for node in functions]):
+        return found
+    main = _main(source, package, functions)
+    if guards:
+        return next((found for one in guards if (found := _of_guard(one, source, main))), None)
+    return _never_called(source, package, main)
+
+
+def _of_others(source: PythonSource, package: SourcePackage, names: list[str]) -> Finding | None:
+    """Say what calls the functions of a launch file, and those of a test."""
+    file, called = PurePath(source.shown).name, ""
+    if "generate_launch_description" in names:
+        called, by, fix = (
+            "generate_launch_description",
+            "ros2 launch",
+            f"type `ros2 launch {package.name} {file}`",
+        )
+    elif tests := [name for name in names if name.startswith("test")]:
+        called, by, fix = tests[0], "pytest", f"type `python3 -m pytest {source.shown}`"
+    if not called:
+        return None
+    cause = f"{file} only defines {called}(), which {by} calls, and python3 does not."
+    return Finding("never-called", cause, source.shown, fix)
+
+
+def _never_called(
+    source: PythonSource, package: SourcePackage, main: ast.FunctionDef | None
+) -> Finding | None:
+    """Say that nothing calls what a file defines, and where a call belongs."""
+    file = PurePath(source.shown).name
+    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    made = next((node.name for node in source.tree.body if isinstance(node, kinds)), "")
+    if main is None:
+        cause = f"{file} only defines {made}, and nothing in it uses that, so it ends at once."
+        fix = f"write def main(): with what it is to do, and at the very end {_GUARD} and indented below it `main()`"
+        return Finding("never-called", cause, source.shown, fix) if made else None
+    point = next((p.name for p in _points(package) if p.module == source.name), "")
+    by_ros = (
+        f"; or start it with `ros2 run {package.name} {point}`, which calls {main.name}()" if point else ""
+    )
+    cause = f"{file} only defines {main.name}() and nothing in it calls that, so python3 reads it and ends at once."
+    fix = f"write {_GUARD} at the very end of the file, and indented below it `{main.name}()`{by_ros}"
+    return Finding("never-called", cause, source.at(main), fix)
+
+
+def _points(package: SourcePackage) -> list[EntryPoint]:
+    return [*(package.setup.entry_points or ())] if package.setup else []
+
+
+def _main(
+    source: PythonSource, package: SourcePackage, functions: list[ast.FunctionDef]
+) -> ast.FunctionDef | None:
+    """Return the function that begins the program: the one of an entry point, main, or the last without parameters."""
+    points = [point.function for point in _points(package) if point.module == source.name]
+    free = [one for one in functions if len(one.args.args) == len(one.args.defaults)]
+    named = [one for one in free if one.name in (*points, "main")]
+    return next(iter(named), free[-1] if free else None)
+
+
+def _is_guard(node: ast.If) -> bool:
+    return "__name__" in {one.id for one in ast.walk(node.test) if isinstance(one, ast.Name)}
+
+
+def _of_guard(guard: ast.If, source: PythonSource, main: ast.FunctionDef | None) -> Finding | None:
+    """Say what is wrong with the lines that should call main; None if they do."""
+    test = ast.unparse(guard.test)
+    if guard not in source.tree.body:
+        cause = f"`if {test}:` is indented, so it belongs to what stands above it, and is not reached as the file is run."
+        return Finding(
+            "never-called", cause, source.at(guard), "move it, with what is below it, to the left margin"
+        )
+    if test not in ("__name__ == '__main__'", "'__main__' == __name__"):
+        cause = f"`if {test}:` does not hold as the file is run: __name__ is '__main__' then."
+        return Finding("never-called", cause, source.at(guard), "write if __name__ == '__main__':")
+    if all(isinstance(one, ast.Pass) or (isinstance(one, ast.Expr) and isinstance(one.value, (ast.Name, ast.Constant, ast.Attribute))) for one in guard.body):  # fmt: skip
+        name = main.name if main else "main"
+        cause = f"`{ast.unparse(guard.body[0])}` only names a function, and does not call it."
+        return Finding("never-called", cause, source.at(guard.body[0]), f"write {name}()")
+    return None
+
+
+def _only_defines(node: ast.stmt) -> bool:
+    """Return whether a statement at the top of a file does nothing that is seen."""
+    if isinstance(
+        node, (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Pass)
+    ):
+        return True
+    if isinstance(node, ast.Expr):
+        return isinstance(node.value, (ast.Constant, ast.Name, ast.Attribute))
+    is_set = isinstance(node, (ast.Assign, ast.AnnAssign))
+    return is_set and not any(isinstance(one, ast.Call) for one in ast.walk(node))

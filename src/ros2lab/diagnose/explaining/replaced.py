@@ -1,0 +1,55 @@
+"""An error in a function that has taken the place of another one."""
+
+from __future__ import annotations
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.sources.interfaces import members_of
+
+
+def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
+    """Return that something of rclpy's was taken away in the file through which its error came; None if nothing was."""
+    frames = error.reports[-1].frames if error.reports else ()
+    own = own_frames(frames)
+    if not own or frames[-1] in own:
+        return None
+    file = place_of(own[:1], look).rpartition(":")[0]
+    return next(
+        (one for one in known if one.code == "node-property" and one.place.startswith(f"{file}:")), None
+    )
+
+
+def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
+    """Return that a method in which an error came has taken the place of one of every node; None if it has not."""
+    frames = error.reports[-1].frames if error.reports else ()
+    own = own_frames(frames)
+    if len(own) < 2 or frames.index(own[0]) - frames.index(own[1]) < 2:  # nobody stands between the two
+        return None
+    spot = spot_at(place_of(own[:1], look), look)
+    name = spot.function.name if spot.function else ""
+    if (
+        name.startswith("__")
+        or name not in members_of("rclpy.node", "Node")[0]
+        or spot.source is None
+        or spot.function is None
+    ):
+        return None
+    cause = f"Every node has a method {name}, which rclpy itself calls: this one hides it, and is called before it can be."
+    return Finding(
+        "node-property",
+        cause,
+        spot.source.at(spot.function),
+        f"call it {name}_ or another name, also where it is used",
+    )
+
+
+def made_twice(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
+    """Return that the function in which an error came has replaced another one of its name; None if it has not."""
+    frames = own_frames(error.reports[-1].frames) if error.reports else []
+    spot = spot_at(place_of(frames, look), look) if frames else Spot(None, 0)
+    if spot.source is None or spot.function is None:
+        return None
+    place = f"{spot.source.shown}:{spot.function.lineno}"
+    return next((one for one in known if one.code == "replaced" and one.place == place), None)

@@ -1,0 +1,395 @@
+"""What tools, shells and Python say well themselves: passed on, with the nearest right word and the place."""
+
+from __future__ import annotations
+
+import ast
+import errno
+import keyword
+import os
+import re
+import shlex
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
+from ros2lab.diagnose.causes.python_says import of_error
+from ros2lab.diagnose.explaining.warnings_told import of_warning
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.printed.transcript import (
+    LABELLED,
+    OF_LATER,
+    SYSTEM,
+    WARNING,
+    Step,
+    step_with,
+    without_data,
+)
+from ros2lab.diagnose.sources.python_source import read_source, read_text
+from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
+
+_USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
+_CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
+_SYSTEM_SAYS = re.compile(
+    rf"^(?:(?P<tool>[^\s:]+): )?(?P<before>.*?)(?:: )?(?:\[Errno \d+\] )?(?P<said>{'|'.join(map(re.escape, SYSTEM))})"
+    r"(?:: (?P<after>.+))?$"
+)
+_NO_COMMAND = re.compile(
+    r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
+)
+_SCRIPT = re.compile(r"^(?P<file>\S+\.py): line \d+: ")
+# How ros2, launch and colcon begin a sentence that says what is wrong.
+_SENTENCE = re.compile(
+    r"(?:unknown|unable|could not|cannot|can't|failed to|malformed|invalid|the passed|there is no|no such|node not|fatal"
+    r"|error|ignoring unknown|not a|no matching)\b",
+    re.IGNORECASE,
+)
+_ROS_1 = {
+    **{
+        f"ros{verb}": f"ros2 {verb}"
+        for verb in ("run", "launch", "topic", "node", "param", "service", "bag", "pkg")
+    },
+    **{"rosmsg": "ros2 interface", "rossrv": "ros2 interface", "roscore": "nothing (ROS 2 needs no master)"},
+    **{"catkin_make": "colcon build", "roscd": "cd", "catkin": "colcon"},
+}
+_NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
+
+
+def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what a tool's, a shell's or the system's own sentence says, with what to do; None if it is none."""
+    line = line.strip()
+    if script := _SCRIPT.match(line):
+        file = script["file"]
+        return Finding(
+            SAID,
+            f"The shell reads {file} as commands of its own, because its first line does not say that it is Python.",
+            file,
+            f"start it with python3 {file}, or write #!/usr/bin/env python3 as its very first line",
+        )
+    if missing := _NO_COMMAND.match(line):
+        return _no_command(missing["tool"], missing["name"] or missing["name2"])
+    if warning := WARNING.match(line):
+        is_told = _concerns(warning, step_with(line, error.steps))
+        return of_warning(line, error.text, look) if is_told else None
+    if usage := _USAGE.match(line):
+        return _usage(usage["tool"], usage["said"], error)
+    if said := _SYSTEM_SAYS.match(line):
+        return _of_system(said, look)
+    return _sentence(line, error, look)
+
+
+def _concerns(warning: re.Match[str], step: Step) -> bool:
+    """Return whether a warning is worth telling: not how a library is written, where the program did well or will for years."""
+    # pytest warns at a line of its own, and names the test.
+    is_own = ".py" in warning["message"] or bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
+    return not OF_LATER.search(warning["kind"]) and (is_own or not step.ended_well)
+
+
+def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what ros2, launch or colcon says in a sentence of its own; None if it is none.
+
+    What it only warns of is told where it is known what was meant.
+    """
+    sentence = PREFIX.sub("", line, count=1)
+    if _SENTENCE.match(without_data(sentence)) and not error.reports:
+        quoted = re.findall(r"'([^']+)'", sentence)
+        known = set(_names(look)) if look and "did you mean" not in sentence else set()
+        wrong, close = next(((word, name) for word in quoted if (name := nearest(word, known))), ("", None))
+        hint = f" Nothing here is called {wrong}; there is {close}." if close else ""
+        meant = re.search(r"did you mean '?([\w/]+)", sentence)
+        word = close or (meant[1] if meant else None)
+        form = re.search(r"expected format '(.+?)'", sentence)
+        last = " ".join(step_with(line, error.steps).command.split()[:3])
+        fix = (
+            f"write {word}"
+            if word
+            else f"write it as {form[1]}"
+            if form
+            else f"`{last} -h` shows what it takes"
+            if last
+            else ""
+        )
+        if word or not LABELLED.match(line):
+            return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
+    return None
+
+
+def _no_command(tool: str, name: str) -> Finding:
+    if name == "source":
+        fix = "write a dot in place of source (. install/setup.bash), or type bash first"
+        return Finding(SAID, f"{tool} has no command source; that is bash's.", "", fix)
+    if name in _ROS_1:
+        fix = f"write {_ROS_1[name]} in its place"
+        return Finding(SAID, f"{name} is a command of ROS 1; in ROS 2 it is {_ROS_1[name]}.", "", fix)
+    if not re.search(r"\w", name):
+        cause = f"{name} is the prompt, which a terminal prints itself, and no part of the command."
+        return Finding(SAID, cause, "", f"type what stands behind {name} only")
+    folders = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
+    commands = [one.name for folder in folders if folder.is_dir() for one in folder.iterdir()]
+    close = nearest(name, [one for one in commands if abs(len(one) - len(name)) < 2])
+    if keyword.iskeyword(name):
+        fix = "type python3 first, or put it into a file and run that with python3"
+        return Finding(SAID, f"{name} belongs to Python, and the shell has no such command.", "", fix)
+    fix = f"write {close}" if close else "fix its spelling; if it is right, the program is not installed here"
+    if shutil.which(name):
+        fix = (
+            "it is found from here: in that terminal, activate the course's .venv or source ROS's setup.bash"
+        )
+    return Finding(
+        SAID,
+        f"There is no command {name} in this terminal.{did_you_mean(name, [close] if close else [])}",
+        "",
+        fix,
+    )
+
+
+def _usage(tool: str, said: str, error: ErrorText) -> Finding:
+    help_ = f"{tool} -h shows what it takes"
+    if choice := _CHOICE.search(said):
+        choices = re.findall(r"[\w.-]+", choice["choices"])
+        close = nearest(choice["given"], choices, 0.6)
+        option = re.match(r"argument (-\S+):", said)
+        what = f"for {option[1]} " if option else ""
+        cause = f"{tool} knows no {choice['given']} {what}here; it knows {', '.join(choices)}."
+        return Finding(SAID, cause, "", f"write {close}" if close else help_)
+    if match := re.match(r"unrecognized arguments?: (.+)", said):
+        wrong = match[1].split()[0]
+        if re.search(r"[}\]]", match[1]) and not wrong.startswith("-"):
+            fix = "put the whole value in quotes: '{data: hello}'"
+            return Finding(SAID, f"{tool} takes the value for several words, because of its blanks.", "", fix)
+        if " " in match[1] and "[ERROR]" in error.text:
+            # Two arguments that a terminal gives one by one stand in one text.
+            pieces = ", ".join(map(repr, shlex.split(match[1])))
+            cause = f"{tool} is given {match[1]!r} as one word, and it is {len(shlex.split(match[1]))}."
+            return Finding(SAID, cause, "", f"write {pieces} in place of {match[1]!r} in the launch file")
+        options = re.findall(r"--[\w-]+", error.text.replace(match[0], ""))
+        close = nearest(wrong, options) or (wrong.replace("_", "-") if "_" in wrong else None)
+        cause = f"{tool} does not know {match[1]}.{did_you_mean(wrong, options)}"
+        return Finding(
+            SAID, cause, "", f"write {close}" if close else f"take it out, or fix its spelling: {help_}"
+        )
+    if match := re.match(r"the following arguments are required: (.+)", said):
+        wanted = match[1].replace(", argv", "")
+        return Finding(
+            SAID, f"The command is not complete: {wanted} must follow.", "", f"add {wanted}; {help_}"
+        )
+    return Finding(SAID, f"{tool}: {said}.", "", help_)
+
+
+def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
+    """Explain what the operating system says of a file."""
+    quoted = re.findall(
+        r"(?<!\w)[\u2018'\"]([^\u2019'\"]+)[\u2019'\"]", said["after"] or said["before"] or ""
+    )
+    words = (said["before"] or "").split()
+    path = quoted[-1] if quoted else words[-1] if words else said["tool"] or ""
+    if not path:
+        return None
+    number = SYSTEM[said["said"]]
+    if path.endswith(("\\r", "\r", "^M")):
+        sources = [s for p in (look.packages if look else ()) for s in p.sources.values() if s.path]
+        shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
+        return Finding(
+            SAID,
+            f"The first line of the file ends as Windows ends it, so the system looks for a program {path!r}.",
+            shown,
+            rf"sed -i 's/\r$//' {shown}"
+            if shown
+            else r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
+        )
+    if number == errno.ENOENT:
+        return _missing(path, look)
+    if number in (errno.EACCES, errno.EPERM):
+        return _denied(path, is_run=not said["after"] and (said["tool"] or "").endswith("sh"))
+    if number == errno.ENOEXEC:
+        cause = (
+            f"The first line of {path} does not say which program reads it, so the system cannot start it."
+        )
+        fix = "give it an entry point in setup.py, build again, and start that; a script by itself needs #!/usr/bin/env python3 as its very first line"
+        return Finding(SAID, cause, "", fix)
+    return Finding(SAID, f"{path}: {said['said']}.", "", f"look at it with ls -ld {path}")
+
+
+def _missing(path: str, look: Look | None) -> Finding:
+    if look and not path.startswith("/") and (look.root / path).exists():
+        cause = f"There is no {path} in the folder in which this was typed; it is in {look.root}."
+        return Finding(SAID, cause, "", f"cd {look.root}, and type it again")
+    if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
+        cause = f"There is no {path}: the workspace {look.root} is not built yet."
+        return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
+    if look and (found := of_shared_file(path, look)):
+        return found
+    near = sorted(_alike(path, look)) if look else []
+    where = f"; there is {near[0]}" if near else ""
+    fix = (
+        f"write {near[0]}, seen from the workspace" if near else "compare the path with what ls and pwd show"
+    )
+    return Finding(SAID, f"There is no file or folder {path}{where}.", "", fix)
+
+
+def _denied(path: str, *, is_run: bool) -> Finding:
+    if is_run or (path.startswith("./") and Path(path).is_file()):
+        fix = f"chmod +x {path}; a node is started with ros2 run"
+        return Finding(SAID, f"The file {path} may not be run: it is not marked as a program.", "", fix)
+    home = next((one for one in (Path(path), *Path(path).parents) if one.exists()), Path(path))
+    is_roots = home.exists() and home.stat().st_uid == 0 and path.startswith(str(Path.home()))
+    cause = f"You may not use {path}{', because it belongs to root' if is_roots else ''}."
+    return Finding(
+        SAID,
+        cause,
+        "",
+        f'sudo chown -R "$USER" {home}, and never build with sudo'
+        if is_roots
+        else "take a file or folder of your own",
+    )
+
+
+def _alike(path: str, look: Look) -> Iterator[str]:
+    """Yield the files and folders of a workspace that are meant by a path, or are called as it ends, or nearly so."""
+    wanted, meant = Path(path).name, look.root
+    for part in Path(path).parts:
+        inside = os.listdir(meant) if meant.is_dir() else []  # noqa: PTH208
+        meant /= part if part in inside else nearest(part, inside, 0.6) or part
+    if meant.exists() and meant != look.root:
+        yield str(meant.relative_to(look.root))
+        return
+    for folder, names, files in os.walk(look.root):
+        names[:] = [name for name in names if not name.startswith(".") and name not in _NOT_LOOKED_INTO]
+        close = nearest(wanted, [*names, *files], 0.8)
+        found = wanted if wanted in (*names, *files) else close
+        if found:
+            shown = os.path.relpath(os.path.join(folder, found), look.root)  # noqa: PTH118
+            if shown != path:
+                yield shown
+
+
+def _names(look: Look) -> Iterator[str]:
+    """Yield everything that has a name in a workspace: packages, executables, launch files, nodes, topics."""
+    from ros2lab.diagnose.nodes.topic_faults import ends_of
+
+    for package in look.packages:
+        sources = look.sources(package)
+        yield package.name
+        yield from look.executables[package.name] or ()
+        yield from (path.name for path in package.launch_files)
+        yield from (f"/{name}" for name in sources.node_names() if name)
+        yield from (end.topic for end in ends_of(sources) if isinstance(end.topic, str))
+
+
+def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
+    """Pass on why launch cannot go on, with the line of the launch file that names what it speaks of; None if it does not."""
+    match = re.search(r"Caught exception in launch[^:]*: (?P<said>.+)", error.text)
+    if match is None:
+        return None
+    inner = [report.line for report in error.reports if "LaunchFileError" not in report.kind]
+    said = re.sub(r"^\w+Error: ", "", (inner[-1] if inner else match["said"]).strip())
+    choices = re.findall(r"\"(\w+)\"", said)
+    close = nearest(said.split()[0], choices, 0.5)
+    place = launch_line(error, look)
+    fix = (
+        f"write {close} in place of {said.split()[0]}"
+        if close
+        else _other_substitution(said)
+        or "compare the tag and its attributes with those of a launch file that is read"
+        if place.partition(":")[0].endswith((".xml", ".yaml", ".yml"))
+        else "look at the actions in LaunchDescription([...]): a list, of which each is an action, such as Node(...), and nothing else"
+    )
+    return Finding(SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", place, fix)
+
+
+# Of the seven substitutions of ROS 1 those that have another name now; http://wiki.ros.org/roslaunch/XML.
+_RENAMED = {"arg": "var", "find": "find-pkg-share", "optenv": "env"}
+
+
+def _other_substitution(said: str) -> str:
+    """Say which substitution was meant by one that launch does not know; empty if it is about something else."""
+    unknown = re.search(r"Unknown substitution: ([\w-]+)", said)
+    if unknown is None:
+        return ""
+    from launch.frontend import Parser, expose
+
+    Parser.load_launch_extensions()
+    known = sorted(expose.substitution_parse_methods)
+    if near := _RENAMED.get(unknown[1]) or nearest(unknown[1], known):
+        return f"write $({near} ...) in place of $({unknown[1]} ...)"
+    return f"write one that launch has: {', '.join(f'$({one} ...)' for one in known)}"
+
+
+def launch_line(error: ErrorText, look: Look | None) -> str:
+    """Return the line of the launch file that names what launch speaks of; the file alone if none does."""
+    files = [*zip(look.launch_files, look.launch_paths, strict=True)] if look else []
+    run = [pair for pair in files if error.command and pair[1].name == Path(error.command[2]).name]
+    run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
+    said = error.text.partition("Caught exception in launch")[2]
+    words = [
+        word
+        for word in re.findall(r"'([\w./ -]+)'|: (\w+) is not|substitution: ([\w-]+)", said)
+        for word in word
+        if len(word) > 1
+    ]
+    for file, path in run:
+        for number, line in enumerate(read_text(path).splitlines(), 1):
+            if any(
+                re.search(rf"['\"]{re.escape(word)}['\"]|\b{re.escape(word)}=|\$\({re.escape(word)} ", line)
+                for word in words
+            ):
+                return f"{file.shown}:{number}"
+    return run[0][0].shown if len(run) == 1 else ""
+
+
+def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
+    """Return what one of Python's own exceptions says of a line of the student's; None if there is no such line."""
+    if said := _SYSTEM_SAYS.match(report.message):
+        number, words = SYSTEM[said["said"]], re.findall(r"'([^']+)'", said["after"] or "")
+        if number == errno.ENOENT and words and (found := of_missing_file(words[0], place, look)):
+            return found
+        found = _of_system(said, look)
+        return found and Finding(found.code, found.cause, place, found.fix)
+    file, _, line = place.rpartition(":")
+    path = (look.root if look else Path()) / file
+    source = read_source(path, path.stem, file) if line and path.is_file() else None
+    own = own_frames(report.frames)
+    spot = Spot(
+        source,
+        int(line or 0),
+        is_innermost=not own or own[0] is report.frames[-1],
+        part=own[0].part if own else "",
+    )
+    return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
+
+
+def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
+    """Say which value a library refuses, as launch does: `Expected 'parameters' to be a list, but got '{}'`."""
+    match = re.search(
+        r"Expected '(?P<name>\w+)' to be (?P<wanted>.+?), but got '?(?P<given>.+?)'? of type '<class '(?P<kind>\w+)'>'",
+        report.message,
+    )
+    must = re.search(r"(?P<wanted>must (?:be|return) .+?), (?:but|not) (?P<given>.+)", report.message)
+    if match is None and must is None:
+        return None
+    if match is None:
+        return Finding(
+            SAID,
+            f"{report.message[:300]}.",
+            place or _in_launch(look, ""),
+            f"it {must['wanted']}" if must else "",
+        )
+    name = {"remap_rule": "remappings"}.get(match["name"], match["name"])
+    is_list = "list" in match["wanted"] or "tuple" in match["wanted"]
+    fix = f"write brackets around it: {name}=[...]" if is_list else f"give {name} {match['wanted']}"
+    cause = f"{name} must be {match['wanted']}{' in a list' if name == 'remappings' else ''}, and is the {match['kind']} {match['given']}."
+    return Finding(SAID, cause, place or _in_launch(look, name), fix)
+
+
+def _in_launch(look: Look | None, keyword_name: str) -> str:
+    """Return where launch files give an argument of this name; else the only launch file there is."""
+    files = look.launch_files if look else []
+    for path, file in ((p, f) for p in (look.packages if look else ()) for f in p.launch_files):
+        source = read_source(file, file.stem, path.shown(str(file.relative_to(path.folder))))
+        for node in source.nodes:
+            if isinstance(node, ast.keyword) and node.arg == keyword_name:
+                return source.at(node.value)
+    return files[0].shown if len(files) == 1 else ""

@@ -1,0 +1,53 @@
+"""What a text says well itself: the exception, or the sentence of a tool, that is passed on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ros2lab.diagnose.explaining.said import of_launch, of_python, passed_on
+from ros2lab.diagnose.explaining.warnings_told import of_warning
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import place_of
+from ros2lab.diagnose.printed.transcript import harmless_lines, step_with
+
+_SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
+
+
+def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
+    """Return what an error says well itself."""
+    reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
+    harmless = harmless_lines(error.steps)
+    said = (
+        [_of_report(report, error, look) for report in reports]
+        if reports
+        else [passed_on(line, error, look) for line in lines_of(error) if line not in harmless]
+    )
+    found = [one for one in said if one is not None][:1]
+    if not found and look and "Caught exception in launch" in error.text:
+        found = [one for one in [of_launch(error, look)] if one]
+    if found and "Warning: " in error.decisive and step_with(error.decisive, error.steps).ended_well:
+        only = "What ran ended well, and this is only a warning."
+        return [replace(one, cause=f"{only} {one.cause}") for one in found]
+    return found
+
+
+def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what an exception says of a line of the student's, or a warning that was printed in its form."""
+    place = place_of(own_frames(report.frames), look)
+    # It stands behind its place, as Python warns; an exception begins its line.
+    if report.kind.endswith("Warning") and f": {report.line}" in error.text:
+        frame = report.frames[-1] if report.frames else None
+        said = of_warning(f"{frame.file}:{frame.line}: {report.line}", error.text, look) if frame else None
+        return said or Finding(SAID, f"Python warns: {report.message.rstrip('.')}.", place)
+    return of_python(report, place, look)
+
+
+def lines_of(error: ErrorText) -> list[str]:
+    """Return what may hold the error's words: its exceptions, the last one first, then every other line."""
+    exceptions = [report.line for report in reversed(error.reports) if report.kind not in _SAY_NOTHING]
+    return [
+        *exceptions,
+        *(line for line in error.text.splitlines() if line.strip() and line not in exceptions),
+    ]

@@ -1,0 +1,365 @@
+"""What was typed, against what the workspace has: topics, types, words, nodes, parameters and arguments."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import re
+import shlex
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+from ros2lab.diagnose.finding import Finding, at, shown_path
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.nodes.topic_faults import End, ends_of
+from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.transcript import Step, unsettled
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import nearest, plain_signs
+
+_VALUED = frozenset(
+    ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
+)
+# What ROS reads only behind --ros-args.
+_OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
+# What keeps a node from being met, or from saying anything.
+_SILENCE = frozenset(
+    (
+        *(
+            "spin-missing",
+            "spin-inside",
+            "endless-loop",
+            "life-order",
+            "callback-waits",
+            "made-again",
+            "no-effect",
+        ),
+        *("never-started", "never-called", "never-passed", "never-read", "filling-lost", "begun-anew"),
+        *("never-made", "replaced", "computed-once", "never-sent", "one-object"),
+        *(
+            "unit-mixed",
+            "lock-held",
+            "transition-wrong",
+            "changed-in-loop",
+            "used-up",
+            "private-name",
+            "words-unread",
+            "queue-short",
+        ),
+    )
+)
+_NO_ONE = re.compile(
+    r"Waiting for at least|does not appear to be published|Could not determine the type|Unknown topic|no publisher",
+    re.IGNORECASE,
+)
+
+
+def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
+    """Yield what is wrong with the commands of a text, the last one first.
+
+    Whom a command has met, as what it printed shows, is not missed: whether it still runs is another question.
+    """
+    for step in reversed(unsettled(error.steps)):
+        line = step.command
+        if (meant := as_keyed(line)) != line:
+            strange = next(letter for letter in line if plain_signs(letter) != letter)
+            cause = f"The command holds the letter {strange!r} (U+{ord(strange):04X}), which a web page or a text program has put there."
+            yield Finding("typed-wrong", cause, "", f"type `{meant}`")
+        try:
+            words = shlex.split(line.rstrip("& "))
+        except ValueError:
+            quote = "'" if line.count("'") % 2 else '"'
+            cause = f"The quote {quote} is opened and never closed, so the shell waits for the rest of the command, with its prompt >."
+            yield Finding("typed-wrong", cause, "", f"press Ctrl-C, and type `{line}{quote}`")
+            continue
+        while words and re.fullmatch(r"\w+=.*", words[0]):
+            words = words[1:]
+        match words:
+            case ["ros2", "topic", verb, *rest] if look:
+                yield from _topic(verb, rest, step, error, look)
+            case ["ros2", "run", *rest]:
+                yield from _run(rest, line)
+            case ["ros2", "service", "call", name, *_] if look and "waiting for service" in step.text:
+                yield from _service(name, look) if not step.is_answered else ()
+            case ["ros2", "param", verb, *rest] if look and step.lines:
+                yield from _param(verb, rest, step, look)
+            case ["ros2", "node", "info", name, *_] if look and step.lines and not step.is_answered:
+                yield from _node(name, line, look)
+
+
+def as_keyed(line: str) -> str:
+    """Return a command with the signs of a keyboard; a dash before a word was two hyphens."""
+    return plain_signs(re.sub(r"(?<=\s)[\u2013\u2014](?=\w\w)", "--", line))
+
+
+_BEGUN = re.compile(r"\[(?P<process>[\w.-]+)\]: process started with pid")
+
+
+def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
+    """Yield a program that launch starts again as often as it ends well."""
+    begun = Counter(match["process"] for match in _BEGUN.finditer(text))
+    ended = (name for name in begun if f"[{name}]: process has finished cleanly" in text)
+    again = next((name for name in ended if begun[name] > 1), "")
+    place = _respawned(look) if look and again else ""
+    if place:
+        cause = (
+            f"{again.rpartition('-')[0]} ends as it should, and respawn lets launch start it again each time."
+        )
+        yield Finding("launch-argument", cause, place, "take respawn=True away here")
+
+
+def _respawned(look: Look) -> str:
+    """Return the place in a launch file that lets a program be started again; empty if none does."""
+    for path in (path for package in look.packages for path in package.launch_files):
+        for number, line in enumerate(read_text(path).splitlines(), 1):
+            if re.search(r"respawn\s*[=:]\s*[\"']?[Tt]rue", line):
+                return at(shown_path(path, look.root), number)
+    return ""
+
+
+# A ! in double quotes, or in none, with a sign behind it that bash takes for an earlier command.
+_HISTORY = re.compile(r"^(?:[^'\"]|'[^']*')*(?:\"[^\"]*![^\s=\"(]|(?<!^)![^\s=\"'(])")
+
+
+def of_history(typed: Sequence[str], text: str) -> Iterator[Finding]:
+    """Yield a command in which bash put an earlier one in the place of a `!`: it shows the line that came of it."""
+    for line in typed:
+        is_told = "event not found" in text or any(
+            one.startswith(f"{line.partition('!')[0]}") for one in text.splitlines()
+        )
+        if _HISTORY.match(line) and is_told:
+            quoted = line.replace("'", "").replace('"', "'")
+            cause = (
+                "In double quotes bash puts an earlier command in the place of a ! and of what follows it."
+            )
+            yield Finding("typed-wrong", cause, "", f"type `{quoted}`")
+            return
+
+
+def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
+    """Yield a command of a notebook's cell that only changes its own shell, before one that needs the change."""
+    cells = [line for line in typed if line.startswith("!")]
+    for first, later in itertools.pairwise(cells):
+        word = first.lstrip("! ").partition(" ")[0]
+        if word in ("source", ".", "cd", "export", "unset"):
+            command = f"{first} && {later.lstrip('! ')}"
+            cause = f"Each line with `!` has a shell of its own, so `{first}` changes nothing for `{later}`."
+            if word in ("source", "."):
+                command = f"!bash -c '{first.lstrip('! ')} && {later.lstrip('! ')}'"  # sh knows no `source`
+            yield Finding("typed-wrong", cause, "", f"type `{command}` in one line")
+            return
+
+
+def _all_ends(look: Look) -> list[End]:
+    return [end for package in look.packages for end in ends_of(look.sources(package))]
+
+
+def _topic(verb: str, rest: Sequence[str], step: Step, error: ErrorText, look: Look) -> Iterator[Finding]:
+    line = step.command
+    plain = [w for n, w in enumerate(rest) if not w.startswith("-") and not (n and rest[n - 1] in _VALUED)]
+    if not plain:
+        return
+    # `info` and `type` speak of both sides.
+    ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub") or verb in ("info", "type")]
+    there = {f"/{end.name or end.topic}": end for end in ends}
+    does = "publishes on" if verb != "pub" else "subscribes to"
+    end = there.get(f"/{plain[0].lstrip('/')}")
+    if end is None:
+        other = _other_topic(plain[0], there, does, step)
+        yield from filter(None, [other])
+    elif wrong := _other_type(plain, end, line):
+        yield wrong
+    else:
+        yield from _word(plain, end)
+        if _NO_ONE.search(step.text) and not step.is_answered:
+            yield from _not_met(plain[0], end, does, error, look)
+
+
+def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) -> Finding | None:
+    """Say which topic was meant by one that the workspace does not have; None if that is not known."""
+    if absolute := _without_namespace(topic, there):
+        return absolute
+    if parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
+        cause = f"A topic's name has no field behind it: {parts[1]} is a field of what {parts[0]} carries."
+        fix = f"type `{step.command.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
+        return Finding("topic-near-miss", cause, "", fix)
+    if not _NO_ONE.search(step.text) or step.is_answered or not there:
+        return None
+    private = [name for name, one in there.items() if one.is_private]
+    last = topic.rpartition("/")[2]
+    wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
+    if wanted in private:
+        written = there[wanted].topic
+        cause = f"~ stands for the node's own name, so {written!r} is {wanted}, and not {topic}."
+        return Finding(
+            "topic-near-miss", cause, there[wanted].place, f"write {topic!r} in place of {written!r}"
+        )
+    cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
+    fix = f"type `{step.command.replace(topic, wanted)}`" if wanted else "write one of these names"
+    return Finding("topic-near-miss", cause, "", fix)
+
+
+def _field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None:
+    """Return a topic and the field that were written as one name, as `/scale/weight/data`; None if they were not.
+
+    Args:
+        name: what was written.
+        types: of each topic, without the slash at its beginning, the type.
+    """
+    parts = name.strip("/").split("/")
+    for n in range(len(parts) - 1, 0, -1):
+        topic = "/".join(parts[:n])
+        if parts[n] in (interfaces.fields_of(types.get(topic)) or {}):
+            return f"/{topic}", ".".join(parts[n:])
+    return None
+
+
+def _other_type(plain: Sequence[str], end: End, line: str) -> Finding | None:
+    """Say that a command gives another type than the code has; None if it does not."""
+    given = plain[1] if len(plain) > 1 else ""
+    if not given or not end.type or given.replace("/msg/", ".msg.").replace("/", ".") == end.type:
+        return None
+    right = end.type.replace(".", "/")
+    cause = f"The command gives the type {given}, and {end.creation.source.shown} uses {right} on {plain[0]}: they never meet."
+    return Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
+
+
+def _not_met(topic: str, end: End, does: str, error: ErrorText, look: Look) -> Iterator[Finding]:
+    """Yield why a topic of the workspace's own is not met: first what keeps its node silent, then what may."""
+    file = end.creation.source.shown
+    if any(typed.startswith("ros2 launch") for typed in error.typed):
+        yield from (one for one in look.findings if one.code == "launch-executable")
+    yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
+    yield Finding(
+        "not-running",
+        f"The sources have a node that {does} {topic}, and in this terminal's domain none is met: it does not run, "
+        "it runs with another ROS_DOMAIN_ID, or it uses another name when it runs.",
+        "",
+        "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node anew",
+    )
+
+
+def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
+    """Say that a topic's name in the code is a whole one, where a namespace was put before it; None if it was not."""
+    for name, end in there.items():
+        if topic.endswith(name) and topic != name and end.is_absolute:
+            cause = f"The code names the topic {name} with a slash at its beginning, so no namespace is put before it, and {topic} is another topic."
+            fix = f"write {name.lstrip('/')!r} there, so that a namespace counts; or type {name}"
+            return Finding("topic-near-miss", cause, end.place, fix)
+    return None
+
+
+def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
+    """Yield a word that is sent and that the code has only in other letters."""
+    sent = re.search(r"data:\s*['\"]?([^'\"}]+)", " ".join(plain[2:]))
+    if not sent or end.is_publisher:
+        return
+    word = sent[1].strip()
+    for node in end.creation.source.nodes:
+        text = getattr(node, "value", None)
+        if isinstance(text, str) and text != word and text.strip().lower() == word.lower():
+            yield Finding(
+                "word-unanswered",
+                f"The command sends {word!r}, and the code compares with {text!r}: capitals and blanks count.",
+                end.creation.source.at(node),
+                f"write {word!r} in place of {text!r}, or compare msg.data.strip().lower()",
+            )
+
+
+def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
+    options = [word for word in rest if word in _OF_ROS]
+    if options and "--ros-args" not in rest:
+        better = line.replace(options[0], f"--ros-args {options[0]}", 1)
+        cause = f"{options[0]} stands without --ros-args before it, so ROS does not read it and the node keeps its own values."
+        yield Finding("typed-wrong", cause, "", f"type `{better.rstrip('& ')}`")
+
+
+def _param(verb: str, rest: Sequence[str], step: Step, look: Look) -> Iterator[Finding]:
+    line = step.command
+    nodes = {f"/{name}" for package in look.packages for name in look.sources(package).node_names() if name}
+    plain = [word for word in rest if not word.startswith("-")]
+    if step.is_answered:
+        is_set = verb == "set" and len(plain) > 1 and "successful" in step.text
+        yield from _read_once(plain[1], look) if is_set else ()
+    elif plain and f"/{plain[0].rpartition('/')[2]}" not in nodes:
+        yield from _node(plain[0], line, look)
+    else:
+        yield from _parameter(plain, line, look)
+
+
+def _parameter(plain: Sequence[str], line: str, look: Look) -> Iterator[Finding]:
+    declared = {name for package in look.packages for name in declared_in(look.sources(package)) or ()}
+    if len(plain) > 1 and plain[1] not in declared and declared:
+        wanted = nearest(plain[1], declared, 0.5)
+        cause = f"No node here declares a parameter {plain[1]}; declared are {', '.join(sorted(declared))}."
+        yield Finding(
+            "parameter-name",
+            cause,
+            "",
+            f"type `{line.replace(plain[1], wanted)}`" if wanted else "write one of these names",
+        )
+
+
+def _read_once(name: str, look: Look) -> Iterator[Finding]:
+    """Yield a parameter that is read when the node begins, and never after."""
+    for package in look.packages:
+        sources = look.sources(package)
+        reads = [
+            (function, source.at(node))
+            for source in sources.sources.values()
+            for _, function, node in sources.scoped(source)
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "get_parameter"
+            if node.args and sources.value(source, node.args[0]) == name
+        ]
+        is_told = any("add_on_set_parameters_callback" in source.text for source in sources.sources.values())
+        if reads and not is_told and all(function and function.name == "__init__" for function, _ in reads):
+            yield Finding(
+                "parameter-once",
+                f"The node reads the parameter {name} only in __init__, so what is set later changes nothing.",
+                reads[0][1],
+                f"write self.get_parameter('{name}').value in the callback, where the value is used",
+            )
+
+
+def _service(name: str, look: Look) -> Iterator[Finding]:
+    servers = [
+        str(given.value)
+        for package in look.packages
+        for one in look.sources(package).creations
+        if one.method == "create_service"
+        and isinstance(given := (one.arguments or {}).get("srv_name"), ast.Constant)
+    ]
+    if not any(server.lstrip("/") == name.lstrip("/") for server in servers):
+        known = f"they offer {', '.join(servers)}" if servers else "they offer none"
+        fix = (
+            "write one of these names"
+            if servers
+            else "write self.create_service(...) in a node, build and start it"
+        )
+        yield Finding("not-running", f"No node of the workspace offers the service {name}; {known}.", "", fix)
+
+
+def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
+    nodes = {f"/{one}" for package in look.packages for one in look.sources(package).node_names() if one}
+    wanted = nearest(f"/{name.lstrip('/')}", nodes, 0.5)
+    is_named = f"/{name.rpartition('/')[2]}" in nodes  # in whatever namespace
+    if nodes and not is_named:
+        cause = f"No node here is called {name}; the nodes are called {', '.join(sorted(nodes))}."
+        yield Finding(
+            "typed-wrong",
+            cause,
+            "",
+            f"type `{line.replace(name, wanted)}`"
+            if wanted
+            else "write one of these names, as `ros2 node list` shows it",
+        )
+    elif nodes:
+        cause = f"The node {name} does not run in this terminal's domain."
+        yield Finding(
+            "not-running",
+            cause,
+            "",
+            "start it in another terminal, with the same ROS_DOMAIN_ID, and look at `ros2 node list`",
+        )

@@ -1,0 +1,174 @@
+"""A command that ros2 does not take: which change of its words the parser of ros2 accepts is tried, and that one is told."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import itertools
+import re
+import shlex
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.sources.spelling import nearest
+
+_NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
+_SHOWN_PLAIN = re.compile(r"[\w./:=@,+~-]+")
+
+
+def accepted_form(line: str) -> tuple[str, str] | None:
+    """Return a command of ros2 as its parser takes it, and what was wrong as a sentence; None if neither is known."""
+    try:
+        words = shlex.split(line.rstrip("& "))
+    except ValueError:
+        return None
+    if words[:1] != ["ros2"] or {"-h", "--help"} & set(words) or _is_accepted(words):
+        return None
+    return next(((_line(new, line), why) for new, why in _repairs(words) if _is_accepted(new)), None)
+
+
+def _line(words: Sequence[str], line: str) -> str:
+    """Return words as they are typed, those of the old line in its own quotes."""
+    quoted = {shlex.split(text)[0]: text for text in re.findall(r"'[^']*'|\"[^\"]*\"", line)}
+    return " ".join(
+        quoted.get(word) or (word if _SHOWN_PLAIN.fullmatch(word) else shlex.quote(word)) for word in words
+    )
+
+
+def _is_accepted(words: Sequence[str]) -> bool:
+    from portable_ros2.command import parser_of
+
+    with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+        try:
+            args = parser_of(words[1:]).parse_args(words[1:])
+        except SystemExit:
+            return False
+    return getattr(args, "verb_object", None) is not None
+
+
+def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
+    """Yield the words with one change each, the likeliest first."""
+    parser, depth = _parser(words)
+    yield from _other_verb(words, parser, depth)
+    actions = {name: action for action in parser._actions for name in action.option_strings}
+    for number, word in enumerate(words):
+        before, behind = words[:number], words[number + 1 :]
+        name, sign, given = word.partition("=")
+        if not word.startswith("-") or word == "--ros-args":
+            continue
+        action = actions.get(name)
+        if action is None:
+            yield from _unknown_option(words, number, actions)
+        elif action.nargs in ("+", "*"):
+            taken = list(itertools.takewhile(lambda each: not each.startswith("-"), behind))
+            for value in reversed(taken):
+                rest = [each for each in behind if each is not value]
+                yield (
+                    [*before, value, name, *rest],
+                    f"{name} takes all words behind it, and {value!r} with them.",
+                )
+        elif action.nargs != 0 and (given or behind):
+            value, rest = (given, behind) if sign else (behind[0], behind[1:])
+            for right in _values_for(action, value):
+                kept = [*before, name, right, value, *rest]
+                why = f"{name} takes {_kind(action)}, and so takes {value!r} away from what stands behind it."
+                is_other = not sign and (action.choices or not _NUMBER.match(value))
+                yield from [(kept, why)] if is_other else []
+                yield (
+                    [*before, name, right, *rest],
+                    f"Behind {name} belongs {_kind(action)}, and not {value!r}.",
+                )
+        elif action.nargs != 0:
+            for right in _values_for(action, ""):
+                yield [*words, right], f"Behind {name} belongs {_kind(action)}."
+    yield from _in_another_order(words)
+    yield from _parted(words, depth)
+    for number in range(depth + 1, len(words) - 1):
+        if words[number].endswith((":", ",", "{")) or words[number + 1].endswith("}"):
+            joined = " ".join(words[number:])
+            yield [*words[:number], joined], f"{joined!r} is one value, so it stands in quotes."
+
+
+def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
+    for number in range(depth + 1, len(words)):
+        name, sign, value = re.match(r"([\w./~]*)(:=|=|:|)(.*)", words[number]).groups()  # type: ignore[union-attr]
+        if not sign:
+            name, sign, value = words[number].rpartition("/")
+        if name and sign and value:
+            parted = [*words[:number], name, value, *words[number + 1 :]]
+            yield parted, f"{name} and {value} are two words here, with a blank between them and no {sign}."
+
+
+def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
+    if "--ros-args" in words[:-2]:
+        start = words.index("--ros-args")
+        end = start + 1
+        while end + 1 < len(words) and words[end].startswith("-"):
+            end += 2
+        moved = [*words[:start], *words[end:], *words[start:end]]
+        yield (
+            moved,
+            "--ros-args and what follows it stand behind the names of the package and the executable.",
+        )
+
+
+def _unknown_option(
+    words: list[str], number: int, actions: dict[str, argparse.Action]
+) -> Iterator[tuple[list[str], str]]:
+    """Yield words in which an option that there is not is another one, or an argument of a launch file or a node."""
+    name, sign, given = words[number].partition("=")
+    before, behind = words[:number], words[number + 1 :]
+    if near := nearest(name, actions, 0.7):
+        yield [*before, f"{near}{sign}{given}", *behind], f"There is no option {name}; there is {near}."
+    value, rest = (given.lstrip("="), behind) if sign else (behind[0] if behind else "", behind[1:])
+    bare = name.lstrip("-").rstrip(":")
+    if words[1:2] == ["launch"] and value:
+        why = f"{name} is no option of ros2 launch: an argument of a launch file is written {bare}:={value}."
+        yield [*before, *rest, f"{bare}:={value}"], why
+    yield [*before, *behind], f"There is no option {name} here."
+
+
+def _other_verb(
+    words: list[str], parser: argparse.ArgumentParser, depth: int
+) -> Iterator[tuple[list[str], str]]:
+    for action in parser._actions:
+        wrong = words[depth + 1] if len(words) > depth + 1 else ""
+        if isinstance(action, argparse._SubParsersAction) and wrong not in action.choices:
+            near = nearest(wrong, action.choices, 0.6)
+            if near:
+                said = " ".join(words[: depth + 1])
+                yield (
+                    [*words[: depth + 1], near, *words[depth + 2 :]],
+                    f"`{said}` has no {wrong}; there is {near}.",
+                )
+
+
+def _parser(words: Sequence[str]) -> tuple[argparse.ArgumentParser, int]:
+    """Return the innermost parser that words name, and how many of them name it."""
+    from portable_ros2.command import parser_of
+
+    parser, depth = parser_of(words[1:]), 0
+    for word in words[1:]:
+        inner = next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None)
+        if inner is None or word not in inner.choices:
+            break
+        parser, depth = inner.choices[word], depth + 1
+    return parser, depth
+
+
+def _values_for(action: argparse.Action, value: str) -> list[str]:
+    """Return what an option may have been meant to be given."""
+    if value in (action.choices or ()):
+        return []
+    if action.choices:
+        near = nearest(value, [str(choice) for choice in action.choices], 0.6)
+        return [near] if near else [str(choice) for choice in action.choices][1:2]
+    if action.type is None:
+        return []  # any text will do
+    number = _NUMBER.match(value)
+    default = action.default if isinstance(action.default, (int, float)) and action.default else 1
+    return [number[0].replace(",", "."), number[0].partition(",")[0]] if number else [f"{default:g}"]
+
+
+def _kind(action: argparse.Action) -> str:
+    return f"one of {', '.join(map(str, action.choices))}" if action.choices else "a number"

@@ -1,0 +1,1 @@
+"""Rules over launch files, and over what they would start."""

@@ -1,0 +1,142 @@
+"""A choice between values that a launch file makes while it is read, as an expression that launch evaluates when it runs."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator
+
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+# What of an expression is a text, and what a substitution, as it is written in the file.
+_Part = tuple[bool, str]  # whether it is a substitution
+
+
+def choice_when_it_runs(source: PythonSource, node: ast.AST, early: Collection[str]) -> str:
+    """Say how values are chosen when launch runs; empty if nothing but values is chosen between.
+
+    Args:
+        source: the launch file.
+        node: the comparison, or the `if`, that comes too early.
+        early: the substitutions that it asks, as they are written.
+    """
+    for choice in source.nodes:
+        if isinstance(choice, (ast.If, ast.IfExp)) and any(
+            one is node for one in (choice, *ast.walk(choice.test))
+        ):
+            if isinstance(choice, ast.IfExp):
+                made = _written(_chosen(choice, choice.body, choice.orelse, early))
+                return f"write {made} in place of {ast.unparse(choice)}, {_IMPORT}" if made else ""
+            made_of = {
+                name: _written(_of_statement(choice, name, source, early)) for name in _assigned(choice)
+            }
+            rows = [f"{name} = {made}" for name, made in made_of.items()]
+            is_known = bool(rows) and all(made_of.values())
+            return f"write `{'`, and `'.join(rows)}` in place of the whole if, {_IMPORT}" if is_known else ""
+    return ""
+
+
+_IMPORT = "with `from launch.substitutions import PythonExpression`"
+
+
+def _assigned(choice: ast.If) -> dict[str, ast.expr]:
+    """Return the names to which the first branch gives values; none if it does anything else."""
+    found: dict[str, ast.expr] = {}
+    for statement in choice.body:
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                found[name] = value
+            case _:
+                return {}
+    return found
+
+
+def _of_statement(
+    choice: ast.If, name: str, source: PythonSource, early: Collection[str]
+) -> list[_Part] | None:
+    """Return what an `if` with all its branches gives to a name; None if that cannot be told."""
+    value = _assigned(choice).get(name)
+    match choice.orelse:
+        case [ast.If() as inner]:
+            other = _of_statement(inner, name, source, early)
+        case [ast.Assign(targets=[ast.Name(id=same)], value=there)] if same == name:
+            return _chosen(choice, value, there, early)
+        case []:
+            before = _value_before(choice, name, source)
+            return _chosen(choice, value, before, early)
+        case [*several] if all(isinstance(one, ast.Assign) for one in several):
+            last = _assigned(ast.If(choice.test, several, []))
+            return _chosen(choice, value, last.get(name), early)
+        case _:
+            return None
+    test = _test(choice.test, early)
+    if other is None or test is None or not isinstance(value, ast.Constant):
+        return None
+    return [(False, f"{value.value!r} if "), *test, (False, " else ("), *other, (False, ")")]
+
+
+def _value_before(choice: ast.If, name: str, source: PythonSource) -> ast.expr | None:
+    """Return what a name is given in a line above an `if`."""
+    rows = (node for node in source.nodes if isinstance(node, ast.Assign) and node.lineno < choice.lineno)
+    values = [row.value for row in rows if name in map(ast.unparse, row.targets)]
+    return values[-1] if values else None
+
+
+def _chosen(
+    choice: ast.If | ast.IfExp, value: ast.expr | None, other: ast.expr | None, early: Collection[str]
+) -> list[_Part] | None:
+    test = _test(choice.test, early)
+    if test is None or not isinstance(value, ast.Constant) or not isinstance(other, ast.Constant):
+        return None
+    return [(False, f"{value.value!r} if "), *test, (False, f" else {other.value!r}")]
+
+
+def _test(test: ast.expr, early: Collection[str]) -> list[_Part] | None:
+    """Return a condition with its substitutions in quotes where texts are compared; None if it asks something else."""
+    text = ast.unparse(test)
+    match test:
+        case _ if text in early:
+            return [(False, "'"), (True, text), (False, "'.lower() in ('true', '1')")]
+        case ast.UnaryOp(op=ast.Not(), operand=operand):
+            inner = _test(operand, early)
+            return [(False, "not "), *inner] if inner else None
+        case ast.Compare(left=left, ops=[sign], comparators=[right]):
+            sides = [_side(one, early, is_text=not _is_number(left, right)) for one in (left, right)]
+            if None in sides:
+                return None
+            between = ast.unparse(ast.Compare(ast.Name("a"), [sign], [ast.Name("b")]))[1:-1]
+            return [*(sides[0] or ()), (False, between), *(sides[1] or ())]
+    return None
+
+
+def _is_number(*sides: ast.expr) -> bool:
+    return any(isinstance(one, ast.Constant) and type(one.value) in (int, float) for one in sides)
+
+
+def _side(side: ast.expr, early: Collection[str], *, is_text: bool) -> list[_Part] | None:
+    text = ast.unparse(side)
+    if text in early:
+        quote = [(False, "'")] if is_text else []
+        return [*quote, (True, text), *quote]
+    is_plain = all(
+        isinstance(one, (ast.Constant, ast.List, ast.Tuple, ast.Set, ast.Load)) for one in ast.walk(side)
+    )
+    return [(False, text)] if is_plain else None
+
+
+def _written(parts: list[_Part] | None) -> str:
+    """Return the expression as launch is given it: a list of texts and substitutions."""
+    return f"PythonExpression([{', '.join(_joined(parts))}])" if parts else ""
+
+
+def _joined(parts: list[_Part]) -> Iterator[str]:
+    text = ""
+    for is_substitution, part in parts:
+        if not is_substitution:
+            text += part
+            continue
+        if text:
+            yield repr(text)
+        text = ""
+        yield part
+    if text:
+        yield repr(text)

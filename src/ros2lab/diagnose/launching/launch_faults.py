@@ -1,0 +1,115 @@
+"""What launch files name, and whether it is there."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator, Mapping
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.launching.logged import as_logged
+from ros2lab.diagnose.launching.unread_words import unread_words
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
+
+
+def launch_faults(
+    launch_file: LaunchFile,
+    packages: Mapping[str, SourcePackage],
+    executables: Mapping[str, Collection[str] | None],
+) -> Iterator[Finding]:
+    """Yield what a launch file names that is not there.
+
+    Args:
+        launch_file: the file.
+        packages: those of the workspace, by name.
+        executables: those of each package; None where they are not known.
+    """
+    yield from launch_file.faults
+    for node in launch_file.nodes:
+        if isinstance(node.package, str) and node.package not in packages:
+            wanted = nearest(node.package, packages, 0.8)
+            if (
+                wanted
+                and interfaces.folder_of(node.package) is None
+                and node.package not in interfaces.PACKAGES
+            ):
+                yield Finding(
+                    "launch-package",
+                    f"The launch file starts a node of the package {node.package}, and the package is called {wanted}.",
+                    node.place,
+                    f"write {wanted} in place of {node.package}",
+                )
+        elif isinstance(node.package, str) and isinstance(node.executable, str):
+            there = executables.get(node.package)
+            if there is not None and node.executable not in there:
+                yield Finding(
+                    "launch-executable",
+                    f"The launch file starts {node.executable}, and {node.package} has no such executable: "
+                    f"it has {', '.join(sorted(there)) or 'none'}.{did_you_mean(node.executable, there)}",
+                    node.place,
+                    f"write {near} in place of {node.executable}"
+                    if (near := nearest(node.executable, there, 0.6))
+                    else "write the executable's name as it stands in the entry points of setup.py",
+                )
+            elif there is not None and node.output is None:
+                yield from _prints(packages[node.package], node)
+        yield from _parameter_files(node, packages)
+        yield from unread_words(node, packages)
+
+
+def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
+    """Yield what is wrong with the parameter files that a launch file gives a node."""
+    for package, path in node.files:
+        if path.startswith("/"):
+            continue  # that is told of the path
+        if package in packages and not _is_installed(packages[package], path):
+            folder = (packages[package].folder / path).parent
+            there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
+            wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
+            yield Finding(
+                "parameter-file-missing",
+                f"The launch file gives the parameter file {path} of {package}, and there is no such file"
+                + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
+                node.place,
+                f"write {wanted} in place of {path.rpartition('/')[2]} in the launch file"
+                if wanted
+                else f"make the file {path}, and add it to data_files in setup.py",
+            )
+
+
+def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
+    """Yield a node that only prints, which launch does not show."""
+    points = (package.setup.entry_points if package.setup else None) or ()
+    source = next((package.sources.get(one.module) for one in points if one.name == node.executable), None)
+    calls = [one for one in (source.nodes if source else ()) if isinstance(one, ast.Call)]
+    # What goes to another file, such as sys.stderr, is shown or not for other reasons.
+    prints = [
+        one
+        for one in calls
+        if getattr(one.func, "id", "") == "print" and "file" not in {keyword.arg for keyword in one.keywords}
+    ]
+    if source and prints and not any(getattr(one.func, "attr", "") == "get_logger" for one in calls):
+        logged = as_logged(prints[0], source)
+        whole = f"write `{logged}` in place of `{ast.unparse(prints[0])}`" if logged else ""
+        others = ", and the other prints so" if whole and len(prints) > 1 else ""
+        fix = f"{whole}{others}{'; or ' if whole else ''}{'' if whole else 'write '}output='screen' in its Node(...) of the launch file"
+        yield Finding(
+            "never-shown",
+            f"{node.executable} prints with print(), and launch shows only what is logged, unless output='screen' is given.",
+            source.at(prints[0]),
+            fix,
+        )
+
+
+def _is_installed(package: SourcePackage, path: str) -> bool:
+    if package.setup is None or not package.setup.are_data_files_known:
+        return True
+    below = f"share/{package.name}/"
+    targets = {
+        f"{folder}/{file.rpartition('/')[2]}" for folder, files in package.setup.data_files for file in files
+    }
+    return (
+        below + path in targets or (package.folder / path).is_file()
+    )  # that one is told as not-in-data-files

@@ -1,0 +1,363 @@
+"""What launch files start, read and never run."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import re
+import shlex
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.code.expression_faults import comma_faults, path_faults
+from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.finding import Finding, at, not_read
+from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
+from ros2lab.diagnose.launching.misplaced_values import misplaced_values
+from ros2lab.diagnose.sources.interfaces import launch_homes_of
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
+from ros2lab.diagnose.sources.signatures import LISTS, heads_of, signature_of
+from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
+
+_LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
+_SHARE = "share:"  # stands for a package's share folder in a path
+
+
+@dataclass(frozen=True)
+class Launched:
+    """A node that a launch file starts; what is not known is `UNKNOWN`.
+
+    Attributes:
+        output: where it prints; None if that is not said.
+        files: the parameter files that it is given, as (package, path below its share folder).
+        remappings: the names that are replaced, each with the new one.
+        namespace: in which it is started; empty for none.
+        arguments: the words that its program is given.
+        values: the parameters that it is given one by one; those of files are not among them.
+        given: all that gives it parameters, in its order: parameters by their names, and paths of files.
+    """
+
+    package: Any
+    executable: Any
+    name: Any
+    files: tuple[tuple[str, str], ...]
+    remappings: tuple[tuple[str, Any], ...]
+    place: str
+    namespace: Any = ""
+    output: Any = None
+    arguments: tuple[str, ...] = ()
+    values: Mapping[str, Any] = field(default_factory=dict)
+    given: tuple[Mapping[str, Any] | str, ...] = ()
+
+    @property
+    def remapped(self) -> tuple[str, ...]:
+        """The topics that get other names, without the slash at their beginning."""
+        return tuple(old.lstrip("/") for old, _ in self.remappings)
+
+
+@dataclass(frozen=True)
+class LaunchFile:
+    """A launch file, with what it starts and what is wrong with the file itself.
+
+    Attributes:
+        is_loaded: whether launch itself has said what it starts; else that is only read.
+        lacks: what it names that is not on this machine, for which launch could not load it.
+    """
+
+    shown: str
+    nodes: tuple[Launched, ...]
+    faults: tuple[Finding, ...] = ()
+    is_loaded: bool = False
+    lacks: tuple[Finding, ...] = ()
+
+
+def read_launch_file(path: Path, shown: str) -> LaunchFile:
+    """Read a launch file, in Python, XML or YAML."""
+    return (_read_python if path.suffix == ".py" else _read_entities)(path, shown)
+
+
+def _read_python(path: Path, shown: str) -> LaunchFile:
+    source = read_source(path, "launch_file", shown)
+    if source.tree is not None and source.fault:
+        return LaunchFile(shown, (), (syntax_finding("launch-syntax", source),))
+    functions = [node.name for node in source.nodes if isinstance(node, ast.FunctionDef)]
+    faults = []
+    if "generate_launch_description" not in {*functions, *source.names, *source.assigned}:
+        near = nearest("generate_launch_description", functions)
+        place = next((n for n in source.nodes if isinstance(n, ast.FunctionDef) and n.name == near), 1)
+        cause = f"{shown} has no function generate_launch_description, which ros2 launch calls."
+        fix = "write def generate_launch_description(): and return LaunchDescription([...])"
+        fix = f"write generate_launch_description in place of {near}" if near else fix
+        faults.append(Finding("launch-function", cause, source.at(place), fix))
+    faults += _without_return(source)
+    faults += [*used_too_early(source), *declared_late(source)]
+    faults += _of_ros_nodes(source)
+    return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
+
+
+def _without_return(source: PythonSource) -> Iterator[Finding]:
+    """Yield a description that is made and not returned."""
+    for node in source.tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name == "generate_launch_description":
+            if any(isinstance(inner, ast.Return) and inner.value for inner in own_nodes(node)):
+                return
+            last = node.body[-1]
+            made = [
+                each
+                for each in node.body
+                if isinstance(each, ast.Assign) and "LaunchDescription" in ast.unparse(each.value)
+            ]
+            is_made = isinstance(last, ast.Expr) and "LaunchDescription" in ast.unparse(last)
+            fix = (
+                "write return in front of LaunchDescription(...)"
+                if is_made
+                else "end it with return and the LaunchDescription"
+            )
+            fix = f"write return {ast.unparse(made[-1].targets[0])} as its last line" if made else fix
+            cause = "generate_launch_description() makes a description and returns nothing, so launch has nothing to start."
+            yield Finding("launch-function", cause, source.at(last), fix)
+
+
+def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
+    """Yield what is written as in a node, or makes a tuple of what should be one action."""
+    for one in source.imports:
+        module, _, name = one.target.rpartition(".")
+        homes = launch_homes_of(one.local) if one.is_from and one.local[:1].isupper() else []
+        # What launch says of a name that is not in its module at all is told where it is run.
+        is_other = name != one.local or module.partition(".")[0] == "rclpy"
+        if homes and is_other and module not in homes:
+            cause = f"{one.local} stands here for {one.target}, and the {one.local} of launch files is in {homes[0]}."
+            fix = f"write `from {homes[0]} import {one.local}`"
+            yield Finding("import-wrong", cause, source.at(one.line), fix)
+    yield from comma_faults(source)
+    yield from path_faults(source)
+    yield from _arguments(source)
+    yield from misplaced_values(source)
+    for node in source.nodes:
+        if not isinstance(node, ast.Call) or not _is_action(source.resolve(node.func) or ""):
+            continue
+        for keyword in node.keywords:
+            if _lacks_brackets(source, node, keyword):
+                yield Finding(
+                    "launch-argument",
+                    f"{keyword.arg} must be a list, and {ast.unparse(keyword.value)[:60]} is none: brackets are missing around it.",
+                    source.at(keyword.value),
+                    f"write {keyword.arg}={_as_list(keyword.value)}",
+                )
+
+
+def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) -> bool:
+    """Return whether a keyword of an action that takes a list is given something else."""
+    if any(one.arg == "shell" for one in call.keywords):
+        return False  # a shell takes one text
+    if keyword.arg in _LISTS:  # whose types have names of their own
+        is_pair = isinstance(keyword.value, ast.Tuple) and keyword.arg == "remappings"
+        return is_pair or isinstance(keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr))
+    is_text = isinstance(keyword.value, ast.JoinedStr) or isinstance(
+        getattr(keyword.value, "value", None), str
+    )
+    signature = signature_of(source, call) if is_text else None
+    places = [one for one in (signature.parameters if signature else ()) if one.name == keyword.arg]
+    # A text is taken for a list of its letters.
+    return any(heads_of(one.type) and heads_of(one.type) <= LISTS for one in places)
+
+
+def _is_action(target: str) -> bool:
+    return target.startswith(("launch_ros.actions", "launch.actions"))
+
+
+def _as_list(value: ast.expr) -> str:
+    """Write what stands without brackets as a list; a text of several words as one of these."""
+    if isinstance(value, ast.Constant) and isinstance(value.value, str):
+        with contextlib.suppress(ValueError):
+            return str(shlex.split(value.value))
+    return f"[{ast.unparse(value)[:80]}]"
+
+
+def _arguments(source: PythonSource) -> Iterator[Finding]:
+    """Yield arguments that are declared and not used, or used and not declared; a file that includes others is left out."""
+    calls = [node for node in source.nodes if isinstance(node, ast.Call)]
+    named: dict[str, dict[str, ast.Call]] = {"DeclareLaunchArgument": {}, "LaunchConfiguration": {}}
+    for call in calls:
+        name = (source.resolve(call.func) or "").rpartition(".")[2]
+        given = [k.value for k in call.keywords if k.arg in ("name", "variable_name")] or call.args[:1]
+        if name.startswith(("Include", "OpaqueFunction", "SetLaunchConfiguration", "Push", "Group")):
+            return
+        if name in named and given and isinstance(given[0], ast.Constant):
+            named[name][str(given[0].value)] = call
+    declared, used = named["DeclareLaunchArgument"], named["LaunchConfiguration"]
+    for name in used.keys() - declared.keys():
+        # One that nobody declares here may be given by the launch file that includes this one.
+        if near := nearest(name, declared.keys() - used.keys(), 0.6):
+            cause = (
+                f"LaunchConfiguration({name!r}) is used, and the argument that is declared is called {near}."
+            )
+            yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
+    if not used.keys() - declared.keys():
+        for name in declared.keys() - used.keys():
+            yield Finding(
+                "launch-unused",
+                f"The launch argument {name} is declared and used by nothing, so it changes nothing.",
+                source.at(declared[name]),
+                f"give it to a node: parameters=[{{'{name}': LaunchConfiguration('{name}')}}]",
+            )
+
+
+def _nodes(source: PythonSource) -> Iterator[Launched]:
+    names: dict[str, Any] = {}
+    calls = _calls(source)
+    for node in source.nodes:
+        if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
+            name = node.targets[0].id
+            names[name] = UNKNOWN if name in names else evaluate(node.value, names, calls)
+    for node in source.nodes:
+        if not isinstance(node, ast.Call):
+            continue
+        target = source.resolve(node.func) or ""
+        if not target.startswith("launch_ros.actions.") or not target.endswith("Node"):
+            continue
+        given = {k.arg: evaluate(k.value, names, calls) for k in node.keywords if k.arg}
+        line = next((k.value for k in node.keywords if k.arg == "executable"), node)
+        remappings = given.get("remappings", [])
+        renamed = (
+            [
+                (pair[0], pair[1])
+                for pair in remappings
+                if isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str)
+            ]
+            if isinstance(remappings, list)
+            else []
+        )
+        yield Launched(
+            given.get("package", UNKNOWN),
+            given.get("executable", UNKNOWN),
+            given.get("name"),
+            tuple(_files(given.get("parameters"))),
+            tuple(renamed),
+            source.at(line),
+            given.get("namespace", ""),
+            given.get("output"),
+            _words(given.get("arguments")),
+        )
+
+
+def _words(arguments: Any) -> tuple[str, ...]:
+    """Return the words that a program is given; none if one of them is not known."""
+    are_known = isinstance(arguments, list) and all(isinstance(word, str) for word in arguments)
+    return tuple(arguments) if are_known else ()
+
+
+def _files(parameters: Any) -> Iterator[tuple[str, str]]:
+    for one in parameters if isinstance(parameters, list) else ():
+        if isinstance(one, str) and one.startswith(_SHARE):
+            package, _, path = one.removeprefix(_SHARE).partition("/")
+            yield package, path
+
+
+def _calls(source: PythonSource) -> Mapping[str, Any]:
+    def share(package: str) -> str:
+        return f"{_SHARE}{package}"
+
+    def joined(*parts: Any) -> Any:
+        flat = [inner for part in parts for inner in (part if isinstance(part, list) else [part])]
+        return "/".join(flat) if all(isinstance(part, str) for part in flat) else UNKNOWN
+
+    known = {
+        "ament_index_python.packages.get_package_share_directory": share,
+        "ament_index_python.get_package_share_directory": share,
+        "launch_ros.substitutions.FindPackageShare": share,
+        "launch.substitutions.PathJoinSubstitution": joined,
+        "os.path.join": joined,
+        "str": str,
+    }
+    spelt = {}
+    for node in source.nodes:
+        name = dotted(node) if isinstance(node, (ast.Name, ast.Attribute)) else None
+        if name and (target := source.resolve(node) or name) in known:
+            spelt[name] = known[target]
+    return spelt
+
+
+def _read_entities(path: Path, shown: str) -> LaunchFile:
+    """Read a launch file in XML or YAML: both hold the same entities, with texts as attributes."""
+    import yaml
+
+    from portable_ros2 import bounded_yaml
+
+    text, line = read_text(path), None
+    try:
+        content = (
+            _xml(text) if path.suffix in (".xml", ".launch") else bounded_yaml.load(text, yaml.BaseLoader)
+        )
+        if isinstance(content, Mapping) and "launch" in content:
+            nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
+            return LaunchFile(shown, tuple(nodes))
+        problem = "launch is not at its top"
+    except bounded_yaml.TooLargeError as error:
+        mark = error.problem_mark
+        return LaunchFile(shown, (), (not_read(shown, mark.line + 1 if mark else None, error.problem or ""),))
+    except ET.ParseError as error:
+        problem, line = str(error), error.position[0]
+    except (yaml.YAMLError, RecursionError) as error:
+        mark = getattr(error, "problem_mark", None)
+        problem = getattr(error, "problem", None) or "it cannot be read"
+        line = mark.line + 1 if mark else None
+    cause = f"{shown} is not a valid launch file: {problem}."
+    fix = "fix this line or the one above" if line else "write launch at the top, and the nodes below it"
+    return LaunchFile(shown, (), (Finding("launch-syntax", cause, at(shown, line), fix),))
+
+
+def _xml(text: str) -> dict[str, Any]:
+    root = ET.fromstring(text)  # noqa: S314 -- a file of the workspace; entities are not fetched
+    return {root.tag: _entity(root)}
+
+
+def _entity(element: ET.Element) -> dict[str, Any]:
+    found: dict[str, Any] = dict(element.attrib)
+    for child in element:
+        found[child.tag] = [*_several(found.get(child.tag)), _entity(child)]
+    return found
+
+
+def _several(value: Any) -> list[Mapping[str, Any]]:
+    """Return the entities of one tag, of which there may be none, one or more."""
+    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, Mapping)]
+
+
+def _nodes_below(content: Any, seen: set[int]) -> Iterator[Mapping[str, Any]]:
+    if id(content) in seen:
+        return  # an alias in YAML may even lead back to where it stands
+    seen.add(id(content))
+    if isinstance(content, Mapping):
+        yield from _several(content.get("node"))
+    inner = content.values() if isinstance(content, Mapping) else content if isinstance(content, list) else ()
+    for one in inner:
+        yield from _nodes_below(one, seen)
+
+
+def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
+    executable = _text(node.get("exec"))
+    line = re.search(rf"exec\s*[:=]\s*[\"']?{re.escape(str(executable))}(?![\w.])", text)
+    renamed = [(_text(one.get("from")), _text(one.get("to"))) for one in _several(node.get("remap"))]
+    return Launched(
+        _text(node.get("pkg")),
+        executable,
+        _text(node["name"]) if "name" in node else None,
+        tuple(_files([_text(one.get("from")) for one in _several(node.get("param"))])),
+        tuple((old, new) for old, new in renamed if isinstance(old, str)),
+        at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
+        _text(node.get("namespace", "")),
+        node.get("output"),
+    )
+
+
+def _text(value: Any) -> Any:
+    """Return what an attribute says, unless something is put into it that is known only when it runs."""
+    if not isinstance(value, str):
+        return UNKNOWN
+    known = re.sub(r"^\$\(find-pkg-share ['\"]?([\w.-]+)['\"]?\)", rf"{_SHARE}\1", value.strip())
+    return UNKNOWN if "$(" in known else known

@@ -1,0 +1,270 @@
+"""Launch files as the real launch loads them: what they would start, and what of them it would not."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.finding import SAID, Finding, at
+from ros2lab.diagnose.launching import launch_child
+from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import read_source, read_text
+from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.scratch import scratch_folder
+
+
+def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
+    """Return launch files with what launch itself says that they would start.
+
+    Args:
+        files: the files as they were read, by their paths; one that launch cannot load stays so.
+        packages: those of the workspace, whose folders stand for what they would install.
+    """
+    told = _ask([path for path, file in files.items() if not file.faults], packages)
+    return [_as_told(path, file, told.get(str(path)), packages) for path, file in files.items()]
+
+
+def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePackage]) -> list[int | None]:
+    """Return how many nodes each copy of a launch file would start; None where launch refuses it.
+
+    Where something is missing that the file does not hold, as an argument without a default, it is 0.
+
+    Args:
+        path: the file; what lies beside it lies beside each copy.
+        texts: the copies.
+        packages: those of the workspace.
+    """
+    with scratch_folder() as folder:
+        copies = [folder / str(number) / path.name for number in range(len(texts))]
+        for copy, text in zip(copies, texts, strict=True):
+            copy.parent.mkdir()
+            for beside in (one for one in path.parent.iterdir() if one != path):
+                (copy.parent / beside.name).symlink_to(beside)
+            copy.write_bytes(text)
+        told = json.loads(_run(copies, packages)) if copies else {}
+    rows = (told.get(str(copy)) or {"error": None, "faults": [], "nodes": []} for copy in copies)
+    return [None if row.get("error") or row.get("faults") else len(row.get("nodes", ())) for row in rows]
+
+
+# What launch said of files with the same texts, with `_ROOT` for the workspace's folder: a kernel asks again and again.
+_told: dict[Hashable, str] = {}
+_ROOT = "{workspace}"
+_MOST_TOLD = 64
+
+
+def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, Any]:
+    if not paths:
+        return {}
+    root = str(packages[0].root or packages[0].folder)
+    read = [*paths, *(path for package in packages for path in package.parameter_files)]
+    key = (
+        tuple((str(path).removeprefix(root), read_text(path)) for path in read),
+        tuple((package.name, str(package.folder).removeprefix(root)) for package in packages),
+    )
+    if key not in _told:
+        if len(_told) >= _MOST_TOLD:
+            _told.clear()
+        _told[key] = _run(paths, packages).replace(root, _ROOT)
+    found: dict[str, Any] = json.loads(_told[key].replace(_ROOT, root))
+    return found
+
+
+def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
+    """Return what a process of its own prints that loads launch files; `{}` if it cannot."""
+    with scratch_folder() as folder:
+        prefix = folder / "prefix"
+        markers = prefix / "share/ament_index/resource_index/packages"
+        markers.mkdir(parents=True)
+        for package in packages:
+            if "/" not in package.name and not (markers / package.name).exists():
+                (markers / package.name).touch()
+                (prefix / "share" / package.name).symlink_to(package.folder)
+        known = [str(prefix), *filter(None, [os.environ.get("AMENT_PREFIX_PATH")])]
+        environ = {
+            "AMENT_PREFIX_PATH": os.pathsep.join(known),
+            "ROS_LOG_DIR": str(folder),
+            "TMPDIR": str(folder),
+        }
+        with (
+            tempfile.TemporaryFile() as told,
+            contextlib.suppress(OSError, ValueError, subprocess.SubprocessError),
+        ):
+            subprocess.run(
+                [sys.executable, "-m", launch_child.__name__, *map(str, paths)],
+                cwd=folder,  # where nothing of the student's can stand for what launch imports
+                env={**os.environ, **environ},
+                stdin=subprocess.DEVNULL,
+                stdout=told,
+                stderr=subprocess.DEVNULL,
+                timeout=launch_child.LONGEST,
+                check=True,
+            )
+            told.seek(0)
+            said = told.read().decode(errors="replace")
+            with contextlib.suppress(ValueError, RecursionError):  # whatever a launch file may print
+                return said if isinstance(json.loads(said), dict) else "{}"
+    return "{}"
+
+
+def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourcePackage]) -> LaunchFile:
+    """Return a file with what was told of it; as it was read where that is nothing, or was not told by us."""
+    try:
+        return _joined(path, file, told, packages) if told else file
+    except (AttributeError, LookupError, TypeError, ValueError):
+        return file
+
+
+def _joined(
+    path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
+) -> LaunchFile:
+    if "lacks" in told:
+        return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
+    if told["error"] or told["faults"]:
+        return replace(file, faults=tuple(_refusals(path, file, told)))
+    nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
+    faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
+    faults += (*_from_here(path, file, told["nodes"], packages),)
+    return LaunchFile(file.shown, nodes, faults, is_loaded=True)
+
+
+def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
+    read = [
+        one for one in file.nodes if (one.package, one.executable) == (node["package"], node["executable"])
+    ]
+    files = [
+        (package.name, str(path.relative_to(package.folder.resolve())))
+        for path in map(Path, node["files"])
+        for package in packages
+        if path.is_relative_to(package.folder.resolve())
+    ]
+    return Launched(
+        node["package"],
+        node["executable"],
+        node["name"],
+        tuple(files),
+        tuple((old, new) for old, new in node["remappings"]),
+        read[0].place if len(read) == 1 else at(file.shown, node["line"]),
+        node["namespace"],
+        node["output"],
+        tuple(node["arguments"]),
+        node["values"],
+        tuple(node["given"]),
+    )
+
+
+def _torn(
+    path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
+) -> Iterator[Finding]:
+    """Yield paths of parameter files that would be there with a slash between two of their parts."""
+    source = read_source(path, path.stem, file.shown)
+    texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    for given in (given for node in nodes for given in node["files"]):
+        for package in packages:
+            for lies in package.parameter_files:
+                rest = lies.relative_to(package.folder).as_posix()
+                is_meant = given.replace("/", "").endswith(f"share/{package.name}/{rest}".replace("/", ""))
+                for node, text in texts if is_meant else ():
+                    if text and given.endswith(text) and not given.endswith(f"/{text}") and text[0] != "/":
+                        cause = f"A / is missing in the path {package.name}{text} of the parameter file, so it is not found and the nodes keep their defaults."
+                        fix = f"write {'/' + text!r} in place of {text!r}"
+                        yield Finding("parameter-file-missing", cause, source.at(node), fix)
+
+
+def _from_here(
+    path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
+) -> Iterator[Finding]:
+    """Yield paths of parameter files that are searched where launch is started, and lie in a package."""
+    source = read_source(path, path.stem, file.shown)
+    texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    given = {one for node in nodes for one in node["files"] if not Path(one).is_file()}
+    for node, text in texts:
+        is_given = text and text[0] != "/" and any(one.endswith(f"/{text}") for one in given)
+        home = next((one for one in packages if is_given and (one.folder / text).is_file()), None)
+        if home:
+            cause = f"The parameter file {text} is searched in the folder where `ros2 launch` is typed, and it is in the package {home.name}: the nodes keep their defaults."
+            parts = "".join(f", {part!r}" for part in text.split("/"))
+            fix = f"write PathJoinSubstitution([FindPackageShare({home.name!r}){parts}]) in place of {text!r}"
+            yield Finding("parameter-file-missing", cause, source.at(node), fix)
+
+
+def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator[Finding]:
+    """Yield nodes that a launch file makes and does not hand over to launch."""
+    source = read_source(path, path.stem, file.shown)
+    added = [
+        ast.unparse(n.value) for n in source.nodes if isinstance(n, ast.Attribute) and n.attr == "add_action"
+    ]
+    # A name that is read, but to wait for its node, may be handed over in another case.
+    waited = {id(n.value) for n in source.nodes if isinstance(n, ast.keyword) and n.arg == "target_action"}
+    read = {
+        n.id
+        for n in source.nodes
+        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load) and id(n) not in waited
+    }
+    for node in source.nodes:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(lineno=line)) if (
+                line in lines and name not in read
+            ):
+                cause = (
+                    f"The node {name} is made here and handed over to nothing, so launch does not start it."
+                )
+                made = [
+                    ast.unparse(n.targets[0])
+                    for n in source.nodes
+                    if isinstance(n, ast.Assign) and ast.unparse(n.value) == "LaunchDescription()"
+                ]
+                fix = (
+                    f"write `{[*added, *made][0]}.add_action({name})` above its return"
+                    if added or made
+                    else f"write {name} into the list in LaunchDescription([...])"
+                )
+                yield Finding("launch-lost", cause, source.at(line), fix)
+
+
+def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield why launch does not load a file: what it asks for and does not take, else its own words."""
+    tags = list(dict.fromkeys(fault["tag"] for fault in told["faults"]))
+    for tag in tags:
+        faults = [fault for fault in told["faults"] if fault["tag"] == tag]
+        missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
+        strange = list(dict.fromkeys(name for fault in faults for name in fault.get("unexpected", ())))
+        lacks = f"{tag} needs {' and '.join(missing)}" if missing else f"launch takes {tag}"
+        has = f", and does not know {' and '.join(strange)}" if strange else ", which is not there"
+        fix = f"write {missing[0]} here" if missing else f"take {' and '.join(strange)} away"
+        fix = f"write {missing[0]} in place of {strange[0]}" if len(missing) == len(strange) == 1 else fix
+        yield Finding("launch-argument", f"{lacks}{has}.", at(file.shown, _line(path, strange or [tag])), fix)
+    error = told["error"]
+    if error and not tags:
+        cause = f"launch cannot load this file: {error['message']}"
+        yield Finding(SAID, cause, at(file.shown, error["line"]), "")
+
+
+def _lacking(
+    path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
+) -> Iterator[Finding]:
+    """Yield which package or module a file names that is neither in the workspace nor on this machine."""
+    (name, *_) = re.findall(r"'([^']+)'", told["lacks"]) or [""]
+    own = [package.name for package in packages]
+    if not name or name.partition(".")[0] in own:
+        return  # it may be found where it is installed
+    near = nearest(name, own, 0.6)
+    place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
+    cause = f"launch cannot load this file here: there is no {name}, neither in this workspace nor installed."
+    fix = f"write {near} in place of {name}" if near else f"correct the name {name}, or install what has it"
+    yield Finding("launch-package", cause, place, fix, (name,))
+
+
+def _line(path: Path, names: Sequence[str]) -> int | None:
+    lines = read_text(path).splitlines()
+    return next((n for n, line in enumerate(lines, 1) if any(name in line for name in names)), None)

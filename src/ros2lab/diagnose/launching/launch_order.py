@@ -1,0 +1,43 @@
+"""Parameters that a launch file gives a node, and that what it gives behind them sets back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.started_faults import Started
+from ros2lab.diagnose.nodes.parameter_faults import is_node, sections_of
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import read_text
+
+
+def set_back(started: list[Started]) -> Iterator[Finding]:
+    """Yield the parameters of a node that stand before a file which gives them another value: the last one counts.
+
+    A file before another file, or before parameters, is how defaults are written.
+    """
+    for node in started:
+        known: dict[str, Any] = {}
+        for given in node.launched.given:
+            if isinstance(given, Mapping):
+                known |= given
+                continue
+            for name, value in _given_by(Path(given), node):
+                if name in known and known[name] != value:
+                    shown = Path(given).name
+                    cause = f"{name} is {known[name]} here, and {shown}, which stands behind it, makes it {value}: what stands last counts."
+                    fix = f"write {shown} first in parameters=[...], and what is to count behind it"
+                    yield Finding("launch-argument", cause, node.launched.place, fix, (name,))
+
+
+def _given_by(path: Path, node: Started) -> Iterator[tuple[str, Any]]:
+    """Yield the parameters that a file has for a node."""
+    try:
+        content = read_parameter_file(read_text(path))
+    except (ParameterFileError, OSError):
+        return
+    for key, parameters in sections_of(content) if isinstance(content, Mapping) else ():
+        if is_node(key, {node.name}):
+            yield from ((str(name), value) for name, value in parameters.items())

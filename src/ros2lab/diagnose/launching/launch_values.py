@@ -1,0 +1,157 @@
+"""Values that launch fills in when it runs, asked for before they are there."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_choices import choice_when_it_runs
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+
+def used_too_early(source: PythonSource) -> Iterator[Finding]:
+    """Yield a value that is known only while launch runs, and that Python is to compare or to compute with."""
+    made = {
+        ast.unparse(target)
+        for node in source.nodes
+        if isinstance(node, ast.Assign) and _is_substitution(source, node.value)
+        for target in node.targets
+    }
+    for node in source.nodes:
+        used = _given_to_python(source, node)
+        early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
+        if early:
+            text = ast.unparse(early[0])
+            cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
+            fix = choice_when_it_runs(source, node, {*map(ast.unparse, early)})
+            fix = fix or _when_it_runs(source, node, used, early)
+            yield Finding("launch-argument", cause, source.at(node), fix)
+
+
+def declared_late(source: PythonSource) -> Iterator[Finding]:
+    """Yield an argument that stands in the list behind the first action that asks for it."""
+    lists = (node.elts for node in source.nodes if isinstance(node, ast.List))
+    for actions in lists:
+        asked: set[str] = set()
+        for action in actions:
+            names = {*_first_texts(source, action, "launch.substitutions.LaunchConfiguration")}
+            declared = [*_first_texts(source, action, "launch.actions.DeclareLaunchArgument")][:1]
+            for name in (one for one in declared if one in asked):
+                cause = f"The argument {name} is declared here, and an action above asks for it already: launch goes through the list from top to bottom."
+                fix = f"move DeclareLaunchArgument({name!r}, ...) above the action that uses it"
+                yield Finding("launch-argument", cause, source.at(action), fix)
+            asked |= names
+
+
+def _first_texts(source: PythonSource, node: ast.AST, called: str) -> Iterator[str]:
+    """Yield the first text that each call of a class is given."""
+    for one in ast.walk(node):
+        match one:
+            case ast.Call(args=[ast.Constant(value=str(text)), *_]) if source.resolve(one.func) == called:
+                yield text
+
+
+def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
+    """Return the values with which Python compares, computes or makes a text."""
+    match node:
+        case ast.Compare(left=left, comparators=others):
+            return [left, *others]
+        case ast.If(test=test) | ast.IfExp(test=test):
+            return [test.operand if isinstance(test, ast.UnaryOp) else test]
+        case ast.BinOp(left=left, right=right):
+            return [left, right]
+        case (
+            ast.FormattedValue(value=value)
+            | ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value])
+        ):
+            return [value]
+        case ast.Call(args=[*used]) if (source.resolve(node.func) or "").startswith("os.path."):
+            return used
+    return []
+
+
+def _when_it_runs(
+    source: PythonSource, node: ast.AST, used: Sequence[ast.expr], early: Sequence[ast.expr]
+) -> str:
+    """Say what lets launch do, when it runs, what Python was to do before."""
+    match node:
+        case ast.Compare(ops=[ast.Eq() | ast.NotEq() as sign], comparators=[_]):
+            kind = "EqualsSubstitution" if isinstance(sign, ast.Eq) else "NotEqualsSubstitution"
+            made = f"{kind}({', '.join(map(ast.unparse, used))})"
+            is_condition = any(
+                isinstance(n, ast.Call)
+                and node in n.args
+                and source.resolve(n.func) == "launch.conditions.IfCondition"
+                for n in source.nodes
+            )
+            do = f"write {made} here" if is_condition else f"{_WITHOUT_IF} condition=IfCondition({made})"
+            more = "" if is_condition else "from launch.conditions import IfCondition; "
+            return f"{do}, with `{more}from launch.substitutions import {kind}`"
+        case ast.If() | ast.IfExp():
+            condition = f"IfCondition({ast.unparse(early[0])})"
+            return f"{_WITHOUT_IF} condition={condition}, with `from launch.conditions import IfCondition`"
+        case ast.Call(func=ast.Attribute()):
+            joined = f"PathJoinSubstitution([{', '.join(map(ast.unparse, used))}])"
+            return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
+        case ast.BinOp() | ast.Call() if (whole := _calculation(source, node, early)) is not None:
+            made = f"PythonExpression([{', '.join(_parts(whole, early))}])"
+            return f"write {made} in place of {ast.unparse(whole)}, with `from launch.substitutions import PythonExpression`"
+        case ast.FormattedValue():
+            text = next(n for n in source.nodes if isinstance(n, ast.JoinedStr) and node in n.values)
+            parts = [one.value if isinstance(one, ast.FormattedValue) else one for one in text.values]
+            return f"write [{', '.join(map(ast.unparse, parts))}] in place of {ast.unparse(text)}"
+    return f"give {ast.unparse(early[0])} itself to the action, or a list of texts and substitutions, which launch joins"
+
+
+_WITHOUT_IF = "take the if away, put the action into the list always, and give it"
+
+
+def _calculation(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> ast.expr | None:
+    """Return the largest expression around a value with which only numbers are reckoned; None if there is none."""
+    around = (one for one in source.nodes if isinstance(one, ast.expr) and node in ast.walk(one))
+    able = [one for one in around if _is_of_numbers(one, early) and any(map(_counts, ast.walk(one)))]
+    return max(able, key=lambda one: sum(1 for _ in ast.walk(one)), default=None)
+
+
+def _is_of_numbers(node: ast.AST, early: Sequence[ast.expr]) -> bool:
+    """Return whether an expression has nothing but numbers, signs, Python's own functions and the values in question."""
+    if any(ast.unparse(node) == ast.unparse(one) for one in early):
+        return True
+    match node:
+        case ast.Constant(value=int() | float()):
+            return True
+        case ast.BinOp(left=left, right=right):
+            return _is_of_numbers(left, early) and _is_of_numbers(right, early)
+        case ast.UnaryOp(operand=operand):
+            return _is_of_numbers(operand, early)
+        case ast.Call(func=ast.Name(id=name), args=[*values], keywords=[]):
+            return hasattr(builtins, name) and all(_is_of_numbers(one, early) for one in values)
+    return False
+
+
+def _parts(whole: ast.expr, early: Sequence[ast.expr]) -> list[str]:
+    """Return an expression as the texts and values that launch joins."""
+    texts = sorted({ast.unparse(one) for one in early}, key=len, reverse=True)
+    pieces = re.split(rf"(?<![\w.])({'|'.join(map(re.escape, texts))})(?![\w.])", ast.unparse(whole))
+    return [one if one in texts else repr(one) for one in pieces if one]
+
+
+def _counts(node: ast.AST) -> bool:
+    """Return whether numbers are reckoned with; + joins texts, and / paths, where neither side is a number."""
+    if not isinstance(node, ast.BinOp):
+        return False
+    kinds = (int, float)
+    has_number = any(
+        (isinstance(one, ast.Constant) and isinstance(one.value, kinds))
+        or (isinstance(one, ast.Call) and ast.unparse(one.func) in ("int", "float"))
+        for one in (node.left, node.right)
+    )
+    return has_number or not isinstance(node.op, (ast.Add, ast.Div))
+
+
+def _is_substitution(source: PythonSource, value: ast.expr) -> bool:
+    target = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
+    return target.startswith(("launch.substitutions.", "launch_ros.substitutions."))

@@ -1,0 +1,159 @@
+"""Parameters that are given to a node which does not declare them: ROS passes them over in silence."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import re
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any
+
+from ros2lab import every_node
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.launching.launch_file import LaunchFile
+from ros2lab.diagnose.launching.started_faults import Started, line_of, started_in
+from ros2lab.diagnose.nodes.parameter_faults import declared_in, sections_of
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+
+Packages = Mapping[str, tuple[SourcePackage, NodeSources]]
+# A file of a package, in which nodes are.
+_Home = tuple[NodeSources, str]
+
+
+def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Iterator[Finding]:
+    """Yield parameters that a file, or a launch file itself, gives to a node that does not declare them.
+
+    Args:
+        packages: those of the workspace, each with its files.
+        launch_files: all of its launch files.
+    """
+    homes = _homes(packages, launch_files)
+    for package, sources in packages.values():
+        alike = declared_in(sources) or {}
+        for path in package.parameter_files:
+            inner, text = path.relative_to(package.folder).as_posix(), read_text(path)
+            for key, values in _sections(text):
+                takers = _takers(key, (package.name, inner), homes, packages, launch_files)
+                for name, value in _flat(values):
+                    # One that is nearly spelt like another is told already.
+                    if not any(is_near_miss(name, other) for other in alike):
+                        place = at(package.shown(inner), _line(name, key, text))
+                        yield from _fault("The file", name, value, takers, place)
+    for file in launch_files:
+        yield from _of_launch_file(file, packages)
+
+
+def _sections(text: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:
+    """Yield the sections of a parameter file; none of one that cannot be read, which is told elsewhere."""
+    with contextlib.suppress(ParameterFileError):
+        content = read_parameter_file(text)
+        yield from sections_of(content) if isinstance(content, Mapping) else ()
+
+
+def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
+    """Yield parameters that a launch file gives to nodes of which none declares them."""
+    takers: dict[str, list[Started]] = {}
+    for node in started_in(file, packages):
+        for name, _ in _flat(node.launched.values):
+            takers.setdefault(name, []).append(node)
+    given = Counter(name for node in file.nodes for name, _ in _flat(node.values))
+    for name, nodes in takers.items():
+        # One that a node of other people is given, too, may be meant for that.
+        if len(nodes) == given[name]:
+            launched = nodes[-1].launched
+            homes = [(node.sources, node.module) for node in nodes]
+            value = dict(_flat(launched.values))[name]
+            yield from _fault("The launch file", name, value, homes, nodes[0].launched.place)
+
+
+def _homes(packages: Packages, launch_files: Sequence[LaunchFile]) -> Mapping[str, list[_Home]]:
+    """Return the files in which nodes are made, by the nodes' names; "" for a name that is not known."""
+    found: dict[str, list[_Home]] = {}
+    for _, sources in packages.values():
+        for module, source in sources.sources.items():
+            for name in NodeSources({module: source}).node_names():
+                found.setdefault(name, []).append((sources, module))
+    for node in (node for file in launch_files for node in started_in(file, packages)):
+        found.setdefault(node.name, []).append((node.sources, node.module))
+    return found
+
+
+def _takers(
+    key: str,
+    path: tuple[str, str],
+    homes: Mapping[str, list[_Home]],
+    packages: Packages,
+    launch_files: Sequence[LaunchFile],
+) -> list[_Home]:
+    """Return the files whose nodes take a section of a parameter file; none if a node of other people may, too."""
+    name = key.rstrip("/").rpartition("/")[2]
+    if "*" not in name:
+        return [*homes[name], *homes.get("", [])] if name in homes else []
+    started = [node for file in launch_files for node in started_in(file, packages)]
+    given = [node for file in launch_files for node in file.nodes if path in node.files]
+    own = [(node.sources, node.module) for node in started if path in node.launched.files]
+    return own if len(own) == len(given) else []
+
+
+def _flat(values: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield parameters by their whole names, such as `wheel.radius`."""
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
+
+
+def _line(name: str, section: str, text: str) -> int | None:
+    first = line_of(section, text) or 1
+    written = re.compile(rf"(?<![\w.])['\"]?{re.escape(name.rpartition('.')[2])}['\"]?\s*:")
+    lines = enumerate(text.splitlines()[first:], first + 1)
+    return next((number for number, line in lines if written.search(line)), first)
+
+
+def _fault(giver: str, name: str, value: Any, takers: Collection[_Home], place: str) -> Iterator[Finding]:
+    if name.partition(".")[0] in every_node.PARAMETERS:
+        return
+    declared: dict[str, Any] = {}
+    for sources, module in takers:
+        files = sources.around(module)
+        own = declared_in(files) if files else None
+        if files is None or own is None or name in own or _may_declare(files, name):
+            return
+        declared |= own
+    # A node that declares nothing may do without the file on purpose.
+    if declared:
+        node = " and ".join(dict.fromkeys(module.rpartition(".")[2] for _, module in takers))
+        cause = f"{giver} gives the parameter {name}, and {node} does not declare it, so ROS passes it over; it declares {', '.join(sorted(declared))}."
+        declare = f"self.declare_parameter({name!r}, {value!r})"
+        close = nearest(name, declared, 0.5)
+        yield Finding(
+            "parameter-name",
+            cause,
+            place,
+            f"write {close} in place of {name}, or declare it: {declare}"
+            if close
+            else f"declare it: {declare}",
+        )
+
+
+def _may_declare(files: NodeSources, name: str) -> bool:
+    """Return whether nodes may declare a parameter in another way than by a call that names it."""
+    for source in files.sources.values():
+        called = {id(node.func) for node in source.nodes if isinstance(node, ast.Call)}
+        for node in source.nodes:
+            match node:
+                case ast.Constant(value=text) if text == name:
+                    return True
+                case ast.Attribute(attr=attr) if attr.startswith("declare_") and id(node) not in called:
+                    return True
+                case ast.keyword(
+                    arg="allow_undeclared_parameters" | "automatically_declare_parameters_from_overrides"
+                ):
+                    return True
+    return False

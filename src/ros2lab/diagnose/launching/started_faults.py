@@ -1,0 +1,389 @@
+"""What launch files would start, against what the nodes are called, and which topics and parameters they use."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ros2lab import every_node
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.nodes.parameter_faults import sections_of
+from ros2lab.diagnose.nodes.topic_faults import End, ends_of
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.spelling import nearest
+
+
+@dataclass(frozen=True)
+class Started:
+    """A node of the workspace as a launch file starts it.
+
+    Attributes:
+        launched: what the launch file says.
+        package: the package that has it.
+        sources: that package's files.
+        module: the file in which its executable begins.
+        function: which is called there.
+    """
+
+    launched: Launched
+    package: SourcePackage
+    sources: NodeSources
+    module: str
+    function: str
+
+    @cached_property
+    def name(self) -> str:
+        """The node's name; empty if it is not known, or one of several."""
+        if self.launched.name is not None:
+            return self.launched.name if isinstance(self.launched.name, str) else ""
+        names = [
+            name for name, (source, _) in self.sources.node_names().items() if source.name == self.module
+        ]
+        return names[0] if len(names) == 1 else ""
+
+    @property
+    def namespace(self) -> str:
+        """Its namespace with a slash at its beginning and none at its end."""
+        given = self.launched.namespace
+        return f"/{given.strip('/')}".rstrip("/") if isinstance(given, str) else ""
+
+    @property
+    def full_name(self) -> str:
+        """Its name with its namespace."""
+        return f"{self.namespace}/{self.name}"
+
+    @cached_property
+    def ends(self) -> list[tuple[End, str, str]]:
+        """The ends of topics in its file, each with its name as it is written, and as it is when the node runs."""
+        found = []
+        for end in filter(self._may_have, ends_of(self.sources)):
+            written = self.sources.value(end.creation.source, (end.creation.arguments or {}).get("topic"))
+            if isinstance(written, str):
+                found.append((end, self.plain(written), self.resolved(written)))
+        return found
+
+    def _may_have(self, end: End) -> bool:
+        """Return whether an end is of this node: of its file, and of a class that its function names if the file has several."""
+        owner = end.creation.owner
+        is_own = end.creation.source.name == self.module
+        return is_own and (self._named is None or owner is None or owner.name in self._named)
+
+    @cached_property
+    def _named(self) -> set[str] | None:
+        """The classes of nodes that its function names, with their bases; None if the file has but one."""
+        source = self.sources.sources[self.module]
+        nodes = {name: one for name, one in self.sources.classes.items() if self.sources.lineage(one)[1]}
+        if sum(one.source is source for one in nodes.values()) < 2:
+            return None
+        defined = [
+            node
+            for node in source.tree.body
+            if getattr(node, "name", "") == self.function
+            or self.function in map(ast.unparse, getattr(node, "targets", ()))
+        ]
+        named = {self.sources.resolve(source, inner) or "" for node in defined for inner in ast.walk(node)}
+        return {base.name for name in named & nodes.keys() for base in self.sources.lineage(nodes[name])[0]}
+
+    def plain(self, topic: str) -> str:
+        """Return the whole name that a topic has without any launch file."""
+        return topic.replace("~", f"/{self.name}", 1) if topic.startswith("~") else f"/{topic.lstrip('/')}"
+
+    def resolved(self, topic: str) -> str:
+        """Return the whole name of a topic, as this node uses it."""
+        found = self.resolved_alone(topic)
+        for old, new in self.launched.remappings:
+            if self.resolved_alone(old) == found:
+                return self.resolved_alone(new) if isinstance(new, str) else ""
+        return found
+
+    def resolved_alone(self, topic: str) -> str:
+        """Return the whole name of a topic as it is without a remapping."""
+        if topic.startswith("~"):
+            return f"{self.full_name}{topic[1:]}"
+        return topic if topic.startswith("/") else f"{self.namespace}/{topic}"
+
+
+def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]) -> list[Started]:
+    """List the nodes of the workspace that a launch file starts."""
+    found = []
+    for node in file.nodes:
+        package, sources = (
+            packages.get(node.package, (None, None)) if isinstance(node.package, str) else (None, None)
+        )
+        points = (package.setup.entry_points if package and package.setup else None) or ()
+        point = next((point for point in points if point.name == node.executable), None)
+        if package and sources and point and point.module in sources.sources:
+            found.append(Started(node, package, sources, point.module, point.function))
+    return found
+
+
+def started_faults(
+    file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]
+) -> Iterator[Finding]:
+    """Yield what keeps the nodes of one launch file from their parameters, and from each other.
+
+    Args:
+        file: as launch has loaded it.
+        packages: those of the workspace, each with its files.
+    """
+    nodes = started_in(file, packages)
+    yield from _parameters(nodes)
+    yield from _renamed(nodes)
+    if len(nodes) == len(file.nodes):
+        yield from _without_clock(nodes)
+        yield from _started_twice(nodes)
+    if len(nodes) == len(file.nodes):  # what else it starts may have the other end of a topic
+        yield from _apart(nodes)
+    topics = _names([sources for _, sources in packages.values()])
+    for node in nodes:
+        own = _own_names(node)
+        for topic, new in node.launched.remappings:
+            # What is given to several nodes is meant for those that have the name.
+            is_shared = sum((topic, new) in one.remappings for one in file.nodes) > 1
+            if own and not is_shared and not _is_among(topic, own, node):
+                yield _remapped(node, topic, new, own)
+            elif topics and not _is_among(topic, topics, node):
+                wanted = nearest(topic.lstrip("/"), topics, 0.6)
+                yield from [_remapped(node, topic, None, {wanted})] if wanted else []
+
+
+def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield a name that a launch file gives to a program, all whose nodes get it, where it makes several."""
+    for node in nodes:
+        source = node.sources.sources[node.module]
+        made = [
+            ast.unparse(call.func)
+            for owner, function, call in node.sources.scoped(source)
+            if isinstance(call, ast.Call) and owner is None and function and function.name == node.function
+            if _is_node(node.sources, source, call)
+        ]
+        name = node.launched.name
+        if isinstance(name, str) and len(made) > 1:
+            cause = f"The launch file names {node.launched.executable} {name!r}, and that program makes {len(made)} nodes ({', '.join(made)}): name= renames each of them, so they all have one name."
+            fix = f"take name={name!r} away, so that each node keeps the name that its code gives it"
+            yield Finding("name-twice", cause, node.launched.place, fix, (str(node.launched.executable),))
+
+
+def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool:
+    made = sources.classes.get(sources.resolve(source, call.func) or "")
+    is_class = made is not None and sources.lineage(made)[1]
+    return is_class or sources.makes_node(source, None, None, call)
+
+
+def _own_names(node: Started) -> set[str]:
+    """Return the names of a node's topics and services; none if it may have others."""
+    files = node.sources.around(node.module)
+    for source in files.sources.values() if files else ():
+        called = {id(one.func) for one in source.nodes if isinstance(one, ast.Call)}
+        for one in source.nodes:
+            if isinstance(one, ast.Attribute) and one.attr.startswith("create_") and id(one) not in called:
+                return set()
+        if any(one.target.startswith("rclpy.action") for one in source.imports):
+            return set()
+    return _names([files]) if files else set()
+
+
+def _is_among(topic: str, names: set[str], node: Started) -> bool:
+    """Return whether a remapping's first name is one of a node's names, or one that is not written in any source."""
+    is_every_nodes = f"/{topic.lstrip('/')}" in every_node.HIDDEN_TOPICS or topic.startswith(("~", "_"))
+    is_below_node = node.name in topic.split("/") or ":" in topic
+    is_named = topic.lstrip("/") in {name.lstrip("~/") for name in names}
+    is_resolved = node.resolved_alone(topic) in {node.resolved_alone(name) for name in names}
+    return is_every_nodes or is_below_node or is_named or is_resolved
+
+
+def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
+    """Say that the first name of a remapping is none of a node's names."""
+    there = ", ".join(repr(name) for name in sorted(own))
+    cause = (
+        f"The launch file gives another name to {topic!r}, and {node.launched.executable} does not use that: the "
+        f"first name is the one in the code, where there is {there}."
+    )
+    is_turned = isinstance(new, str) and new.lstrip("/") in own
+    wanted = nearest(topic.lstrip("/"), own, 0.6) or (min(own) if len(own) == 1 else "")
+    fix = f"write one of these as the first name of the remapping: {there}"
+    fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
+    fix = f"write ({new!r}, {topic!r}) in place of ({topic!r}, {new!r})" if is_turned else fix
+    return Finding("remap-unknown", cause, node.launched.place, fix)
+
+
+def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield an executable that is started twice under one name, beside one that nothing starts."""
+    for number, node in enumerate(nodes):
+        twin = next(
+            (one for one in nodes[:number] if (one.module, one.full_name) == (node.module, node.full_name)),
+            None,
+        )
+        points = (node.package.setup.entry_points if node.package.setup else None) or ()
+        started = {one.launched.executable for one in nodes}
+        left = [point.name for point in points if point.name not in started]
+        if twin is not None and left:
+            name = node.launched.executable
+            cause = f"The launch file starts {name} twice under one name, and {left[0]} never."
+            yield Finding(
+                "launch-executable", cause, node.launched.place, f"write {left[0]} in place of {name} here"
+            )
+
+
+def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield a parameter file that lets a node wait for a simulated time that nobody gives."""
+    if any(name == "/clock" and end.is_publisher for node in nodes for end, _, name in node.ends):
+        return
+    cause = "use_sim_time lets the node wait for the time of a simulator on /clock, which nothing here publishes: its timers never fire."
+    for node in nodes:
+        if node.launched.values.get("use_sim_time") is True:
+            fix = "write False for use_sim_time, or take it away, unless a simulator runs"
+            yield Finding("period", cause, node.launched.place, fix)
+    for home, path in dict.fromkeys(
+        (node.package, path)
+        for node in nodes
+        for package, path in node.launched.files
+        if package == node.package.name
+    ):
+        text = read_text(home.folder / path)
+        number = next(
+            (
+                n
+                for n, line in enumerate(text.splitlines(), 1)
+                if re.match(r"\s*use_sim_time\s*:\s*[Tt]rue", line)
+            ),
+            None,
+        )
+        if number:
+            fix = "write use_sim_time: false, unless a simulator runs"
+            yield Finding("period", cause, f"{home.shown(path)}:{number}", fix)
+
+
+def _names(files: Sequence[NodeSources]) -> set[str]:
+    """Return the names of all topics and services, without a slash at their beginning; none if one is not known."""
+    given = [
+        (one.source, value, sources)
+        for sources in files
+        for one in sources.creations
+        if one.method != "create_timer"
+        for value in [next((v for n, v in (one.arguments or {}).items() if n in ("topic", "srv_name")), None)]
+    ]
+    names = [sources.value(source, value) for source, value, sources in given]
+    return {name.lstrip("/") for name in names} if all(isinstance(name, str) for name in names) else set()
+
+
+def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield a section of a parameter file that none of the nodes takes, where one of them takes nothing of it."""
+    given: dict[tuple[str, str], list[Started]] = {}
+    for node in nodes:
+        for package, path in node.launched.files:
+            if package == node.package.name:
+                given.setdefault((package, path), []).append(node)
+    for (_, path), takers in given.items():
+        home = takers[0].package
+        text = read_text(home.folder / path)
+        try:
+            content = read_parameter_file(text)
+        except ParameterFileError:
+            continue
+        keys = [key for key, _ in sections_of(content)] if isinstance(content, Mapping) else []
+        unused = [key for key in keys if not any(not n.name or _is_for(key, n.full_name) for n in takers)]
+        without = [n for n in takers if n.name and not any(_is_for(key, n.full_name) for key in keys)]
+        shown = home.shown(path)
+        for key in unused:
+            meant = _meant(key, without)
+            if meant is None:
+                continue
+            cause = (
+                f"The launch file starts {meant.launched.executable} as {meant.full_name}, and {shown} gives its "
+                f"parameters to {key}: the node keeps its defaults."
+            )
+            number = line_of(key, text)
+            fix = f"write {meant.full_name}: in place of {key}:, or /**: for every node"
+            yield Finding("parameter-file-node", cause, at(shown, number), fix)
+
+
+def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
+    """Return the node for which a section was meant: by its own name, that of its executable, or the only one."""
+    last = key.rstrip("/").rpartition("/")[2]
+    for node in nodes:
+        own = [name for name, (source, _) in node.sources.node_names().items() if source.name == node.module]
+        if last in (*own, node.launched.executable, node.name):
+            return node
+    return None
+
+
+def line_of(key: str, text: str) -> int | None:
+    """Return the line in which a section of a parameter file begins."""
+    last = key.rstrip("/").rpartition("/")[2]
+    lines = (line.strip().strip("\"'") for line in text.splitlines())
+    return next(
+        (number for number, line in enumerate(lines, 1) if line.lstrip("/").startswith((last, key))), None
+    )
+
+
+def _is_for(key: str, full_name: str) -> bool:
+    """Return whether a section of a parameter file, such as `/**/talker`, is for a node."""
+    parts = [
+        ".*" if part == "**" else re.escape(part).replace(r"\*", "[^/]*")
+        for part in key.strip("/").split("/")
+    ]
+    return re.fullmatch("/" + "/".join(parts).replace(".*/", "(?:.*/)?"), full_name) is not None
+
+
+def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield two nodes that would meet on a topic, and which the launch file takes apart."""
+    ends = [(node, *end) for node in nodes for end in node.ends]
+    for node, end, plain, name in ends:
+        if end.is_publisher or not name or _others(ends, name, is_publisher=True):
+            continue
+        for other, _, other_plain, other_name in ends:
+            is_left = other_name and not _others(ends, other_name, is_publisher=False)
+            if (
+                other is node
+                or not is_left
+                or other_plain != plain
+                or not _is_publisher(ends, other, other_plain)
+            ):
+                continue
+            moved = next((one for one in (other, node) if one.namespace or one.launched.remappings), None)
+            if moved is None:
+                continue
+            meet = f"{other.launched.executable} publishes on {other_name}, and {node.launched.executable} subscribes to {name}"
+            yield _moved(moved, meet, plain, are_together=node.namespace == other.namespace)
+            break
+
+
+def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Finding:
+    """Say which node a launch file takes away from another one.
+
+    Args:
+        moved: the node.
+        meet: what both do now, in a clause.
+        plain: the topic without any launch file.
+        are_together: whether both are in one namespace, so that only one of them minds it.
+    """
+    why = f"in the namespace {moved.namespace}" if moved.namespace else "with another name for a topic"
+    way = (
+        f"write {plain[1:]!r}, without a slash, in both"
+        if are_together
+        else f"start both in the namespace {moved.namespace}"
+    )
+    fix = (
+        f"{way}, or name the topic {plain!r}, with a slash, in both"
+        if moved.namespace
+        else f"give both the same remapping: remappings=[({plain!r}, ...)]"
+    )
+    cause = f"The launch file starts {moved.launched.executable} {why}: {meet}."
+    return Finding("launch-apart", cause, moved.launched.place, fix)
+
+
+def _others(ends: Sequence[tuple[Any, End, str, str]], name: str, *, is_publisher: bool) -> bool:
+    return any(end.is_publisher is is_publisher and other == name for _, end, _, other in ends)
+
+
+def _is_publisher(ends: Sequence[tuple[Any, End, str, str]], node: Started, plain: str) -> bool:
+    return any(one is node and end.is_publisher and other == plain for one, end, other, _ in ends)

@@ -1,0 +1,96 @@
+"""Words that a launch file gives a program which reads none."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_file import Launched
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+
+# Modules with which a program reads the words of its command line; sys is one only for its argv.
+_READERS = frozenset(("argparse", "optparse", "getopt", "click", "typer", "fire", "docopt", "absl"))
+_OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level"))
+_NAMES = {"__node": "name", "__name": "name", "__ns": "namespace"}
+
+
+def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
+    """Yield what `arguments` gives a program of the workspace that never looks at its command line."""
+    package = packages.get(node.package) if isinstance(node.package, str) else None
+    words = (
+        node.arguments[: node.arguments.index("--ros-args")]
+        if "--ros-args" in node.arguments
+        else node.arguments
+    )
+    points = (package.setup.entry_points if package and package.setup else None) or ()
+    module = next((one.module for one in points if one.name == node.executable), None)
+    if package is None or not words or module is None or module not in package.sources:
+        return
+    sources = NodeSources(package.sources)
+    files = [sources.sources[name] for name in sources.together(module)]
+    if any(source.fault or _reads_words(source) for source in files):
+        return
+    short = " ".join(words)[:60]
+    cause = f"arguments gives {node.executable} the words `{short}` of a command line, and its program reads none, so they change nothing."
+    yield Finding("words-unread", cause, node.place, _fix(words, declared_in(sources) or {}))
+
+
+def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
+    """Return where what the words say belongs, by their form."""
+    if not _OF_ROS.isdisjoint(words):
+        return f"write arguments={['--ros-args', *words]!r}"
+    pairs = [word.partition(":=")[::2] for word in words if ":=" in word]
+    if len(pairs) == len(words):
+        if all(old in _NAMES for old, _ in pairs):
+            return (
+                "write "
+                + ", ".join(f"{_NAMES[old]}={new!r}" for old, new in pairs)
+                + " in place of arguments"
+            )
+        if any(old.startswith(("/", "~")) for old, _ in pairs):
+            return f"write remappings={pairs!r} in place of arguments"
+        values = {old: _value(new) for old, new in pairs}
+        return f"write parameters=[{values!r}] in place of arguments"
+    if all(word.endswith((".yaml", ".yml")) for word in words):
+        return f"write parameters={[*words]!r} in place of arguments"
+    known = next(iter(declared), "name")
+    return f"declare what the program should be given as a parameter, and write parameters=[{{{known!r}: ...}}] in place of arguments"
+
+
+def _value(text: str) -> object:
+    """Return the value that a text stands for, as ROS reads it."""
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        value = ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        return text
+    return value if isinstance(value, (int, float, str, list)) else text
+
+
+def _reads_words(source: PythonSource) -> bool:
+    """Return whether a file may look at the command line."""
+    if any(one.target.partition(".")[0] in _READERS for one in source.imports):
+        return True
+    if "argv" in source.text or "remove_ros_args" in source.text:
+        return True
+    main = next(
+        (one for one in source.tree.body if isinstance(one, ast.FunctionDef) and one.name == "main"), None
+    )
+    taken = [one.arg for one in main.args.args] if main else []
+    nodes = own_nodes(main) if main else ()
+    # Who hands its arguments to rclpy.init() reads only what stands behind --ros-args.
+    handed = {
+        id(given)
+        for node in nodes
+        if isinstance(node, ast.Call) and source.resolve(node.func) == "rclpy.init"
+        for given in (*node.args, *(one.value for one in node.keywords))
+    }
+    return any(
+        isinstance(n, ast.Name) and n.id in taken and isinstance(n.ctx, ast.Load) and id(n) not in handed
+        for n in nodes
+    )

@@ -1,0 +1,1 @@
+"""Fixes that are tried before they are told."""

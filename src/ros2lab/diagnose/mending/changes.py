@@ -1,0 +1,383 @@
+"""Small changes of a line, and of the lines that made its values; nothing of them knows a mistake.
+
+A value is called, or not called, taken out of what holds it, asked of something else, given by its name, or written as
+another type.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import contextlib
+import difflib
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+from ros2lab.diagnose.checking.members import members
+from ros2lab.diagnose.checking.operands import held_in
+from ros2lab.diagnose.checking.trials import Edit, Trial
+from ros2lab.diagnose.sources.calls import as_list, whole_call
+from ros2lab.diagnose.sources.interfaces import fields_of, homes_of, launch_classes_below, launch_homes_of
+from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function
+from ros2lab.diagnose.sources.signatures import LISTS, Signature, heads_of, signature_by_name, signature_of
+from ros2lab.diagnose.sources.static_value import evaluate, is_known
+
+_ALIKE = 0.6  # of two names, as difflib measures it
+
+
+@dataclass(frozen=True)
+class Change:
+    """An edit that may be what was meant.
+
+    Attributes:
+        edit: what is changed.
+        cost: how much it changes; of several that stand, the cheapest is meant.
+        is_one_of_many: whether nothing but that it stands speaks for it, so that no other of its cost may.
+    """
+
+    edit: Edit
+    cost: int
+    is_one_of_many: bool = False
+
+
+# What a change costs, from a slip of the fingers to another value.
+_SLIP, _FORM, PLACE, _VALUE, LESS = 1, 2, 3, 4, 5
+MOST = 150  # changes that are tried, about half a second
+MOST_TOLD = 3  # changes of which nothing tells which is meant
+
+
+def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
+    """Yield the changes of a line, and of the lines that made its values.
+
+    Args:
+        trial: the line.
+        said: what is said of it, which may name the class that is wanted.
+    """
+    yield from _as_said(trial, said)
+    if isinstance(trial.statement, ast.FunctionDef):
+        yield from _of_definition(trial.statement, trial)
+    expressions = trial.expressions()
+    called = {id(node.func): node for node in expressions if isinstance(node, ast.Call)}
+    made = origins_of(expressions, trial)
+    for node in expressions:
+        if isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del)):
+            continue
+        if ast.unparse(node) not in made and id(node) not in called:
+            yield from _of_form(node, trial)
+        yield from _of_separators(node)
+        yield from _of_members(node, trial, called.get(id(node)))
+        if id(node) not in called:
+            yield from _of_what_it_holds(node, trial)
+        if isinstance(node, ast.Call):
+            yield from _of_arguments(node, trial)
+        yield from _of_value(node, trial)
+    for value in made.values():
+        for change in [*_of_form(value, trial), *_of_value(value, trial)]:
+            yield replace(change, cost=change.cost + 1)
+
+
+def _as_said(trial: Trial, said: str) -> Iterator[Change]:
+    """Yield what a file gives back as an object of a class that is named, and a text as one that may stand there."""
+    wanted = [one for one in dict.fromkeys(re.findall(r"\b[A-Z]\w+", said)) if launch_homes_of(one)]
+    value = trial.statement.value if isinstance(trial.statement, ast.Return) else None
+    if value is not None:
+        yield from (Change(Edit(value, f"{name}({ast.unparse(value)})"), _FORM) for name in wanted)
+    choices = re.findall(r"[\"'](\w+)[\"']", said)
+    for node in trial.expressions():
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value not in choices:
+            near = difflib.get_close_matches(node.value, choices, n=1, cutoff=_ALIKE)
+            yield from (Change(Edit(node, repr(one)), _SLIP) for one in near)
+
+
+def _of_definition(function: ast.FunctionDef, trial: Trial) -> Iterator[Change]:
+    """Yield a function that takes the context, with which launch calls those that it is given."""
+    given = [one.value for n in trial.source.nodes if isinstance(n, ast.Call) for one in n.keywords]
+    if not function.args.args and any(ast.unparse(one) == function.name for one in given):
+        yield Change(Edit(_head(function), f"{function.name}(context)"), _FORM)
+
+
+def _head(function: ast.FunctionDef) -> ast.Name:
+    """Return the place of the name and the empty parentheses in a function's first line."""
+    begin = function.col_offset + len("def ")
+    here = ast.Name(function.name, lineno=function.lineno, col_offset=begin)
+    here.end_lineno, here.end_col_offset = function.lineno, begin + len(function.name) + len("()")
+    return here
+
+
+def _of_form(node: ast.expr, trial: Trial) -> Iterator[Change]:
+    """Yield a function called; or the function itself, where the line does more than to call it."""
+    text = ast.unparse(node)
+    if isinstance(node, (ast.Name, ast.Attribute)):
+        yield Change(Edit(node, f"{text}()"), _FORM)
+    is_whole = isinstance(trial.statement, ast.Expr) and trial.statement.value is node
+    if isinstance(node, ast.Call) and not is_whole and not node.args and not node.keywords:
+        yield Change(Edit(node, ast.unparse(node.func)), _FORM)
+
+
+def _of_separators(node: ast.expr) -> Iterator[Change]:
+    """Yield two neighbours of a list as a member of the first: there is a comma where a dot was meant."""
+    values = node.args if isinstance(node, ast.Call) else getattr(node, "elts", ())
+    for one, other in pairwise(values):
+        joined = f"{ast.unparse(one)}.{ast.unparse(other)}"
+        if one.end_lineno == other.lineno and isinstance(_first_of(other), ast.Name):
+            both = ast.Tuple([one, other], lineno=one.lineno, col_offset=one.col_offset)
+            both.end_lineno, both.end_col_offset = other.end_lineno, other.end_col_offset
+            yield Change(Edit(both, joined), _SLIP)
+
+
+def _first_of(node: ast.expr) -> ast.expr:
+    """Return what an expression begins with."""
+    while isinstance(node, (ast.Call, ast.Attribute, ast.Subscript)):
+        node = node.func if isinstance(node, ast.Call) else node.value
+    return node
+
+
+def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator[Change]:
+    """Yield another member of the same, the member of something else, and an item in place of a member."""
+    if not isinstance(node, ast.Attribute):
+        return
+    before = ast.unparse(node.value)
+    kind = trial.kind(before)
+    known = members(_class_name(kind), trial.look)
+    if "Self@" in kind and trial.owner:
+        known |= members(trial.owner.definition.name, trial.look)
+    yield from _of_the_same(node, known, trial, call)
+    if kind.startswith("dict["):
+        yield Change(Edit(node, f"{before}[{node.attr!r}]"), _FORM)
+    if node.attr in known:
+        return
+    for name in _never_read(trial.owner) if before == "self" and trial.owner else ():
+        yield Change(Edit(node, f"self.{name}"), _SLIP, is_one_of_many=True)
+    for holder in trial.names:
+        if holder != before and node.attr in members(_class_name(trial.kind(holder)), trial.look):
+            yield from _asked_of(holder, node, call)
+
+
+def _of_the_same(
+    node: ast.Attribute, known: Collection[str], trial: Trial, call: ast.Call | None
+) -> Iterator[Change]:
+    """Yield the members of a nearly equal name; of a call whose value nobody uses, those that give nothing."""
+    before = ast.unparse(node.value)
+    for name in difflib.get_close_matches(node.attr, {*known} - {node.attr}, n=3, cutoff=_ALIKE):
+        yield Change(Edit(node, f"{before}.{name}"), _SLIP)
+        yield Change(Edit(node, f"{before}.{name}()"), _FORM)
+    if call is not None and isinstance(trial.statement, ast.Expr) and trial.statement.value is call:
+        for text, kind in trial.kinds_of([f"{before}.{name}" for name in sorted(known)]).items():
+            if kind.endswith("-> None"):
+                yield Change(Edit(node, text), PLACE, is_one_of_many=True)
+
+
+def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
+    """Yield what a value holds in place of the value."""
+    text = ast.unparse(node)
+    kind = trial.kind(text)
+    name = _class_name(kind)
+    if not name or hasattr(builtins, name):
+        return
+    is_whole = isinstance(node, (ast.Name, ast.Attribute, ast.Call))
+    held = (
+        f"{text}.value" if kind.startswith("Literal[") else held_in(text if is_whole else f"({text})", name)
+    )
+    if held:
+        yield Change(Edit(node, held), _FORM)
+    is_refused = any(
+        re.search(rf"found `(?:[\w.]+\.)?{re.escape(name)}`", row.said) for row in trial.objections
+    )
+    for method in sorted(members(name, trial.look)) if is_whole and is_refused else ():
+        yield Change(Edit(node, f"{text}.{method}()"), PLACE, is_one_of_many=True)
+    for field in _fields(name) if not held else ():
+        yield Change(Edit(node, f"{text}.{field}"), PLACE, is_one_of_many=True)
+
+
+def _fields(message: str) -> Sequence[str]:
+    """Return the fields of a message; none of any other class."""
+    fields = (fields_of(f"{home}.{message}") for home in homes_of(message))
+    return [*next(filter(None, fields), {})]
+
+
+def _never_read(owner: NodeClass) -> list[str]:
+    """Return the attributes that a class sets and never reads: one may be called otherwise where it is read."""
+    own = [n for n in ast.walk(owner.definition) if is_self_attribute(n)]
+    read = {n.attr for n in own if not isinstance(n.ctx, ast.Store)}
+    return sorted({n.attr for n in own} - read)
+
+
+def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterator[Change]:
+    """Yield a member of something else, and a call of it with less."""
+    if call is None:
+        yield Change(Edit(node, f"{holder}.{node.attr}"), PLACE, is_one_of_many=True)
+        return
+    texts = [*map(ast.unparse, call.args), *map(_keyword, call.keywords)]
+    yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(texts)})"), PLACE, is_one_of_many=True)
+    for number in range(len(texts)):
+        less = [*texts[:number], *texts[number + 1 :]]
+        yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(less)})"), _VALUE, is_one_of_many=True)
+
+
+def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
+    """Yield a call whose values are exchanged, given by their names, put into one list, one more, or one less."""
+    function, given = ast.unparse(call.func), [*map(ast.unparse, call.args)]
+    named = [*map(_keyword, call.keywords)]
+    rules = {row.rule for row in trial.objections}
+
+    def written(*texts: str) -> Edit:
+        return Edit(call, f"{function}({', '.join([*texts, *named])})")
+
+    for number in range(len(given) - 1):
+        swapped = [*given[:number], given[number + 1], given[number], *given[number + 2 :]]
+        yield Change(written(*swapped), PLACE)
+    signature = signature_of(trial.source, call)
+    for one in signature.parameters if signature else ():
+        if given and one.name not in {keyword.arg for keyword in call.keywords}:
+            last = call.args[-1]
+            is_list = heads_of(one.type) <= LISTS
+            text = given[-1] if one.takes(last) else as_list(last) if is_list else ""
+            yield from [Change(written(*given[:-1], f"{one.name}={text}"), PLACE)] if text else []
+    for name in trial.names if "missing-argument" in rules else ():
+        yield Change(written(*given, name), PLACE, is_one_of_many=True)
+    if len(given) > 1 and rules & {"too-many-positional-arguments", "invalid-argument-type"}:
+        yield Change(written(f"[{', '.join(given)}]"), PLACE)
+    for number in range(len(given)) if "too-many-positional-arguments" in rules else ():
+        yield Change(written(*given[:number], *given[number + 1 :]), LESS, is_one_of_many=True)
+    yield from _of_wanted(call, signature)
+    if whole := whole_call(trial.source, call):
+        yield Change(Edit(call, whole), PLACE)
+
+
+def _of_wanted(call: ast.Call, signature: Signature | None) -> Iterator[Change]:
+    """Yield a value made into an object of the class that a parameter asks for, or into a list."""
+    rows = signature.parameters if signature else ()
+    places = [one for one in rows if one.is_positional]
+    named = {one.name: one for one in rows}
+    pairs = [*zip(places, call.args, strict=False)]
+    pairs += [(named[one.arg], one.value) for one in call.keywords if one.arg in named]
+    for parameter, value in pairs:
+        text, heads = ast.unparse(value), heads_of(parameter.type)
+        if "Callable" in heads and isinstance(value, ast.Call):
+            yield Change(Edit(value, ast.unparse(value.func)), _FORM)
+        known = [one for head in sorted(heads) if head[:1].isupper() for one in launch_classes_below(head)]
+        makers = filter(_takes_one, known)
+        yield from (Change(Edit(value, f"{one}({text})"), _VALUE, is_one_of_many=True) for one in makers)
+        if heads & LISTS:
+            yield Change(Edit(value, as_list(value)), _VALUE)
+
+
+def _takes_one(name: str) -> bool:
+    """Return whether an object of a class of launch is made of one value."""
+    signature = signature_by_name(f"{launch_homes_of(name)[0]}.{name}")
+    first, *others = signature.parameters if signature and signature.parameters else (None,)
+    return first is not None and first.is_positional and all(one.default for one in others)
+
+
+def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
+    """Yield a value as one of another type, or with what stands for it where it may be None."""
+    text, kind = ast.unparse(node), trial.kind(ast.unparse(node))
+    match node:
+        case ast.List(elts=[ast.Name() | ast.Attribute() as only]):
+            yield Change(Edit(node, ast.unparse(only)), _FORM)
+        case ast.BinOp(left=left, op=ast.Div(), right=right):
+            yield Change(Edit(node, f"{ast.unparse(left)} // {ast.unparse(right)}"), _FORM)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            kinds = [_class_name(trial.kind(ast.unparse(one))) for one in (left, right)]
+            is_joined = any(map(launch_homes_of, kinds))  # as launch joins texts and what stands for one
+            cost = PLACE if is_joined else LESS
+            yield Change(Edit(node, f"[{ast.unparse(left)}, {ast.unparse(right)}]"), cost)
+        case ast.Name(id=name) if trial.is_undefined(name):
+            yield from (Change(Edit(node, f"{module}.{name}"), _SLIP) for module in trial.modules_with(name))
+            yield from (Change(Edit(node, one), _SLIP) for one in trial.names if one == f"self.{name}")
+            yield Change(Edit(node, repr(name)), LESS)
+    if kind.endswith("| None"):
+        empty = _EMPTY.get(kind.removesuffix(" | None"), "...")
+        yield Change(Edit(node, f"({text} or {empty})"), _VALUE)
+    literal = _literal(node) if isinstance(node, (ast.Constant, ast.List, ast.Tuple)) else None
+    for made in _made_of(kind):
+        if literal is None or made == "range({})":
+            yield Change(Edit(node, made.format(text)), _VALUE)
+    for one in _as_others(literal) if literal is not None else ():
+        yield Change(Edit(node, repr(one)), _VALUE if isinstance(one, str) else _FORM)
+
+
+def _literal(node: ast.expr) -> object:
+    value = evaluate(node, {}, {})
+    return value if is_known(value) else None
+
+
+def _as_others(literal: object) -> Iterator[object]:
+    """Yield a value that is written out as one of another type: a number, a text, each item of a list."""
+    if isinstance(literal, bytes):
+        yield literal.decode("latin-1")
+        return
+    items = [*literal] if isinstance(literal, (list, tuple)) else [literal]
+    for kind in (int, float, str):
+        made = [_as_one(kind, item) for item in items]
+        if None not in made and [*map(type, made)] != [*map(type, items)]:
+            yield made if isinstance(literal, (list, tuple)) else made[0]
+
+
+def _as_one(kind: type[int | float | str], value: Any) -> object:
+    """Return a value as one of another type; None if it is none, or if something of it is lost on the way."""
+    with contextlib.suppress(ValueError, TypeError, OverflowError):
+        is_lost = kind is not str and (isinstance(value, bool) or kind(value) != float(value))
+        return None if is_lost else kind(value)
+    return None
+
+
+def _made_of(kind: str) -> Sequence[str]:
+    """Return what is made of a value of a type where another one is wanted: a text of all but a few."""
+    name = _class_name(kind)
+    # What launch fills in later is no text yet.
+    is_no_text = not kind or _NO_TEXT.match(kind) or launch_homes_of(name)
+    return _MADE_OF.get(name, () if is_no_text else ("str({})",))
+
+
+_EMPTY = {"str": "''", "int": "0", "float": "0.0"}
+# The types of functions, classes, modules and None.
+_NO_TEXT = re.compile(r"None$|def |bound method|\(|<|type\[|Overload|Self@")
+_MADE_OF: Mapping[str, Sequence[str]] = {
+    "str": ("float({})", "int({})"),
+    "int": ("range({})", "str({})"),
+    "float": ("int({})", "str({})"),
+    "bool": ("str({})",),
+    "list": ("map(str, {})", "map(float, {})"),
+    "tuple": ("list({})", "map(str, {})"),
+    "set": ("list({})", "map(str, {})"),
+    "dict": (),
+    "bytes": ("{}.decode()",),
+}
+
+
+def origins_of(expressions: Iterable[ast.expr], trial: Trial) -> dict[str, ast.expr]:
+    """Return what is assigned to each name of a line, of those to which it is only once, and in another line."""
+    texts = {ast.unparse(n) for n in expressions if isinstance(n, (ast.Name, ast.Attribute))}
+    values: dict[str, list[ast.expr]] = {}
+    scope: Function | ast.ClassDef | ast.Module
+    for text in texts:
+        is_own = text.startswith("self.") and trial.owner
+        scope = trial.owner.definition if is_own and trial.owner else trial.spot.function or trial.source.tree
+        for node in ast.walk(scope):
+            if isinstance(node, ast.Assign) and text in map(ast.unparse, node.targets):
+                values.setdefault(text, []).append(node.value)
+    return {
+        text: found[0]
+        for text, found in values.items()
+        if len(found) == 1 and found[0].lineno not in trial.spot.lines
+    }
+
+
+def _keyword(one: ast.keyword) -> str:
+    return f"{one.arg}={ast.unparse(one.value)}" if one.arg else f"**{ast.unparse(one.value)}"
+
+
+def _class_name(kind: str) -> str:
+    """Return the name of the class of which a type is."""
+    kind = kind.removesuffix(" | None").replace("LiteralString", "str")
+    if literal := re.match(
+        r"Literal\[(?:(?P<enum>[A-Z]\w*)\.\w|(?P<text>['\"])|(?P<bytes>b)|(?P<number>-?\d))", kind
+    ):
+        known = {"text": "str", "bytes": "bytes", "number": "int"}
+        return literal["enum"] or known[literal.lastgroup or "number"]
+    return re.sub(r"\[.*", "", kind).rpartition(".")[2]

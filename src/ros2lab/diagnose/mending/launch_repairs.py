@@ -1,0 +1,101 @@
+"""A launch file that launch refuses: changes of it are loaded on copies, and that with which it starts most is told."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from ros2lab.diagnose.checking.edits_told import edits_told
+from ros2lab.diagnose.checking.trials import Trial
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.launching.launch_loaded import load_copies
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.mending.changes import MOST, MOST_TOLD, PLACE, Change, changes_of
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+_TOLD = 0  # what a change costs that is what was told already
+
+
+@dataclass(frozen=True)
+class _Way:
+    """A change, with the lines of which it is one."""
+
+    trial: Trial
+    change: Change
+
+    @property
+    def cost(self) -> int:
+        return self.change.cost
+
+    @property
+    def line(self) -> str:
+        """What its line says then."""
+        return self.trial.line_after(self.change.edit)
+
+
+def loaded(
+    finding: Finding, source: PythonSource, line: int, look: Look, passed_on: Finding
+) -> Finding | None:
+    """Return a finding with the cheapest change with which launch loads a file and starts most; None if none is known.
+
+    Args:
+        finding: what is known.
+        source: the file.
+        line: of it; 0 if launch names none.
+        look: the workspace.
+        passed_on: what launch says.
+    """
+    path = source.path
+    if path is None or load_copies(path, [source.text.encode()], look.packages) != [None]:
+        return None
+    trials = [Trial(source, Spot(source, one), look) for one in ([line] if line else _lines(source))]
+    ways = [
+        _Way(trial, Change(edit, _TOLD))
+        for trial in trials
+        for edit in edits_told(finding.fix, trial.statement, trial.expressions())
+    ]
+    is_guess = bool(ways)
+    ways += _changes(trials, f"{finding.cause} {passed_on.cause}")
+    if finding in look.findings and finding.code != SAID:
+        # What a rule says of the line is right: only what says the same in other words may stand in its place.
+        ways = [way for way in ways if way.cost <= PLACE]
+    good = _best(sorted(ways, key=lambda way: way.cost)[:MOST], source, look)
+    if not good:
+        return None
+    if good[0].cost == _TOLD:
+        return finding
+    texts = _told(good)
+    if len(texts) > MOST_TOLD:
+        return None
+    known = passed_on if is_guess else finding  # what was told does not help
+    place = source.at(good[0].change.edit.node)
+    return replace(known, place=place, fix=f"write {', or '.join(f'`{text}`' for text in texts)}")
+
+
+def _lines(source: PythonSource) -> list[int]:
+    """Return the lines of a file's functions, and of what stands in them."""
+    statements = [node for node in source.nodes if isinstance(node, ast.stmt)]
+    return [one.lineno for one in statements if one.col_offset or isinstance(one, ast.FunctionDef)]
+
+
+def _changes(trials: Sequence[Trial], said: str) -> Iterator[_Way]:
+    for trial in trials:
+        yield from (_Way(trial, change) for change in changes_of(trial, said))
+
+
+def _best(ways: Sequence[_Way], source: PythonSource, look: Look) -> list[_Way]:
+    """Return the changes with which launch starts most; where it starts nothing, those of form alone."""
+    assert source.path is not None
+    copies = [way.trial.copy_with(way.change.edit) for way in ways]
+    counts = load_copies(source.path, copies, look.packages)
+    most = max((count for count in counts if count is not None), default=0)
+    # Where something from elsewhere is missing, the file goes on further with any value.
+    return [way for way, n in zip(ways, counts, strict=True) if n == most and (n or way.cost <= PLACE)]
+
+
+def _told(good: Sequence[_Way]) -> list[str]:
+    """Return what the cheapest of some changes make of their lines: of one alone, unless nothing speaks for one."""
+    same = [way.line for way in good if way.cost == good[0].cost]
+    return [*dict.fromkeys(same if good[0].change.is_one_of_many else same[:1])]

@@ -1,0 +1,126 @@
+"""A line at which Python stops: changes of it are tried on copies of its file, and what the type checker takes is told.
+
+A fix that is known already is tried first, as a student would apply it, word by word.
+"""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ros2lab.diagnose.causes.nothing_given import of_what_gives_nothing
+from ros2lab.diagnose.causes.origins import Origin
+from ros2lab.diagnose.checking.edits_told import edits_told
+from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Edit, Trial, statement_of
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.mending.changes import LESS, MOST, MOST_TOLD, Change, changes_of, origins_of
+from ros2lab.diagnose.mending.launch_repairs import loaded
+from ros2lab.diagnose.printed.spots import Spot, spot_at
+from ros2lab.diagnose.sources.calls import missing_imports
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
+
+
+def tried(
+    finding: Finding, look: Look, part: str = "", *, is_sure: bool = False, passed_on: Finding | None = None
+) -> Finding:
+    """Return a finding about a line of Python with a fix that stands, if one is known or found.
+
+    A fix that can be applied word by word stays if the type checker takes it; else a change that it takes is told in
+    its place. Without the type checker, or where it has no objection to begin with, nothing is changed.
+
+    Args:
+        finding: what is known.
+        look: the workspace.
+        part: what of the line has failed, as Python marks it.
+        is_sure: whether a fix that cannot be applied word by word is right all the same.
+        passed_on: what launch itself says, if it could not go on.
+    """
+    source, line = _source_at(finding.place, look)
+    if source is None:
+        return finding
+    if source.path in look.launch_paths and look.loads and passed_on and not is_sure:
+        return loaded(finding, source, line, look, passed_on) or finding
+    trial = Trial(source, replace(Spot(source, line), part=part), look) if line else None
+    return _checked(finding, trial, is_sure=is_sure) if trial and trial.objections else finding
+
+
+def worth_typing(finding: Finding, look: Look | None) -> Finding:
+    """Return a finding whose fix names the imports that it needs, and none that would change nothing."""
+    spot = spot_at(finding.place, look)
+    if spot.source is not None and finding.fix.startswith("write "):
+        statement = statement_of(spot)
+        inner = [n for n in ast.walk(statement or ast.Pass()) if isinstance(n, ast.expr)]
+        said = [*edits_told(finding.fix, statement, inner)]
+        if said and all(edit.is_idle(spot.source) for edit in said):
+            finding = replace(finding, fix="")
+    return _with_imports(finding, look)
+
+
+def _with_imports(finding: Finding, look: Look | None) -> Finding:
+    """Return a finding whose fix names the import of each class that it writes into a file of Python without one."""
+    is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
+    source = spot_at(finding.place, look).source if is_written else None
+    lines = missing_imports(source, finding.fix) if source and source.text else []
+    more = f", with `{'; '.join(lines)}` at the top" if lines else ""
+    return replace(finding, fix=f"{finding.fix}{more}")
+
+
+def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
+    """Return a finding about a line to which the type checker objects, with a fix to which it does not."""
+    if nothing := _of_nothing(trial):
+        return nothing
+    said = [*edits_told(finding.fix, trial.statement, trial.expressions())]
+    if any(trial.stands([edit for edit in said if not trial.is_open(edit.text)])) or (is_sure and not said):
+        return finding
+    good = _cheapest(trial, sorted(changes_of(trial), key=lambda change: change.cost)[:MOST])
+    if not good:
+        return finding
+    place = trial.source.at(good[0].node)
+    more = "" if place == finding.place else f" Line {trial.spot.line} fails because of this one."
+    texts = (f"`{trial.line_after(edit)}`" for edit in good)
+    cause = finding.cause.partition(" Did you mean")[0]  # that was a guess
+    return replace(finding, cause=f"{cause}{more}", place=place, fix=f"write {', or '.join(texts)}")
+
+
+def _of_nothing(trial: Trial) -> Finding | None:
+    """Say which call gives nothing back whose value the line uses; None if there is none."""
+    for text, value in origins_of(trial.expressions(), trial).items():
+        if trial.kind(text) == "None" and isinstance(value, ast.Call):
+            origin = Origin(text, value, trial.source, value.lineno, "NoneType")
+            return Finding("made-wrong", *of_what_gives_nothing(origin, value, trial.spot))
+    return None
+
+
+def _source_at(place: str, look: Look) -> tuple[PythonSource | None, int]:
+    file, _, line = place.rpartition(":")
+    number = int(line) if line.isdigit() else 0
+    file = file if number else place
+    known = (one for package in look.packages for one in package.sources.values() if one.shown == file)
+    path = look.root / file
+    source = next(known, None) or (read_source(path, path.stem, file) if path.suffix == ".py" else None)
+    return source if source and source.tree.body else None, number
+
+
+def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
+    """Return the cheapest change that stands, or the few of which nothing tells which is meant; none if many are."""
+    stands = trial.stands([one.edit for one in changes])
+    good = [change for change, is_good in zip(changes, stands, strict=True) if is_good]
+    good = [change for change in good if trial.is_right(change.edit)]
+    # A value of an unknown type stands anywhere, and has any member; what a call with less gives is what it gave before.
+    asked = {change: trial.asked_of(change.edit) for change in good}
+    texts = [*(change.edit.text for change in good), *itertools.chain(*asked.values())]
+    kinds = trial.kinds_of(list(dict.fromkeys(texts))) if good else {}
+    unknown = {text for text, kind in kinds.items() if UNKNOWN_TYPE.search(kind)}
+    # So nothing that is known is given up for something of which nothing is.
+    good = [c for c in good if not trial.kind(ast.unparse(c.edit.node)) or unknown.isdisjoint(asked[c])]
+    known = [c for c in good if c.cost == LESS or not UNKNOWN_TYPE.search(kinds.get(c.edit.text, ""))]
+    for change in [*known, *(one for one in good if not one.is_one_of_many)]:
+        same = [one.edit for one in known if one.cost == change.cost and one.is_one_of_many]
+        if not change.is_one_of_many:
+            return [change.edit]
+        if len(same) <= MOST_TOLD:
+            return same
+    return []

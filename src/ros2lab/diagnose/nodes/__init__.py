@@ -1,0 +1,1 @@
+"""Rules over nodes: what they make, publish, keep and declare, and whether their topics meet."""

@@ -1,0 +1,124 @@
+"""Queues that are shorter than what one callback puts into them at once."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.topic_faults import ends_of
+from ros2lab.diagnose.sources.node_source import Creation, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
+from ros2lab.diagnose.sources.uses import FUNCTIONS
+
+
+def burst_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield subscriptions that keep fewer messages than a callback of the same package publishes without a pause."""
+    ends = ends_of(sources)
+    for end in ends:
+        bursts = _bursts(sources, end.creation) if end.is_publisher and end.name else []
+        for other in ends if bursts else ():
+            depth = _depth(sources, other.creation)
+            count, function = max(bursts, key=lambda one: one[0])
+            is_one = other.name == end.name and not other.is_publisher
+            if is_one and depth is not None and 0 < depth < count and _reads_all(sources, other.creation):
+                where = _depth_node(other.creation)
+                cause = f"{function.name}() publishes {count} messages on {end.name} at once, and this queue keeps {depth}: each new one pushes out one that was not read yet."
+                fix = f"give both ends of {end.name} a depth of {max(10, count)}, such as {max(10, count)} in place of {ast.unparse(where)}"
+                yield Finding("queue-short", cause, other.creation.source.at(where), fix)
+
+
+def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Function]]:
+    """Return how many messages functions of a publisher's class publish by it in one call, where that is known."""
+    kept = _kept_as(creation)
+    found = []
+    for function in creation.owner.functions if creation.owner and kept else ():
+        if function.name == "__init__":
+            continue  # nobody listens yet
+        nodes = own_nodes(function)
+        pauses = any(getattr(one, "attr", "") in ("sleep", "wait", "spin_once") for one in nodes)
+        calls = [
+            one
+            for one in nodes
+            if isinstance(one, ast.Call) and dotted(one.func) == f"{kept}.publish" and not pauses
+        ]
+        count = sum(_times(sources, creation, function, one) for one in calls)
+        if count > 1:
+            found.append((count, function))
+    return found
+
+
+def _kept_as(creation: Creation) -> str:
+    """Return the attribute that keeps what was created; empty if there is none."""
+    for node in own_nodes(creation.function) if creation.function else ():
+        if (
+            isinstance(node, ast.Assign)
+            and node.value is creation.call
+            and is_self_attribute(node.targets[0])
+        ):
+            return dotted(node.targets[0]) or ""
+    return ""
+
+
+def _times(sources: NodeSources, creation: Creation, function: Function, call: ast.Call) -> int:
+    """Return how often a call is made each time a function is; 0 if a condition decides that, or if it is not known."""
+    count = 1
+    for node in own_nodes(function):
+        if call not in walk(node) or isinstance(node, FUNCTIONS):
+            continue
+        if isinstance(node, (ast.If, ast.While, ast.Try, ast.IfExp, ast.Match, ast.BoolOp, ast.Lambda)):
+            return 0
+        if isinstance(node, (ast.For, ast.AsyncFor)):
+            turns = _turns(sources, creation, node)
+            leaves = any(isinstance(one, (ast.Break, ast.Return, ast.Continue)) for one in walk(node))
+            count *= 0 if leaves else turns
+    return count
+
+
+def _turns(sources: NodeSources, creation: Creation, loop: ast.For | ast.AsyncFor) -> int:
+    match loop.iter:
+        case ast.Call(func=ast.Name(id="range"), args=[end]):
+            value = sources.value(creation.source, sources.written(creation.source, end))
+            return value if isinstance(value, int) else 0
+        case ast.List(elts=elements) | ast.Tuple(elts=elements):
+            return len(elements)
+        case ast.Name() | ast.Attribute():
+            written = sources.written(creation.source, loop.iter)
+            return len(written.elts) if isinstance(written, (ast.List, ast.Tuple)) else 0
+    return 0
+
+
+def _depth_node(creation: Creation) -> ast.expr:
+    """Return what says how many messages are kept."""
+    given = (creation.arguments or {}).get("qos_profile", creation.call)
+    if isinstance(given, ast.Call):
+        return next((one.value for one in given.keywords if one.arg == "depth"), given)
+    return given
+
+
+def _depth(sources: NodeSources, creation: Creation) -> int | None:
+    """Return how many messages an end keeps; None if that is not known."""
+    given = (creation.arguments or {}).get("qos_profile")
+    written = sources.written(creation.source, given)
+    if isinstance(written, ast.Call):
+        given_ones = {one.arg: one.value for one in written.keywords}
+        if not (sources.resolve(creation.source, written.func) or "").endswith(".QoSProfile"):
+            return None
+        if "KEEP_ALL" in ast.dump(written) or None in given_ones:
+            return None
+        written = given_ones.get("depth")
+    value = sources.value(creation.source, written)
+    return value if value is not UNKNOWN and isinstance(value, int) and not isinstance(value, bool) else None
+
+
+def _reads_all(sources: NodeSources, creation: Creation) -> bool:
+    """Return whether a callback adds up or shows what it is given, so that none may be lost."""
+    function = sources.function_of(creation, (creation.arguments or {}).get("callback"))
+    for node in walk(function) if function else ():
+        match node:
+            case ast.AugAssign():
+                return True
+            case ast.Call(func=ast.Attribute(attr="append" | "info" | "publish" | "write")):
+                return True
+    return False

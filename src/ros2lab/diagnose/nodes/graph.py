@@ -1,0 +1,94 @@
+"""What the running nodes tell: topics that do not meet."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ros2lab.diagnose.finding import Finding, ranked
+from ros2lab.diagnose.nodes.ros_graph import (
+    End,
+    Fault,
+    NearMiss,
+    QosMismatch,
+    SharedName,
+    TypeMismatch,
+    graph_of,
+    observe,
+)
+from ros2lab.diagnose.nodes.topic_faults import COURSE_TOPICS
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+EXPECTED_TOPICS = tuple(f"/{name}" for name in COURSE_TOPICS)
+
+
+def graph_findings(node: Node) -> list[Finding]:
+    """Look at the graph as a node sees it; the node's own ends of topics count, too."""
+    graph = graph_of(observe(node, everything=True), everything=True, expected_topics=EXPECTED_TOPICS)
+    return ranked(finding for fault in graph.faults if (finding := finding_of(fault)) is not None)
+
+
+def finding_of(fault: Fault) -> Finding | None:
+    """Say what a fault of the graph means, and what to do; None for what is not wrong."""
+    if isinstance(fault, NearMiss):
+        return _near_miss(fault)
+    if isinstance(fault, TypeMismatch):
+        publisher, subscription = fault.publisher, fault.subscription
+        return Finding(
+            "topic-type",
+            f"On {publisher.topic}, {_short(publisher.node)} publishes {publisher.type} and "
+            f"{_short(subscription.node)} listens for {subscription.type}: they never hear each other.",
+            "",
+            "use the same type at both ends",
+            (publisher.topic,),
+        )
+    if isinstance(fault, QosMismatch):
+        return Finding(
+            "qos-mismatch",
+            f"On {fault.publisher.topic}, the quality of service of {_short(fault.publisher.node)} does not fit "
+            f"that of {_short(fault.subscription.node)}, so nothing arrives: {fault.reason}.",
+            "",
+            "give both ends the same quality of service",
+            (fault.publisher.topic,),
+        )
+    if isinstance(fault, SharedName):
+        return Finding(
+            "name-twice",
+            f"{fault.count} nodes are called {fault.node}, so what they publish comes {fault.count} times.",
+            "",
+            "stop all but one of them",
+        )
+    return None
+
+
+def _near_miss(fault: NearMiss) -> Finding:
+    does, who = _does(fault.ends), _who(fault.ends)
+    if fault.meant_ends:
+        return Finding(
+            "topic-near-miss",
+            f"{does} {fault.topic} and {_does(fault.meant_ends)} {fault.meant}: these are two topics, so they do "
+            "not meet.",
+            "",
+            f"use one of the two names in {who} and in {_who(fault.meant_ends)}",
+            (fault.topic, fault.meant),
+        )
+    return Finding(
+        "topic-near-miss",
+        f"{does} {fault.topic}, and {fault.meant} is another topic: they do not meet.",
+        "",
+        f"write {fault.meant} in {who}, build it again and start it again",
+        (fault.topic,),
+    )
+
+
+def _does(ends: tuple[End, ...]) -> str:
+    return f"{_who(ends)} {'publishes on' if ends[0].is_publisher else 'listens to'}"
+
+
+def _who(ends: tuple[End, ...]) -> str:
+    return ", ".join(sorted({_short(end.node) for end in ends}))
+
+
+def _short(node: str) -> str:
+    return node.rpartition("/")[2]

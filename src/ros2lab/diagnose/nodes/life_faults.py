@@ -1,0 +1,327 @@
+"""How a node lives: init, spin and shutdown, and what stops it from being called."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.entrance import SPINNING, Entrance, entrance_faults
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    own_nodes,
+    parameters,
+    returns_value,
+    walk,
+)
+from ros2lab.diagnose.sources.static_value import dotted
+
+_HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
+_TRANSITIONS = frozenset(
+    f"on_{one}" for one in ("configure", "activate", "deactivate", "cleanup", "shutdown", "error")
+)
+_THREADED = frozenset(
+    ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
+)
+
+
+def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Finding]:
+    """Yield what is wrong with a program's course.
+
+    Args:
+        sources: the package's files.
+        mains: the functions that its executables call, such as `pk.talk:main`; None takes every `main`.
+    """
+    for name in mains if mains is not None else [one for one in sources.functions if one.endswith(".main")]:
+        if name in sources.functions:
+            yield from entrance_faults(Entrance(sources, name))
+    for source in sources.sources.values():
+        yield from _spin_not_called(source)
+    yield from _callback_faults(sources)
+    for one in filter(sources.is_managed, sources.nodes):
+        yield from _transition_faults(one)
+
+
+def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
+    for node in source.nodes:
+        if isinstance(node, ast.Expr) and source.resolve(node.value) in ("rclpy.spin", "rclpy.init"):
+            text = ast.unparse(node.value)
+            yield Finding(
+                "spin-missing" if text.endswith("spin") else "rclpy-init-missing",
+                f"`{text}` only names the function; without parentheses it is not called.",
+                source.at(node),
+                f"write {text}(node)" if text.endswith("spin") else f"write {text}()",
+            )
+
+
+def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
+    """Yield what a managed node's transitions leave out: what rclpy's own would do, and how they went."""
+    made = [ast.unparse(n.func) for n in walk(owner.definition) if isinstance(n, ast.Call)]
+    has_managed = any(name.endswith(".create_lifecycle_publisher") for name in made)
+    for name, method in owner.methods.items():
+        if name not in _TRANSITIONS:
+            continue
+        called = {
+            n.func.attr
+            for n in own_nodes(method)
+            if isinstance(n, ast.Call) and isinstance(n.func, ast.Attribute)
+        }
+        if has_managed and name in ("on_activate", "on_deactivate") and name not in called:
+            does = name.removeprefix("on_")
+            cause = f"{name}() takes the place of the one that would {does} this node's lifecycle publishers, so they stay as they are."
+            given = ", ".join(one.arg for one in parameters(method)[1:]) or "state"
+            yield Finding(
+                "transition-wrong",
+                cause,
+                owner.source.at(method),
+                f"write `return super().{name}({given})` as its last line",
+            )
+        elif not returns_value(method) and not isinstance(method.body[-1], ast.Raise):
+            cause = f"{name}() returns nothing, and so the transition counts as failed."
+            fix = "write `return TransitionCallbackReturn.SUCCESS` as its last line"
+            yield Finding("transition-wrong", cause, owner.source.at(method), fix)
+
+
+def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
+    running: list[tuple[PythonSource, Function, NodeClass | None, str]] = []
+    for creation, function in sources.callbacks():
+        running.append((creation.source, function, creation.owner, f"the callback {function.name}"))
+    for one in sources.nodes:
+        if "__init__" in one.methods:
+            running.append((one.source, one.methods["__init__"], one, "the constructor"))
+    seen: set[int] = set()
+    for source, function, owner, what in running:
+        if id(function) in seen:
+            continue
+        seen.add(id(function))
+        functions = [function, *_called_by(sources, owner, function)]
+        yield from _loops(source, functions, what)
+        yield from _waits(source, functions, what)
+        yield from _needs_asyncio(source, functions, what)
+        yield from _waits_for_another(source, owner, functions, what)
+        if what == "the constructor":
+            continue
+        for node in own_nodes(function):
+            if isinstance(node, ast.Call) and source.resolve(node.func) in (
+                "rclpy.shutdown",
+                "rclpy.try_shutdown",
+            ):
+                yield Finding(
+                    "shutdown-in-callback",
+                    f"{function.name} is called by spin() and calls rclpy.shutdown() itself, which may hang.",
+                    source.at(node),
+                    "take it away; where the program is to end, write `raise SystemExit`, and rclpy.try_shutdown() at the end of main",
+                )
+        yield from _more_timers(sources, source, functions)
+    yield from _rates(sources)
+    yield from _sent_early(sources)
+
+
+def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
+    """Yield what only the loop of asyncio can run, where rclpy runs a callback."""
+    if "asyncio.run" in source.text or _uses_threads(source):
+        return
+    for one in functions:
+        for node in own_nodes(one):
+            called = node.value if isinstance(node, ast.Await) else None
+            name = source.resolve(called.func) or "" if isinstance(called, ast.Call) else ""
+            if name.startswith("asyncio."):
+                yield Finding(
+                    "callback-waits",
+                    f"{what[0].upper()}{what[1:]} is run by rclpy, which has no loop of asyncio, so {name}() fails.",
+                    source.at(node),
+                    "take this line away; what is to happen later, let create_timer(period, self.callback) call",
+                )
+
+
+def _sent_early(sources: NodeSources) -> Iterator[Finding]:
+    """Yield messages that are sent only before the node spins, when nobody can have met it."""
+    waits = re.compile(r"subscription_count|TRANSIENT_LOCAL|sleep\(")
+    if any(waits.search(source.text) for source in sources.sources.values()):
+        return
+    bases = {base for one in sources.classes.values() for base in one.bases}
+    for one in sources.nodes:
+        made = one.methods.get("__init__")
+        if made is None or sources.is_managed(one) or one.name in bases:
+            continue
+        uses = Counter(node.attr for node in walk(one.definition) if is_self_attribute(node))
+        once = [method for method in _called_by(sources, one, made) if uses[method.name] == 1]
+        early = {id(node) for function in (made, *once) for node in own_nodes(function)}
+        sent = [n for n in walk(one.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
+        if sent and all(id(node) in early for node in sent):
+            yield Finding(
+                "sent-early",
+                f"`{ast.unparse(sent[0].func)}(...)` runs once, while the node is being made: nobody has met the node then, so nobody hears it.",
+                one.source.at(sent[0]),
+                "publish in a method, and let create_timer(1.0, self.that_method) call it",
+            )
+
+
+def _is_publish(function: ast.expr) -> bool:
+    return isinstance(function, ast.Attribute) and function.attr == "publish"
+
+
+def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
+    """Yield timers that a callback makes each time anew, where none is ever cancelled, and no condition asks for one."""
+    words = {getattr(node, "attr", "") for one in sources.sources.values() for node in one.nodes}
+    if words & {"cancel", "destroy_timer"}:
+        return
+    for one in functions:
+        tests = [ast.unparse(node.test) for node in own_nodes(one) if isinstance(node, ast.If)]
+        if any(re.search(r"timer|None|\bnot\b", test) for test in tests):
+            continue
+        for node in own_nodes(one):
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer":
+                yield Finding(
+                    "timer-in-callback",
+                    f"{functions[0].name} is called again and again, and each time one more timer begins, while the others go on.",
+                    source.at(node),
+                    "make the timer once, in __init__, or cancel the old one before",
+                )
+
+
+def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
+    """Yield a spin where rclpy itself is at work already or not yet, and what stops a callback for long."""
+    is_free = what == "the constructor" or _uses_threads(source)
+    for one in functions:
+        for node in own_nodes(one):
+            name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
+            seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
+            if name == "rclpy.spin":
+                yield Finding(
+                    "spin-inside",
+                    f"{what[0].upper()}{what[1:]} spins, so it never ends, and nothing behind it is reached.",
+                    source.at(node),
+                    "take it away here, and write rclpy.spin(node) in main, after the node is made",
+                )
+            elif is_free:
+                continue
+            elif name == "input" or (
+                name == "time.sleep"
+                and isinstance(seconds, ast.Constant)
+                and isinstance(seconds.value, (int, float))
+                and seconds.value >= 1
+            ):
+                yield Finding(
+                    "callback-waits",
+                    f"{what[0].upper()}{what[1:]} waits in {name}(), and until it goes on no other callback is called.",
+                    source.at(node),
+                    "let create_timer(period, self.callback) call the next step in place of waiting"
+                    if name == "time.sleep"
+                    else "ask in a thread of its own, and let the callback only use what it has got",
+                )
+
+
+def _waits_for_another(
+    source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
+) -> Iterator[Finding]:
+    """Yield a loop that waits for an attribute which only another callback can set, and which is not called meanwhile."""
+    if owner is None or _uses_threads(source) or isinstance(functions[0], ast.AsyncFunctionDef):
+        return
+    for one in functions:
+        for loop in (node for node in own_nodes(one) if isinstance(node, ast.While)):
+            asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
+            inside = {n.attr for n in walk(loop) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
+            calls = [n for n in walk(loop) if isinstance(n, ast.Call)]
+            if any("spin" in ast.unparse(n.func) or is_self_attribute(n.func) for n in calls):
+                continue
+            for name in sorted(asked - inside):
+                others = [
+                    method.name
+                    for method in owner.methods.values()
+                    if method.name != "__init__" and method not in functions and _stores(method, name)
+                ]
+                if others:
+                    cause = f"In {what} a loop waits for self.{name}, which {others[0]}() sets, and rclpy calls that only when this one is done: it waits for ever."
+                    fix = (
+                        f"keep here what is to be done, and do it in {others[0]}(), when self.{name} has come"
+                    )
+                    yield Finding("callback-waits", cause, source.at(loop), fix)
+
+
+def _stores(method: Function, name: str) -> bool:
+    return any(is_self_attribute(n) and n.attr == name and isinstance(n.ctx, ast.Store) for n in walk(method))
+
+
+def _uses_threads(source: PythonSource) -> bool:
+    names = {getattr(node, "id", None) or getattr(node, "attr", None) for node in source.nodes}
+    return bool(names & _THREADED)
+
+
+def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function) -> list[Function]:
+    """List the methods that a method calls on itself, such as `self.run()`."""
+    names = [
+        node.func.attr
+        for node in own_nodes(function)
+        if isinstance(node, ast.Call) and is_self_attribute(node.func)
+    ]
+    return [method for name in names if (method := sources.method(owner, name)) is not None]
+
+
+def _loops(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
+    """Yield the endless loops of a function that ROS or a constructor runs, the first one of `functions`."""
+    may_wait = what != "the constructor" and _uses_threads(source)
+    if may_wait or isinstance(functions[0], ast.AsyncFunctionDef):
+        return
+    for one in functions:
+        for node in own_nodes(one):
+            if isinstance(node, ast.While) and _is_endless(source, node):
+                yield Finding(
+                    "endless-loop",
+                    f"In {what} a loop goes on for ever, so nothing else of the node is ever called.",
+                    source.at(node),
+                    "take the loop away, and let create_timer(period, self.callback) call its body",
+                )
+
+
+def _is_endless(source: PythonSource, node: ast.While) -> bool:
+    is_constant = isinstance(node.test, ast.Constant) and bool(node.test.value)
+    is_ok = isinstance(node.test, ast.Call) and source.resolve(node.test.func) == "rclpy.ok"
+    leaves = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.Await)
+    spins = any(
+        isinstance(n, ast.Attribute) and n.attr in SPINNING
+        for statement in node.body
+        for n in walk(statement)
+    )
+    is_lasting = is_constant or is_ok or (is_self_attribute(node.test) and _leaves_alone(node))
+    return is_lasting and not spins and not any(isinstance(n, leaves) for n in own_nodes(node))
+
+
+def _leaves_alone(loop: ast.While) -> bool:
+    """Return whether a loop never changes the attribute that it asks for; a method of the node's own may."""
+    name = ast.unparse(loop.test)
+    inside = [node for node in walk(loop) if node is not loop.test]
+    is_changed = any(
+        isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
+        for node in inside
+    )
+    called = [node.func for node in inside if isinstance(node, ast.Call)]
+    is_emptied = any(isinstance(call, ast.Attribute) and ast.unparse(call.value) == name for call in called)
+    calls = [call for call in called if is_self_attribute(call)]
+    return not is_changed and not is_emptied and all(call.attr in _HARMLESS for call in calls)
+
+
+def _rates(sources: NodeSources) -> Iterator[Finding]:
+    for source in sources.sources.values():
+        if _uses_threads(source):
+            continue
+        made = [
+            n
+            for n in source.nodes
+            if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "create_rate"
+        ]
+        if (
+            made
+            and "rclpy" in {one.target.partition(".")[0] for one in source.imports}
+            and not any(_uses_threads(other) for other in sources.sources.values())
+        ):
+            yield Finding(
+                "rate-without-thread",
+                "A rate sleeps until somebody spins the node, and here nobody does while it sleeps: it hangs.",
+                source.at(made[0]),
+                "use create_timer in its place, or spin the node in a thread of its own",
+            )

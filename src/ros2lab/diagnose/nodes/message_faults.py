@@ -1,0 +1,333 @@
+"""What is put into messages, what is published, and what is logged."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.calls import fitting, meant_call
+from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
+from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
+from ros2lab.diagnose.sources.spelling import did_you_mean
+
+_NUMBERS = frozenset(("bool", "int", "float"))
+# With which kinds a plain kind may be equal.
+_EQUALS = {"str": frozenset(("str",)), "bool": _NUMBERS, "int": _NUMBERS, "float": _NUMBERS}
+
+
+def message_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield values that do not fit the fields of messages, and what is wrong with publishing and logging."""
+    kinds = Kinds(sources)
+    told: set[tuple[str, str]] = set()
+    for source in sources.sources.values():
+        for owner, function, node in sources.scoped(source):
+            scope = Scope(kinds, source, owner, function)
+            if isinstance(node, (ast.Assign, ast.AnnAssign)):
+                yield from _assignment_faults(scope, node)
+            elif isinstance(node, ast.Call):
+                yield from _constructor_faults(scope, node)
+                yield from _publish_faults(scope, node)
+                yield from _logger_faults(scope, node)
+            elif isinstance(node, (ast.Compare, ast.Match)):
+                if isinstance(node, ast.Compare):
+                    yield from _never_equal(scope, node)
+                # One of a chain of `elif` tells of all.
+                for finding in _comparison_faults(scope, node):
+                    if (key := (source.at(function), finding.cause)) not in told:
+                        told.add(key)
+                        yield finding
+            elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
+                message = scope.kind(node.value)
+                if node.attr not in ("get_fields_and_field_types", "SLOT_TYPES") and not node.attr.isupper():
+                    yield from _field_fault(scope, message, node.attr, node)
+
+
+def filling(message: str, value: str, kind: Kind) -> str:
+    """Say how a value is published in a message of another type.
+
+    Args:
+        message: the type that the publisher wants, such as `geometry_msgs.msg.Twist`.
+        value: the value as it is written.
+        kind: of which kind it is.
+    """
+    name, fields = _short(message), interfaces.fields_of(message)
+    if not fields:
+        return (
+            f"write publish({name}())" if fields is not None else f"put it into {_described(message)} first"
+        )
+    path, wanted = _first_field(message)
+    if kind != wanted:
+        is_turned = {kind, wanted} <= {"int", "float"} or (wanted == "str" and kind in PLAIN)
+        value = f"{wanted}({value})" if is_turned else "..."
+    if len(fields) == 1 and "." not in path:
+        return f"write publish({name}({path}={value}))"
+    return f"write msg = {name}(), fill its fields ({', '.join(fields)}), as in msg.{path} = {value}, and publish(msg)"
+
+
+def _first_field(message: str) -> tuple[str, Kind]:
+    """Return the first field of a message that is no message itself, such as `linear.x`, and its kind."""
+    fields = (interfaces.fields_of(message) or {}).items()
+    name, field = next(
+        one for one in [*fields, ("", "")] if one[0] != "header"
+    )  # which is not about the value
+    kind = field_kind(field)
+    if not interfaces.fields_of(kind):
+        return name, kind
+    path, inner = _first_field(str(kind))
+    return f"{name}.{path}", inner
+
+
+def _short(kind: str) -> str:
+    return kind.rpartition(".")[2]
+
+
+def _described(kind: str) -> str:
+    """Say what a value is, such as `an int` or `a Twist`."""
+    if kind.startswith(CLASS):
+        return "the class itself, without ()"
+    name = "text" if kind == "str" else kind.rpartition(".")[2]
+    return f"an {name}" if name[0] in "AEIaei" else f"a {name}"
+
+
+def _assignment_faults(scope: Scope, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:
+    for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+        pairs = [(target, node.value)]
+        if isinstance(target, (ast.Tuple, ast.List)) and isinstance(node.value, (ast.Tuple, ast.List)):
+            pairs = list(zip(target.elts, node.value.elts, strict=False))
+        for one, value in pairs:
+            if isinstance(one, ast.Attribute) and value is not None:
+                yield from _value_faults(scope, scope.kind(one.value), one.attr, value, one)
+
+
+def _constructor_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
+    message = scope.kinds.sources.resolve(scope.source, node.func)
+    fields = interfaces.fields_of(message)
+    if message is None or fields is None:
+        return
+    for keyword in node.keywords:
+        if keyword.arg:
+            yield from _value_faults(scope, message, keyword.arg, keyword.value, keyword.value)
+    if node.args:
+        cause = f"{_short(message)} takes its fields by name, and a value stands here without one."
+        yield Finding("argument-missing", cause, scope.source.at(node), meant_call(scope.source, node))
+
+
+def _value_faults(
+    scope: Scope, message: Kind, field: str, value: ast.expr, place: ast.AST
+) -> Iterator[Finding]:
+    """Yield what is wrong with giving a value to the field of a message."""
+    wanted = field_kind((interfaces.fields_of(message) or {}).get(field))
+    given = scope.kind(value)
+    if wanted is None:
+        yield from _field_fault(scope, message, field, place)
+    elif given is not None and given != wanted and not given.startswith(PUBLISHER):
+        target = place if isinstance(place, ast.Attribute) else None
+        for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
+            better = set_field(target, wanted, value) if finding.code == "field-type" else ""
+            is_fixed = finding.fix and not finding.fix.startswith("give it")
+            yield finding if is_fixed or not better else replace(finding, fix=better)
+
+
+def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str:
+    """Say how a value is put into a field of a message that is a message itself, or of another kind.
+
+    Args:
+        target: the field, as in `msg.linear`; None where it is given by its name.
+        wanted: the message's dotted name, or a plain kind such as `float`.
+        value: what was given.
+    """
+    if (
+        target is not None
+        and interfaces.fields_of(wanted)
+        and not isinstance(value, (ast.Tuple, ast.List, ast.Dict))
+    ):
+        path = _first_field(wanted)[0].rpartition(".")[2]
+        path = "z" if target.attr == "angular" else path  # a robot turns about z
+        return f"write {ast.unparse(target)}.{path} = {ast.unparse(value)}"
+    new = fitting(wanted, value)
+    home = f", with `from {wanted.rpartition('.')[0]} import {_short(wanted)}`" if "." in wanted else ""
+    given = f"{ast.unparse(target)} = " if target is not None else ""
+    return f"write {given}{new}{home}" if new else ""
+
+
+def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) -> Iterator[Finding]:
+    place, text = scope.source.at(value), ast.unparse(value)
+    digits = (
+        [n.value for n in value.elts if isinstance(n, ast.Constant)] if isinstance(value, ast.Tuple) else []
+    )
+    if given == PARAMETER:
+        cause = (
+            f"{which} holds {_described(wanted)}, and {text} is a Parameter, which holds its value in .value."
+        )
+        yield Finding("field-type", cause, place, f"write {text}.value")
+    elif len(digits) == 2 and wanted == "float":
+        cause = f"{which} holds a float, and {text} is two numbers: the comma makes a tuple of them."
+        yield Finding("field-type", cause, place, f"write {digits[0]!s}.{digits[1]!s}, with a point")
+    elif wanted == "float" and given == "int":
+        yield Finding(
+            "int-in-float",
+            f"{which} holds a float, and {text} is an int: without a check, ROS reads the wrong bytes and sends a "
+            "number like 4e-323, which is as good as 0.",
+            place,
+            f"write {text}.0 and not {text}" if text.lstrip("-").isdigit() else f"write float({text})",
+        )
+    elif wanted == "str" and given in PLAIN:
+        what = (
+            f"{text} is {_described(given)}"
+            if not isinstance(value, ast.Tuple)
+            else f"the comma makes a tuple: {text}"
+        )
+        cause = f"{which} holds a text, and {what}."
+        yield Finding("string-data-type", cause, place, f"write {fitting('str', value) or f'str({text})'}")
+    elif not (wanted in ("int", "float") and given == "bool") and (wanted != "float" or given in PLAIN):
+        cause = f"{which} holds {_described(wanted)}, and {text} is {_described(given)}."
+        fix = f"give it {_described(wanted)}"
+        yield Finding("field-type", cause, place, f"write {text}()" if given == f"{CLASS}{wanted}" else fix)
+
+
+def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Iterator[Finding]:
+    fields = interfaces.fields_of(message)
+    if fields is not None and name not in fields and not name.startswith("_"):
+        inner = [f for f, kind in fields.items() if name in (interfaces.fields_of(field_kind(kind)) or {})]
+        yield Finding(
+            "message-field",
+            f"{_short(str(message))} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
+            scope.source.at(node),
+            f"write {' or '.join(f'{one}.{name}' for one in inner)} in place of {name}"
+            if inner
+            else f"write one of: {', '.join(fields)}"
+            if fields
+            else f"leave {name} out, or take another message",
+        )
+
+
+def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[Finding]:
+    """Yield a message that is compared with a text or a number, to which it is never equal."""
+    if isinstance(node, ast.Match):
+        patterns = [one.pattern for one in node.cases]
+        patterns += [inner for one in patterns if isinstance(one, ast.MatchOr) for inner in one.patterns]
+        values = [node.subject, *(one.value for one in patterns if isinstance(one, ast.MatchValue))]
+    elif all(isinstance(one, (ast.Eq, ast.NotEq, ast.In, ast.NotIn)) for one in node.ops):
+        values = [node.left]
+        for one in node.comparators:
+            values += one.elts if isinstance(one, (ast.Tuple, ast.List, ast.Set)) else [one]
+    else:
+        return
+    messages = [one for one in values if interfaces.fields_of(scope.kind(one))]
+    others = [kind for one in values if (kind := scope.kind(one)) in PLAIN]
+    if messages and others:
+        text, kind = ast.unparse(messages[0]), str(scope.kind(messages[0]))
+        yield Finding(
+            "message-compared",
+            f"`{text}` is {_described(kind)}, which is never equal to {_described(str(others[0]))}.",
+            scope.source.at(messages[0]),
+            f"compare {text}.{_first_field(kind)[0]}",
+        )
+
+
+def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
+    """Yield a field of a message that is compared with what it never equals, as it holds another type."""
+    for left, operator, right in zip(
+        [node.left, *node.comparators], node.ops, node.comparators, strict=False
+    ):
+        pairs = []
+        if isinstance(operator, (ast.Eq, ast.NotEq)):
+            pairs = [(left, [right]), (right, [left])]
+        elif isinstance(operator, (ast.In, ast.NotIn)) and isinstance(right, (ast.Tuple, ast.List, ast.Set)):
+            pairs = [(left, right.elts)]
+        for field, others in pairs:
+            is_field = isinstance(field, ast.Attribute) and interfaces.fields_of(scope.kind(field.value))
+            equals = _EQUALS.get(scope.kind(field) or "") if is_field else None
+            kinds = [scope.kind(one) for one in others]
+            if equals and kinds and all(kind in PLAIN and kind not in equals for kind in kinds):
+                wanted = str(scope.kind(field))
+                holds = "never" if isinstance(operator, (ast.Eq, ast.In)) else "always"
+                cause = (
+                    f"`{ast.unparse(field)}` holds {_described(wanted)}, and {ast.unparse(others[0])} is "
+                    f"{_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
+                )
+                fix = _asked_rightly(field, wanted, holds == "never", others)
+                yield Finding("never-equal", cause, scope.source.at(node), fix)
+                break
+
+
+def _asked_rightly(field: ast.expr, wanted: str, is_equal: bool, others: list[ast.expr]) -> str:
+    """Say how a field is compared with a value of its own kind."""
+    text, value = ast.unparse(field), getattr(others[0], "value", None)
+    if len(others) > 1 or not isinstance(others[0], ast.Constant):
+        return f"compare {text} with {_described(wanted)}"
+    written, sign = str(value).strip(), "==" if is_equal else "!="
+    if wanted == "bool":
+        is_true = (written.lower() not in ("false", "0", "")) == is_equal
+        return f"write `{text}`" if is_true else f"write `not {text}`"
+    if wanted == "str":
+        return f"write `{text} {sign} {written!r}`"
+    is_number = re.fullmatch(r"[-+]?\d+(\.\d+)?", written)
+    return f"write `{text} {sign} {float(written):g}`" if is_number else f"compare {text} with a number"
+
+
+def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
+    owner = scope.kind(node.func.value) if isinstance(node.func, ast.Attribute) else None
+    if owner is None or not owner.startswith(PUBLISHER) or not isinstance(node.func, ast.Attribute):
+        return
+    message, method, place = owner.removeprefix(PUBLISHER), node.func.attr, scope.source.at(node)
+    if method != "publish":
+        members = members_of("rclpy.publisher", "Publisher")[0]
+        if members and method not in members:
+            yield Finding(
+                "publisher-method",
+                f"A publisher has no method {method}.{did_you_mean(method, ['publish'])}",
+                place,
+                f"write {ast.unparse(node.func.value)}.publish(msg)",
+            )
+        return
+    given = scope.kind(node.args[0]) if node.args else None
+    if given is None or given == message:
+        return
+    text, what = ast.unparse(node.args[0]), _short(given)
+    if given in PLAIN:
+        code, fix = "publish-text", filling(message, text, given)
+    elif given.startswith(CLASS):
+        code, fix = "publish-type", f"write publish({what}())"
+    elif isinstance(node.args[0], ast.Attribute) and scope.kind(node.args[0].value) == message:
+        code, fix = "publish-type", f"write publish({ast.unparse(node.args[0].value)})"
+    else:
+        code, fix = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
+    cause = f"publish() wants {_described(message)}, and {text} is {_described(given)}."
+    yield Finding(code, cause, place, fix)
+
+
+def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
+    function = node.func
+    if not (isinstance(function, ast.Attribute) and function.attr in LOG_METHODS and node.args):
+        return
+    loggers = [function.value, *(value for _, value in scope.assigned(function.value) if value is not None)]
+    if not any(ast.unparse(one).endswith("get_logger()") for one in loggers):
+        return
+    kind, value = scope.kind(node.args[0]), ast.unparse(node.args[0])
+    if len(node.args) > 1:
+        yield Finding(
+            "logger-arguments",
+            f"{function.attr}() of a logger takes one text, and {len(node.args)} values are given.",
+            scope.source.at(node),
+            f"write {function.attr}({_one_text(node.args)})",
+        )
+    elif kind is not None and kind != "str" and not kind.startswith(PUBLISHER):
+        yield Finding(
+            "logger-arguments",
+            f"{function.attr}() of a logger takes a text, and {value} is {_described(kind)}.",
+            scope.source.at(node),
+            f"write {function.attr}(str({value}))",
+        )
+
+
+def _one_text(values: list[ast.expr]) -> str:
+    """Return an f-string of several values."""
+    parts = [one.value if isinstance(one, ast.Constant) else f"{{{ast.unparse(one)}}}" for one in values]
+    text = " ".join(map(str, parts))
+    return f'f"{text}"' if "'" in text else f"f'{text}'"

@@ -1,0 +1,441 @@
+"""What is wrong with the classes that are nodes, and with what they create."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection, Iterator, Mapping
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.taken_names import hiding_methods, taken_attributes
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.calls import meant_call
+from ros2lab.diagnose.sources.construction import lost_constructor
+from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.node_source import (
+    CREATORS,
+    NODE_CLASSES,
+    Creation,
+    NodeClass,
+    NodeSources,
+    is_self_attribute,
+)
+from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, returns_value, walk
+from ros2lab.diagnose.sources.spelling import nearest
+
+_EXAMPLES = {
+    "create_publisher": "create_publisher(String, 'topic', 10)",
+    "create_subscription": "create_subscription(String, 'topic', self.callback, 10)",
+    "create_timer": "create_timer(1.0, self.callback)",
+    "create_service": "create_service(Trigger, 'name', self.callback)",
+    "create_client": "create_client(Trigger, 'name')",
+}
+_NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~")
+_BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tuple", "bytes"))
+
+
+def node_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield what is wrong with node classes and with what they create."""
+    for one in sources.nodes:
+        yield from _constructor_faults(sources, one)
+        yield from _member_faults(sources, one)
+    for name, (source, node) in sources.node_names().items():
+        if name and not _NODE_NAME.fullmatch(name):
+            yield Finding(
+                "node-name-invalid",
+                f"{name!r} cannot be a node's name: only letters, digits and _ may be in it, and no digit at its beginning.",
+                source.at(node),
+                f"write {re.sub(r'[^A-Za-z0-9_]', '_', name).lstrip('0123456789') or 'a_name'!r}",
+            )
+    for creation in sources.creations:
+        if creation.arguments is not None:
+            yield from _creation_faults(sources, creation)
+
+
+def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
+    constructor = one.methods.get("__init__")
+    if constructor is None:
+        misspelt = lost_constructor(sources, one)
+        if misspelt is not None and any(base in NODE_CLASSES for base in one.bases):
+            yield Finding(
+                "super-misspelt",
+                f"The method {misspelt.name} is not the constructor: that is called __init__, with two underscores on each side of init.",
+                one.source.at(misspelt),
+                f"write def __init__({ast.unparse(misspelt.args)}):",
+            )
+        return
+    init_line = None
+    for node in walk(constructor):
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
+            continue
+        is_super = (
+            isinstance(node.func.value, ast.Call) and getattr(node.func.value.func, "id", "") == "super"
+        )
+        is_bare = getattr(node.func.value, "id", "") == "super"
+        if is_bare or (is_super and node.func.attr != "__init__" and re.search(r"ini?t", node.func.attr)):
+            yield Finding(
+                "super-misspelt",
+                f"`{ast.unparse(node.func)}` is not how the constructor of Node is called.",
+                one.source.at(node),
+                "write super().__init__('node_name')",
+            )
+            return
+        if node.func.attr == "__init__":
+            init_line = node.lineno
+            if (
+                not is_super
+                and one.source.resolve(node.func.value)
+                and getattr(node.args[0] if node.args else None, "id", "") != "self"
+            ):
+                given = ", ".join(map(ast.unparse, node.args))
+                yield Finding(
+                    "argument-missing",
+                    f"`{ast.unparse(node.func)}` is called of the class, and then self must be given first.",
+                    one.source.at(node),
+                    f"write super().__init__({given})",
+                )
+            if is_super and not node.args and not node.keywords and {*one.bases} <= NODE_CLASSES:
+                yield Finding(
+                    "argument-missing",
+                    "super().__init__() is called without the node's name.",
+                    one.source.at(node),
+                    "write super().__init__('node_name')",
+                )
+    if init_line is None:
+        yield Finding(
+            "super-missing",
+            f"The constructor of {one.definition.name} never calls super().__init__(), so the node does not exist "
+            "when it is used.",
+            one.source.at(constructor),
+            "write super().__init__('node_name') as the first line of __init__",
+        )
+        return
+    inherited = members_of("rclpy.node", "Node")[0]
+    for node in own_nodes(constructor):
+        if not is_self_attribute(node) or not isinstance(node.ctx, ast.Load) or node.lineno >= init_line:
+            continue
+        if node.attr in inherited and node.attr not in one.attributes:
+            yield Finding(
+                "super-late",
+                f"`{ast.unparse(node)}` is used before super().__init__() is called.",
+                one.source.at(node),
+                "call super().__init__('node_name') as the first line of __init__",
+            )
+            return
+
+
+def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
+    properties = members_of("rclpy.node", "Node")[1]
+    members = sources.members(one)
+    own = {name for inner in sources.lineage(one)[0] for name in inner.methods}
+    called = {id(node.func) for node in walk(one.definition) if isinstance(node, ast.Call)}
+    told: set[str] = set()
+    # What is asked for by its name, as by hasattr(), need not be there.
+    asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
+    taken = taken_attributes(one)
+    hiding = dict(hiding_methods(one, properties))
+    told |= set(hiding)
+    yield from hiding.values()
+    for node in walk(one.definition):
+        if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
+            continue
+        hidden = one.methods.get(node.attr) if isinstance(node.ctx, ast.Store) else None
+        if hidden is not None and not hidden.decorator_list and node.attr not in properties:
+            told.add(node.attr)
+            yield Finding(
+                "callback-missing",
+                f"self.{node.attr} is given a value here, and hides the method {node.attr} of the same name.",
+                one.source.at(node),
+                f"give the method another name, such as {node.attr}_callback, also where it is given to ROS",
+            )
+        if isinstance(node.ctx, ast.Store) and node.attr in taken.keys() - own:
+            told.add(node.attr)
+            cause, fix = taken[node.attr]
+            yield Finding("node-property", cause, one.source.at(node), fix)
+        elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
+            told.add(node.attr)
+            what = "method" if id(node) in called else "attribute"
+            yield _no_such_member(one, node, what, members)
+
+
+def _no_such_member(one: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
+    where, fix = _elsewhere(one, node.attr)
+    public = [each for each in members if each[0] != "_" or node.attr[0] == "_"]
+    close = None if where else nearest(node.attr, one.attributes) or nearest(node.attr, public)
+    meant = f" Did you mean {close}?" if close else ""
+    cause = f"{one.definition.name} has no {what} {node.attr}{where or '.'}{meant}"
+    fix = f"write self.{close}, or define self.{node.attr} in __init__" if close else fix
+    return Finding("attribute-missing", cause, one.source.at(node), fix)
+
+
+def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
+    """Say where a missing name is defined in place of its class, and what to do about it."""
+    for node in one.source.nodes:
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
+            continue
+        holder = next((h for h in one.source.nodes if node in getattr(h, "body", [])), None)
+        line = f"line {node.lineno}"
+        if isinstance(holder, ast.ClassDef):
+            return (
+                f": it belongs to {holder.name} ({line}).",
+                f"move the method {name} into the class {one.definition.name}",
+            )
+        if holder is one.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
+            return (
+                f": {name} is a function outside the class ({line}).",
+                f"write {name} in place of self.{name}",
+            )
+        inside = (
+            f"inside {holder.name}()"
+            if isinstance(holder, (ast.FunctionDef, ast.AsyncFunctionDef))
+            else "outside the class"
+        )
+        return (
+            f": its definition stands {inside} ({line}), because of its indentation.",
+            f"indent def {name} and its body as the other methods of {one.definition.name}",
+        )
+    for local in one.methods.values():
+        set_here = [
+            node.end_lineno or node.lineno
+            for node in own_nodes(local)
+            if isinstance(node, ast.stmt) and name in _assigned(node)
+        ]
+        if set_here:
+            cause = f": {local.name}() sets {name} without self."
+            return cause, f"write `self.{name} = {name}` below line {max(set_here)}, in {local.name}()"
+    return "", f"define {name}, or fix its spelling"
+
+
+def _assigned(statement: ast.stmt) -> set[str]:
+    """Return the names that an assignment gives a value."""
+    targets = getattr(statement, "targets", None) or [getattr(statement, "target", None)]
+    kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign)
+    return {
+        n.id
+        for one in targets
+        if one and isinstance(statement, kinds)
+        for n in ast.walk(one)
+        if isinstance(n, ast.Name)
+    }
+
+
+def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    arguments, source = creation.arguments or {}, creation.source
+    place = source.at(creation.call)
+    fix = meant_call(source, creation.call) or f"write {_EXAMPLES[creation.method]}"
+    if "queue_size" in arguments:
+        cause = "queue_size belongs to ROS 1; in ROS 2 the queue's length is the last argument."
+        yield Finding("queue-size", cause, place, fix)
+        return
+    if fault := _order_fault(sources, creation):
+        yield fault
+        return
+    names = CREATORS[creation.method]
+    missing = [name for name in names if name not in arguments]
+    if missing:
+        code = "qos-missing" if missing == ["qos_profile"] else "argument-missing"
+        what = "the queue's length" if code == "qos-missing" else " and ".join(missing)
+        yield Finding(code, f"{creation.method} lacks {what}.", place, fix)
+        return
+    yield from _type_fault(sources, creation)
+    yield from _topic_fault(sources, creation)
+    if "callback" in arguments:
+        yield from _callback_fault(sources, creation, arguments["callback"])
+
+
+def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
+    """Tell what each argument is, and notice one that stands where another kind belongs."""
+    wanted = {"topic": "text", "srv_name": "text", "msg_type": "type", "srv_type": "type"}
+    wanted |= {"callback": "function", "qos_profile": "number", "timer_period_sec": "number"}
+    kinds = {name: _kind(sources, creation, value) for name, value in (creation.arguments or {}).items()}
+    wrong = [name for name, kind in kinds.items() if kind and name in wanted and kind != wanted[name]]
+    for value in (creation.arguments or {}).values():
+        inner = value
+        while isinstance(inner, ast.Attribute):
+            inner = inner.value
+        if isinstance(inner, ast.Constant) and isinstance(inner.value, (int, float)) and inner is not value:
+            text = ast.unparse(value)
+            number = ast.unparse(inner)
+            return Finding(
+                "dot-for-comma",
+                f"In `{text}` a dot stands where a comma belongs.",
+                creation.source.at(value),
+                f"write {number}, {text.removeprefix(number).removeprefix('.')}",
+            )
+    missing = [name for name in CREATORS[creation.method] if name not in kinds]
+    # One that is of the wrong kind may be only that; two have changed places, or one above was forgotten.
+    if len(wrong) < 2 and not (
+        wrong == ["callback"] and missing == ["qos_profile"] and kinds["callback"] != "number"
+    ):
+        return None
+    return Finding(
+        "argument-order",
+        f"The arguments of {creation.method} stand in the wrong order, or one is missing: {' and '.join(wrong)} "
+        f"{'are' if len(wrong) > 1 else 'is'} not what belongs there.",
+        creation.source.at(creation.call),
+        _in_order(creation, wanted, kinds) or f"write them in the order of {_EXAMPLES[creation.method]}",
+    )
+
+
+def _in_order(creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None]) -> str:
+    """Say how a call is written with its own arguments in their order; empty if one is not known to belong anywhere."""
+    rest = dict(creation.arguments or {})
+    right = []
+    for name in CREATORS[creation.method]:
+        home = next((given for given in rest if kinds[given] == wanted[name]), None)
+        if home is None:
+            return ""
+        right.append(ast.unparse(rest.pop(home)))
+    return "" if rest else f"write `{ast.unparse(creation.call.func)}({', '.join(right)})`"
+
+
+def _kind(sources: NodeSources, creation: Creation, value: ast.expr) -> str | None:
+    known = sources.value(creation.source, value)
+    if isinstance(known, str):
+        return "text"
+    if isinstance(known, (int, float)) and not isinstance(known, bool):
+        return "number"
+    name = sources.resolve(creation.source, value)
+    if interfaces.is_interface(name):
+        return "type"
+    if isinstance(value, ast.Lambda) or sources.function_of(creation, value) is not None:
+        return "function"
+    return None
+
+
+def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    value = (creation.arguments or {}).get("msg_type")
+    if value is None:
+        return
+    name = sources.resolve(creation.source, value)
+    is_text = isinstance(sources.value(creation.source, value), str)
+    is_instance = isinstance(value, ast.Call) and interfaces.is_interface(
+        sources.resolve(creation.source, value.func)
+    )
+    is_module = bool(name and re.fullmatch(r"\w+\.msg", name))
+    if name in _BUILTIN_TYPES or is_text or is_instance or is_module:
+        text = ast.unparse(value)
+        fix = text.removesuffix("()") if is_instance else "String"
+        yield Finding(
+            "type-not-a-message",
+            f"{creation.method} wants a message type such as String, and {text} is none.",
+            creation.source.at(value),
+            f"write {fix}, with `from std_msgs.msg import String` at the top"
+            if fix == "String"
+            else f"write {fix}",
+        )
+
+
+def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    value = next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
+    name = sources.value(creation.source, value)
+    if isinstance(name, str) and not TOPIC_NAME.fullmatch(name):
+        better = re.sub(r"_*/_*", "/", re.sub(r"[^\w~{}/]+", "_", name.strip())).rstrip("/_")
+        yield Finding(
+            "topic-name-invalid",
+            f"{name!r} cannot be a topic's name: between slashes only letters, digits and _ may stand, and no digit first.",
+            creation.source.at(value),
+            f"write {better!r}",
+        )
+
+
+def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -> Iterator[Finding]:
+    place = creation.source.at(given)
+    if isinstance(given, ast.Constant):
+        yield Finding(
+            "callback-missing",
+            f"{ast.unparse(given)} is no function that ROS could call.",
+            place,
+            "give a method, such as self.callback",
+        )
+        return
+    if isinstance(given, ast.Call):
+        inner = sources.function_of(creation, given.func)
+        if inner is not None and not returns_value(inner):
+            yield Finding(
+                "callback-called",
+                f"`{ast.unparse(given)}` calls the function here and now, and ROS is given what it returns, which is nothing.",
+                place,
+                f"write {ast.unparse(given.func)} without parentheses",
+            )
+        return
+    if isinstance(given, ast.Lambda):
+        yield from _lambda_fault(creation, given)
+        return
+    function = sources.function_of(creation, given)
+    if function is not None:
+        yield from _parameter_fault(creation, given, function)
+        yield from _yield_fault(creation, function)
+    is_answer = function is not None and (returns_value(function) or len(parameters(function)) < 2)
+    if function is not None and creation.method == "create_service" and not is_answer:
+        response = parameters(function)[-1].arg
+        yield Finding(
+            "callback-arguments",
+            f"{function.name}() answers a service and returns nothing, so the node ends at the first request.",
+            creation.source.at(function),
+            f"write `return {response}` as the last line of {function.name}()",
+        )
+
+
+def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
+    """Yield a callback of which a yield makes a generator, so that nothing of it ever runs."""
+    for node in own_nodes(function):
+        if isinstance(node, (ast.Yield, ast.YieldFrom)):
+            cause = (
+                f"The yield makes {function.name}() a generator: ROS calls it, and nothing in it ever runs."
+            )
+            fix = f"take the yield away: call or publish what {function.name}() is to give, or return"
+            yield Finding("never-called", cause, creation.source.at(node), fix)
+            return
+
+
+_CALLED_WITH = {"create_subscription": "msg", "create_timer": "", "create_service": "request, response"}
+
+
+def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
+    """Yield a small function that takes another number of values than it is called with."""
+    takes, wanted = len(given.args.args), _CALLED_WITH.get(creation.method)
+    if wanted is None or given.args.vararg or given.args.defaults or takes == len(wanted.split()):
+        return
+    if creation.method == "create_subscription" and takes == 2:
+        return
+    what = "without a value" if not wanted else f"with {wanted.replace(', ', ' and ')}"
+    right = f"lambda {wanted}".strip()
+    cause = f"The function of {creation.method} is called {what}, and `{ast.unparse(given)}` takes {takes or 'none'}."
+    yield Finding(
+        "callback-arguments", cause, creation.source.at(given), f"write {right}: {ast.unparse(given.body)}"
+    )
+
+
+def _parameter_fault(creation: Creation, given: ast.expr, function: Function) -> Iterator[Finding]:
+    names = [one.arg for one in parameters(function)]
+    is_static = any(getattr(decorator, "id", "") == "staticmethod" for decorator in function.decorator_list)
+    if function.decorator_list and not is_static:
+        return
+    is_method = isinstance(given, ast.Attribute) and not is_static
+    takes = len(names) - is_method
+    least = takes - len(function.args.defaults)
+    wanted = {"create_subscription": (1, 2), "create_timer": (0, 0), "create_service": (2, 2)}.get(
+        creation.method
+    )
+    if wanted is None:
+        return
+    accepts = range(max(least, 0), 100 if function.args.vararg else takes + 1)
+    if takes >= 0 and any(number in accepts for number in range(wanted[0], wanted[1] + 1)):
+        return
+    if creation.method == "create_timer" and takes == 1 and "TimerInfo" in ast.dump(function.args):
+        return
+    first = "self" if is_method else ""
+    rest = _CALLED_WITH[creation.method]
+    right = ", ".join(part for part in (first, rest) if part)
+    has = ", ".join(names) or "nothing"
+    called_with = "the message" if rest == "msg" else rest or "nothing"
+    yield Finding(
+        "callback-arguments",
+        f"{function.name} is a method, and self, which is its first parameter, is missing."
+        if takes < 0
+        else f"{function.name} takes ({has}), and the callback of {creation.method} is called with {called_with}.",
+        f"{creation.source.shown}:{function.lineno}",
+        f"write def {function.name}({right}):",
+    )

@@ -1,0 +1,343 @@
+"""Parameters: declared in the sources, given in YAML files."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at, not_read
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.parameter_file import (
+    BELOW,
+    ParameterFileError,
+    UnreadParameterFileError,
+    kind_of,
+    read_parameter_file,
+)
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+from ros2lab.diagnose.sources.static_value import UNKNOWN
+
+
+def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield parameters that a node asks for and never declares."""
+    declared = declared_in(sources)
+    if declared is None:
+        return
+    yield from _read_as_another(sources, declared)
+    for source in sources.sources.values():
+        if "undeclared_parameters" in source.text or "automatically_declare" in source.text:
+            return
+    for source in sources.sources.values():
+        if sources.hands_itself_on(source):
+            continue
+        makes_node = any(sources.resolve(source, node) == "rclpy.create_node" for node in source.nodes)
+        for node in source.nodes:
+            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args):
+                continue
+            is_own = makes_node or getattr(node.func.value, "id", "") == "self"
+            if node.func.attr != "get_parameter" or not is_own:
+                continue
+            name = sources.value(source, node.args[0])
+            if isinstance(name, str) and name not in declared and name != "use_sim_time":
+                there = f" Declared are: {', '.join(sorted(declared))}." if declared else ""
+                close = nearest(name, declared, 0.5)
+                declare = f"self.declare_parameter({name!r}, 1.0) in the constructor before it is read"
+                yield Finding(
+                    "parameter-undeclared",
+                    f"The parameter {name!r} is read and never declared.{there}",
+                    source.at(node),
+                    f"write {close!r} if that is meant; else {declare}" if close else f"write {declare}",
+                )
+
+
+_FIELDS = {bool: "bool_value", int: "integer_value", float: "double_value", str: "string_value"}
+
+
+def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield a parameter's value that is taken out of the field of another type, in which there is always nothing."""
+    for source in sources.sources.values():
+        for node in source.nodes:
+            match node:
+                case ast.Attribute(
+                    attr=field,
+                    value=ast.Call(
+                        func=ast.Attribute(
+                            attr="get_parameter_value",
+                            value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[given]),
+                        )
+                    ),
+                ) if field in _FIELDS.values():
+                    name = sources.value(source, given)
+                    default = declared.get(name, UNKNOWN) if isinstance(name, str) else UNKNOWN
+                    right = _FIELDS.get(type(default), field)
+                    if right != field:
+                        cause = f"The parameter {name} is declared with {default!r}, and so stands in {right}; {field} of it is always 0 or empty."
+                        yield Finding(
+                            "parameter-type", cause, source.at(node), f"write .{right} in place of .{field}"
+                        )
+
+
+def given_at(name: str, look: Any, typed: Collection[str]) -> str:
+    """Return where a parameter is given a value: a file's line, or the command; empty if that is not found."""
+    if any(re.search(rf"ros2 run .*-p {re.escape(name)}:=", line) for line in typed):
+        return ""
+    for package in look.packages if look else ():
+        for path in [*package.launch_files, *package.parameter_files]:
+            for number, line in enumerate(read_text(path).splitlines(), 1):
+                if re.search(rf"(?<![\w.])['\"]?{re.escape(name.rpartition('.')[2])}['\"]?\s*:", line):
+                    return at(package.shown(str(path.relative_to(package.folder))), number)
+    return ""
+
+
+def typed_rightly(name: str, value: str, wanted: str, typed: Collection[str]) -> str:
+    """Return a command that gave a parameter a value, with one of the type that is wanted; empty if none did."""
+    line = next((one for one in typed if re.search(rf"(?<!\w){re.escape(name)}:=", one)), "")
+    digits = re.fullmatch(r"[-+]?\d+([.,]\d*)?", value)
+    right = ""
+    if wanted == "DOUBLE" and digits:
+        right = value.replace(",", ".") if digits[1] else f"{value}.0"
+    elif wanted == "INTEGER" and digits:
+        right = re.split(r"[.,]", value)[0]
+    elif wanted == "STRING":
+        right = f"\"'{value}'\""
+    old = re.search(rf"(?<!\w){re.escape(name)}:=\S+", line)
+    return line.replace(old[0], f"{name}:={right}") if old and right else ""
+
+
+def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
+    """Say how a value of another type is written, as the YAML of a file or of a command reads it."""
+    digits = re.match(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)", value.strip().strip("'\""))  # a unit may follow
+    number, is_number = digits[0].replace(",", ".") if digits else "", digits is not None
+    point = number if "." in number else f"{number}.0"
+    fixes = {
+        "DOUBLE": f"write {name}: {point}, without quotes and with a point, and in a command -p {name}:={point}"
+        * is_number,
+        "INTEGER": f"write {name}: {number.partition('.')[0]}, a whole number without a point and quotes"
+        * is_number,
+        "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command -p {name}:=\"'{value}'\"",
+        "BOOL": f"write {name}: true or false, in small letters and without quotes",
+    }
+    if wanted == "INTEGER" and kind == "DOUBLE" and is_number:
+        return f"declare {name} with a default of type DOUBLE, such as declare_parameter('{name}', {number}): a parameter keeps the type of its default"
+    if wanted == "BYTE_ARRAY" and kind.endswith("ARRAY"):
+        return f"write declare_parameter('{name}', Parameter.Type.{kind}) in the node, with `from rclpy.parameter import Parameter`: an empty list as the default does not tell of what it is a list"
+    if wanted == "DOUBLE_ARRAY" and kind == "INTEGER_ARRAY":
+        points = re.sub(r"-?\d+", lambda number: f"{number[0]}.0", value)
+        return f"write each number with a point: {name}: {points}"
+    if wanted.endswith("ARRAY") and not kind.endswith("ARRAY"):
+        return f"write a list: {name}: [{value}]"
+    return (
+        fixes.get(wanted)
+        or f"give it a value of type {wanted}, or declare {name} with a default of type {kind}: a parameter keeps the type of its default"
+    )
+
+
+def of_parameter_file(text: str, look: Any) -> Finding | None:
+    """Say what rcl finds in a parameter file; None if it names none."""
+    match = re.search(
+        r"params file: '(?:--params-file )?(?P<file>[^']+)'.*?[Ee]rror: (?P<said>.+?)(?: at line (?P<line>\d+))?, at ",
+        text,
+    )
+    if match is None:
+        return None
+    name, said = match["file"].rpartition("/")[2], match["said"]
+    files = [(p, f) for p in (look.packages if look else ()) for f in p.parameter_files if f.name == name]
+    shown = files[0][0].shown(str(files[0][1].relative_to(files[0][0].folder))) if files else match["file"]
+    place = at(shown, int(match["line"]) if match["line"] else None)
+    if "opening" in said:
+        cause = f"There is no parameter file {match['file']}, seen from the folder in which this was typed."
+        return Finding(
+            "file-not-found",
+            cause,
+            "",
+            f"give it as {shown}, seen from the workspace" if files else "give the whole path of the file",
+        )
+    try:
+        for _, path in files[:1]:
+            read_parameter_file(read_text(path))
+    except UnreadParameterFileError:
+        pass  # what ROS itself says of it is known
+    except ParameterFileError as error:
+        return _not_read(shown, error)
+    return Finding(
+        "parameter-file-syntax",
+        f"{shown} cannot be read as parameters: {said}.",
+        place,
+        "indent with blanks, write a blank behind each colon, and the node's name, then ros__parameters:, above the values",
+    )
+
+
+def _not_read(shown: str, error: ParameterFileError) -> Finding:
+    if isinstance(error, UnreadParameterFileError):
+        return not_read(shown, error.line, str(error))
+    cause = f"{shown} cannot be read as parameters: {error}."
+    return Finding("parameter-file-syntax", cause, at(shown, error.line), error.fix)
+
+
+def declared_in(sources: NodeSources) -> dict[str, Any] | None:
+    """Return what is declared, name to default (or `UNKNOWN`); None if a name is not known."""
+    found: dict[str, Any] = {}
+    for source in sources.sources.values():
+        for node in source.nodes:
+            if not isinstance(node, ast.Call):
+                continue
+            method = getattr(node.func, "attr", "")
+            if method == "declare_parameter":
+                given = [k.value for k in node.keywords if k.arg == "name"] or node.args[:1]
+                default = [k.value for k in node.keywords if k.arg == "value"] or node.args[1:2]
+                name = sources.value(source, given[0]) if given else UNKNOWN
+                if not isinstance(name, str):
+                    return None
+                is_dynamic = "dynamic_typing" in ast.dump(node)
+                value = UNKNOWN if is_dynamic else sources.value(source, default[0] if default else None)
+                _declare(found, name, value)
+            elif method == "declare_parameters":
+                lists = [k.value for k in node.keywords if k.arg == "parameters"] or node.args[1:2]
+                prefix = [k.value for k in node.keywords if k.arg == "namespace"] or node.args[:1]
+                before = sources.value(source, prefix[0]) if prefix else ""
+                entries = sources.value(source, lists[0]) if lists else UNKNOWN
+                if not isinstance(entries, list) or not isinstance(before, str):
+                    return None
+                for entry in entries:
+                    if not isinstance(entry, list) or not entry or not isinstance(entry[0], str):
+                        return None
+                    name = f"{before}.{entry[0]}" if before else entry[0]
+                    _declare(found, name, entry[1] if len(entry) > 1 else UNKNOWN)
+    return found
+
+
+def _declare(found: dict[str, Any], name: str, default: Any) -> None:
+    """Note a default; two nodes may declare one name with two types, and then neither is known."""
+    is_other = name in found and kind_of(found[name]) != kind_of(default)
+    found[name] = UNKNOWN if is_other else default
+
+
+def file_faults(package: SourcePackage, sources: NodeSources, launched: Collection[str]) -> Iterator[Finding]:
+    """Yield what is wrong with a package's parameter files.
+
+    Args:
+        package: the package.
+        sources: its Python files.
+        launched: names that launch files give its nodes; "" stands for one that is not known.
+    """
+    names = {*sources.node_names(), *launched}
+    declared = declared_in(sources)
+    for path in package.parameter_files:
+        shown = package.shown(str(path.relative_to(package.folder)))
+        text = read_text(path)
+        try:
+            content = read_parameter_file(text)
+        except ParameterFileError as error:
+            yield _not_read(shown, error)
+            continue
+        lines_of = _Lines(shown, text)
+        if isinstance(content, Mapping) and BELOW in text:
+            yield from _content_faults(content, names, declared, lines_of)
+        elif isinstance(content, Mapping) and (near := _nearly_below(content)):
+            cause = f"{shown} calls the line above the parameters {near}:, and ROS reads only what stands below {BELOW}:."
+            yield Finding(
+                "parameter-file-node",
+                cause,
+                lines_of.at(near),
+                f"write {BELOW}: (two underscores) in place of {near}:",
+            )
+        elif isinstance(content, Mapping) and any(is_node(str(key), names) for key in content):
+            yield Finding(
+                "parameter-file-node",
+                f"In {shown} the line `ros__parameters:` is missing between the node's name and its parameters.",
+                at(shown, 1),
+                "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it",
+            )
+
+
+def _nearly_below(content: Mapping[Any, Any]) -> str:
+    """Return a key at any depth that is nearly `ros__parameters`; empty if there is none."""
+    for key, value in content.items():
+        if is_near_miss(str(key), BELOW):
+            return str(key)
+        if isinstance(value, Mapping) and (inner := _nearly_below(value)):
+            return inner
+    return ""
+
+
+class _Lines:
+    def __init__(self, shown: str, text: str) -> None:
+        self.shown, self.lines = shown, text.splitlines()
+
+    def at(self, key: str) -> str:
+        return at(self.shown, self._number(key))
+
+    def written(self, key: str) -> str:
+        """Return what stands behind a key in its line."""
+        line = self.lines[(self._number(key) or 1) - 1] if self.lines else ""
+        return re.split(r"\s#", line.partition(":")[2])[0].strip()
+
+    def _number(self, key: str) -> int | None:
+        found = (n for n, line in enumerate(self.lines, 1) if line.strip().strip("\"'").startswith(key))
+        return next(found, None)
+
+
+def _content_faults(
+    content: Mapping[Any, Any], names: Collection[str], declared: Mapping[str, Any] | None, lines: _Lines
+) -> Iterator[Finding]:
+    sections = dict(sections_of(content))
+    wrong = [key for key in sections if not is_node(key, names)]
+    own = sorted(name for name in names if name)
+    for key in wrong if own and "" not in names else ():
+        short = key.rpartition("/")[2]
+        near = next((name for name in own if is_near_miss(short, name)), None)
+        alike = [name for name in own if {*name.split("_")} & {*short.split("_")}]
+        likely = near or " or ".join(alike if len(alike) == 1 else own)
+        # A file may hold the parameters of other people's nodes, too.
+        if near or len(wrong) == len(sections):
+            yield Finding(
+                "parameter-file-node",
+                f"The file gives parameters to a node {short}, and the nodes here are called {', '.join(own)}: "
+                "they keep their defaults, and nothing says so.",
+                lines.at(key.rpartition("/")[2] if not key.startswith("/") else key),
+                f"write {likely} in place of {short}",
+            )
+    for values in sections.values():
+        for name, value in values.items():
+            default = (declared or {}).get(name, UNKNOWN)
+            wanted, given = kind_of(default), kind_of(value)
+            if wanted and given and wanted != given:
+                shown = lines.written(name) or str(value)
+                yield Finding(
+                    "parameter-type",
+                    f"The parameter {name} is declared as {wanted}, and the file gives it {shown}, of type {given}: "
+                    "the node does not start.",
+                    lines.at(name),
+                    value_fix(name, shown, given, wanted),
+                )
+            elif declared and default is UNKNOWN and name not in declared:
+                near = next((one for one in declared if is_near_miss(name, one)), None)
+                if near:
+                    yield Finding(
+                        "parameter-name",
+                        f"The file gives the parameter {name}, and the node declares {near}: it keeps its default.",
+                        lines.at(name),
+                        f"write {near} in place of {name}",
+                    )
+
+
+def sections_of(content: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
+    """Yield the sections of a parameter file: each node's name as the file has it, and its parameters."""
+    for key, value in content.items():
+        name = f"{above}/{key}" if above else str(key)
+        if isinstance(value, Mapping):
+            given = value.get("ros__parameters")
+            if isinstance(given, Mapping):
+                yield name, given
+            else:
+                yield from sections_of(value, name)
+
+
+def is_node(key: str, names: Collection[str]) -> bool:
+    """Return whether a key of a parameter file, such as `/**/talker`, means one of the nodes."""
+    last = key.rstrip("/").rpartition("/")[2]
+    return "*" in last or last in names

@@ -1,0 +1,442 @@
+"""What a node class keeps and does, where it is in vain: changed too seldom, never read, asked for or called."""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log
+
+_COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+}
+
+
+_KEPT_TO_BE_USED = frozenset(("create_publisher", "create_client"))
+
+
+def state_faults(uses: Uses) -> Iterator[Finding]:
+    """Yield what the attributes and the methods of node classes show to be in vain."""
+    if uses.named["setattr"]:
+        return  # what it sets is not told
+    for owner in uses.sources.nodes:
+        if not uses.resolved[owner.name] and f"{owner.source.name}.main" not in uses.sources.functions:
+            continue  # it is there for others, which may do with it what they want
+        state = State(uses, owner)
+        yield from _quoted(state)
+        yield from _computed_once(state)
+        yield from _never_read(state)
+        yield from _never_equal(state)
+        yield from _never_passed(state)
+        yield from _never_called(state)
+        yield from _never_published(state)
+        yield from _never_shown(state)
+        yield from _overwritten(state)
+        for method in owner.methods.values():
+            if id(method) in uses.callbacks:
+                yield from _begun_anew(state, method)
+
+
+def _quoted(state: State) -> Iterator[Finding]:
+    """Yield a text that says what an attribute is called, where its value was meant."""
+    for method in state.owner.methods.values():
+        for node in own_nodes(method):
+            given: ast.expr | None = None
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
+                given = node.value
+            elif (
+                isinstance(node, ast.Call)
+                and getattr(node.func, "attr", "") in (*LOG_METHODS, "publish")
+                and node.args
+            ):
+                given = node.args[0]
+            text = given.value if isinstance(given, ast.Constant) else None
+            if isinstance(text, str) and text in state.stores:
+                initial = state.stores[text][0][2]
+                is_number = isinstance(initial, ast.Constant) and not isinstance(initial.value, str)
+                is_shown = isinstance(node, ast.Call) or ast.unparse(node).startswith(
+                    ("msg.data", "message.data")
+                )
+                meant = f"str({text})" if is_number and is_shown else text
+                cause = f"{text!r} in quotes is a text, which says only what the attribute {text} is called."
+                yield Finding("text-not-filled", cause, state.at(given), f"write {meant} without quotes")
+
+
+def _computed_once(state: State) -> Iterator[Finding]:
+    """Yield what the constructor computes from something that changes later, and a callback still uses."""
+    for text in state.stores:
+        value = state.initial(text)
+        base = text.rpartition(".")[0]
+        if value is None or (base != "self" and state.initial(base) is None):
+            continue
+        readers = [
+            (method, node)
+            for method, node in state.loads.get(text if base == "self" else base, ())
+            if id(method) in state.uses.callbacks
+        ]
+        if not readers or not _is_snapshot(value):
+            continue
+        used = {dotted(node) or "" for node in walk(value) if isinstance(node, ast.Attribute)}
+        changed = next(((one, by) for one in sorted(used) if (by := state.changes(one))), None)
+        if changed is None or (not _is_text(value) and not _is_shown(readers)):
+            continue
+        one, by = changed
+        line = f"{text} = {ast.unparse(value)}"
+        yield Finding(
+            "computed-once",
+            f"{text} is computed only once, in __init__, and stays as it is when {by}() changes {one}.",
+            state.at(state.stores[text][0][1]),
+            f"write `{line}` as the first line of {readers[0][0].name}()",
+        )
+
+
+def _is_text(value: ast.expr) -> bool:
+    is_call = isinstance(value, ast.Call) and (
+        dotted(value.func) == "str" or getattr(value.func, "attr", "") == "format"
+    )
+    return (
+        is_call
+        or isinstance(value, ast.JoinedStr)
+        or (
+            isinstance(value, ast.BinOp)
+            and any(
+                _is_text(n) or isinstance(getattr(n, "value", None), str) for n in (value.left, value.right)
+            )
+        )
+    )
+
+
+def _is_snapshot(value: ast.expr) -> bool:
+    return _is_text(value) or isinstance(value, ast.BinOp)
+
+
+def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:
+    """Return whether what is read goes as it is into a field of a message."""
+    return any(
+        isinstance(node, ast.Assign) and node.value is given and not is_self_attribute(node.targets[0])
+        for method, given in readers
+        for node in own_nodes(method)
+    )
+
+
+def _never_read(state: State) -> Iterator[Finding]:
+    """Yield an attribute that a method sets and nothing reads, beside one that is read and never changes."""
+    own = {text.removeprefix("self.") for text in state.stores if text.count(".") == 1}
+    for name in sorted(own - state.read - set(state.owner.methods)):  # what is set may be a property
+        method, node, value = state.stores[f"self.{name}"][-1]
+        if method.name == "__init__" or isinstance(value, ast.Call):
+            continue
+        near = next((one for one in sorted(own & state.read) if is_near_miss(name, one)), None)
+        if near:
+            cause = f"{method.name}() sets self.{name}, which nothing reads; what is read is self.{near}."
+            fix = f"write self.{near} in place of self.{name}"
+            yield Finding("never-read", cause, state.at(node), fix)
+            continue
+        for target, other in filled(method):
+            initial = state.initial(dotted(other) or "")
+            if isinstance(initial, ast.Constant):
+                cause = (
+                    f"{method.name}() sets self.{name}, which nothing reads; {target} is filled with "
+                    f"{ast.unparse(other)}, which always stays {initial.value!r}."
+                )
+                yield Finding("never-read", cause, state.at(other), f"write {target} = self.{name}")
+                break
+
+
+def _never_equal(state: State) -> Iterator[Finding]:
+    """Yield a text with which an attribute is compared and which it is never given."""
+    for name, stores in state.stores.items():
+        given = {value.value: node for _, node, value in stores if isinstance(value, ast.Constant)}
+        are_texts = len(given) > 1 and all(isinstance(text, (str, type(None))) for text in given)
+        is_known = all(isinstance(value, ast.Constant) for *_, value in stores)
+        if not (are_texts and is_known) or name.rpartition(".")[2] in state.uses.stored_of_others:
+            continue
+        compared = {
+            one.value: one
+            for node in walk(state.owner.definition)
+            if isinstance(node, ast.Compare) and dotted(node.left) == name
+            for other in node.comparators
+            for one in walk(other)
+            if isinstance(one, ast.Constant)
+        }
+        known = ", ".join(repr(one) for one in given)
+        unused = [one for one in given if isinstance(one, str) and one not in compared]
+        for text, node in compared.items():
+            if not isinstance(text, str) or text in given:
+                continue
+            near = nearest(text, unused, 0.6)
+            cause = f"{name} is compared with {text!r}, and is only ever set to {known}."
+            place = state.at(given[near] if near else node)
+            fix = f"write {text!r} in place of {near!r} here" if near else f"compare with one of {known}"
+            yield Finding("never-equal", cause, place, fix)
+
+
+def _never_passed(state: State) -> Iterator[Finding]:
+    """Yield a condition that is never met otherwise than at first: what changes it lies behind it, or nothing does."""
+    publishes = [
+        node
+        for method in state.owner.methods.values()
+        for node in own_nodes(method)
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish"
+    ]
+    for method in state.owner.methods.values():
+        for number, statement in enumerate(method.body):
+            if not isinstance(statement, ast.If) or statement.orelse:
+                continue
+            names = {ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node)}
+            name = names.pop() if len(names) == 1 else ""
+            value = state.first(name)
+            is_left = isinstance(statement.body[-1], (ast.Return, ast.Raise))
+            if not isinstance(value, ast.Constant) or _holds(statement.test, value.value) is not is_left:
+                continue
+            shut = {
+                id(node)
+                for one in (method.body[number + 1 :] if is_left else statement.body)
+                for node in walk(one)
+            }
+            later = [node for _, node, _ in state.later(name)]
+            hidden = {ast.unparse(node.func) for node in publishes if id(node) in shut}
+            hidden -= {ast.unparse(node.func) for node in publishes if id(node) not in shut}
+            # A node that publishes nothing then waits in vain; one that publishes less may have been told to.
+            is_all = all(id(node) in shut for node in publishes)
+            if all(id(node) in shut for node in later) and (later or (hidden and is_all)):
+                yield _shut(state, value, method, statement, "" if later else min(hidden))
+
+
+def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If, hidden: str) -> Finding:
+    test, place = ast.unparse(statement.test), state.at(statement)
+    name = next(ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node))
+    if not hidden:
+        cause = f"{name} is {value.value!r} at first, and is changed only behind `if {test}:`, which it never passes."
+        return Finding(
+            "never-passed", cause, place, f"change {name} before this line, or ask for something else"
+        )
+    cause = f"{name} is {value.value!r} from the beginning and nothing changes it, so {hidden}() in {method.name}() is never reached."
+    if isinstance(value.value, bool):
+        begin = f"such as in __init__ (line {value.lineno})"
+        return Finding(
+            "never-passed", cause, place, f"write `{name} = {not value.value}` where it is to begin, {begin}"
+        )
+    fix = f"give {name} its value where that is known, such as in the callback that receives it"
+    return Finding("never-passed", cause, place, fix)
+
+
+def _holds(test: ast.expr, value: Any) -> bool | None:
+    """Return whether a condition about one attribute holds for a value of it; None if that cannot be told."""
+    match test:
+        case ast.UnaryOp(op=ast.Not(), operand=inner) if is_self_attribute(inner):
+            return not value
+        case ast.Attribute() if is_self_attribute(test):
+            return bool(value)
+        case ast.Compare(left=left, ops=[sign], comparators=[ast.Constant(value=other)]) if is_self_attribute(
+            left
+        ):
+            compares = _COMPARES.get(type(sign))
+            try:
+                return bool(compares(value, other)) if compares else None
+            except TypeError:
+                return None
+    return None
+
+
+def _never_called(state: State) -> Iterator[Finding]:
+    """Yield a method that nothing calls, where something shows that it was meant to be called.
+
+    It is made as callbacks are, and no other one does its work; or it alone changes what is read, or does anything.
+    """
+    inherited = members_of("rclpy.node", "Node")[0]
+    if state.uses.sources.is_managed(state.owner):
+        return  # its methods are called by their names
+    bare = {node.id for node in walk(state.owner.definition) if isinstance(node, ast.Name)}  # told elsewhere
+    for name, method in state.owner.methods.items():
+        if name in state.read | bare | inherited or name.startswith("__") or method.decorator_list:
+            continue
+        takes = [one.arg for one in parameters(method)][1:]
+        why, begun = "", ""
+        if _is_callback(state, method, takes):
+            why = "it is given to no timer, subscription or service"
+            begun = f"write `{_given_to(name, len(takes))}` in __init__"
+        elif not state.uses.named[name] and (changed := _changed_alone(state, method)):
+            why, begun = f"only it changes {changed}", _call_of(state, name, takes)
+        if begun:
+            cause = f"{name}() is defined, and nothing calls it: {why}."
+            yield Finding("never-called", cause, state.at(method), begun)
+
+
+def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
+    """Return whether a method looks like a callback, and no other one does what it does."""
+    own = _publishers(method)
+    others = {one for m in state.owner.methods.values() if m is not method for one in _publishers(m)}
+    made = {one.method for one in state.uses.sources.creations if one.owner is state.owner}
+    # Beside others that do the same it may well be left over.
+    is_alone = (
+        bool(own - others),
+        "create_subscription" not in made,
+        "create_service" not in made and takes[:1] and takes[0].startswith("req"),
+    )
+    looks_so = bool(own) or "callback" in method.name or takes in (["msg"], ["request", "response"])
+    return looks_so and len(takes) < len(is_alone) and bool(is_alone[len(takes)])
+
+
+def _given_to(name: str, takes: int) -> str:
+    return (
+        f"self.timer = self.create_timer(1.0, self.{name})",
+        f"self.create_subscription(String, 'topic', self.{name}, 10)",
+        f"self.create_service(..., self.{name})",
+    )[takes]
+
+
+def _changed_alone(state: State, method: Function) -> str:
+    """Return the attribute that only a method changes, and which a callback reads, or beside which they only log."""
+    callbacks = state.uses.callbacks
+    own = [one for one in state.owner.methods.values() if id(one) in callbacks]
+    is_idle = bool(own) and all(map(_only_logs, own))
+    for text, stores in state.stores.items():
+        readers = [one.name for one, _ in state.loads.get(text, ()) if id(one) in callbacks]
+        is_alone = {one.name for one, *_ in stores} == {"__init__", method.name} and text.count(".") == 1
+        if is_alone and (readers or is_idle):
+            return f"{text}, {f'which {readers[0]}() reads' if readers else 'and the callbacks only log'}"
+    return ""
+
+
+def _publishers(method: Function) -> set[str]:
+    """Return what a method publishes with, as it is written."""
+    return {
+        ast.unparse(n.value)
+        for n in own_nodes(method)
+        if isinstance(n, ast.Attribute) and n.attr == "publish"
+    }
+
+
+def _only_logs(function: Function) -> bool:
+    """Return whether a function stores nothing, and calls nothing but the logger."""
+    logged = {id(n) for call in own_nodes(function) if is_log(call) for n in walk(call)}
+    kinds = (ast.Call, ast.Return, ast.Raise, ast.Assign, ast.AugAssign)
+    return not any(isinstance(node, kinds) and id(node) not in logged for node in own_nodes(function))
+
+
+def _call_of(state: State, name: str, takes: list[str]) -> str:
+    """Say where a method may be called that nothing calls: in the only callback that has what it takes."""
+    methods = {id(method): method for method in state.owner.methods.values()}
+    given = [
+        (creation, function)
+        for creation, function in state.uses.sources.callbacks()
+        if id(function) in methods and creation.method in ("create_subscription", "create_timer")
+    ]
+    if not takes:
+        timers = [function for creation, function in given if creation.method == "create_timer"]
+        there = timers[:1] or [function for _, function in given][:1]
+        return (
+            f"write `self.{name}()` in {there[0].name}(), or self.create_timer(1.0, self.{name}) in __init__"
+            if there
+            else ""
+        )
+    received = [(c, f) for c, f in given if c.method == "create_subscription" and len(parameters(f)) > 1]
+    if len(takes) != 1 or not received:
+        return ""
+    creation, function = received[0]
+    message = parameters(function)[1].arg
+    kind = (creation.source.resolve((creation.arguments or {}).get("msg_type")) or "").rpartition(".")[2]
+    is_whole = takes[0] in ("msg", "message", kind.lower())
+    is_plain = kind in ("String", "Bool") or kind.startswith(("Int", "UInt", "Float"))
+    what = f"{message}.data" if is_plain and not is_whole else message
+    return f"write `self.{name}({what})` in {function.name}()"
+
+
+def _never_published(state: State) -> Iterator[Finding]:
+    """Yield a publisher of a class that publishes nothing; beside another one it may well be left over."""
+    if any(getattr(node, "attr", "") == "publish" for node in walk(state.owner.definition)):
+        return
+    for creation in state.uses.sources.creations:
+        if (
+            creation.owner is not state.owner
+            or creation.method != "create_publisher"
+            or creation.function is None
+        ):
+            continue
+        values = [
+            node.targets[0]
+            for node in walk(creation.function)
+            if isinstance(node, ast.Assign) and node.value is creation.call
+        ]
+        name = ast.unparse(values[0]) if values else ""
+        if not values or not isinstance(values[0], (ast.Name, ast.Attribute)):
+            continue
+        if state.uses.named[name.rpartition(".")[2]]:
+            continue
+        kept = name if name.startswith("self.") else f"self.{name}"
+        fix = f"write {kept}.publish(msg) in the callback that has the message"
+        fix = fix if kept == name else f"write {kept} in place of {name}, and {fix.removeprefix('write ')}"
+        cause = f"{name} is a publisher, and nothing publishes with it."
+        yield Finding("never-sent", cause, state.at(creation.call), fix)
+
+
+def _never_shown(state: State) -> Iterator[Finding]:
+    """Yield a node that only logs, all of it at a level that is not shown."""
+    own = [one for one in state.owner.methods.values() if id(one) in state.uses.callbacks]
+    logs = [n for one in own for n in own_nodes(one) if isinstance(n, ast.Call) and is_log(n)]
+    is_quiet = all(getattr(log.func, "attr", "") == "debug" for log in logs)
+    if logs and is_quiet and all(map(_only_logs, own)) and not state.uses.named["set_level"]:
+        cause = (
+            "What is logged with debug() is not shown: a terminal shows what is logged with info() or above."
+        )
+        fix = "write info in place of debug; or start the node with --ros-args --log-level debug"
+        yield Finding("never-shown", cause, state.at(logs[0]), fix)
+
+
+def _overwritten(state: State) -> Iterator[Finding]:
+    """Yield a publisher or a client that is kept under a name which is given to another one before it is used."""
+    for method in state.owner.methods.values():
+        kept: dict[str, ast.Assign] = {}
+        for statement in method.body:
+            used = {ast.unparse(n) for n in walk(statement) if isinstance(getattr(n, "ctx", None), ast.Load)}
+            kept = {name: first for name, first in kept.items() if name not in used}
+            match statement:
+                case ast.Assign(
+                    targets=[ast.Attribute() as target], value=ast.Call(func=ast.Attribute(attr=how))
+                ) if how in _KEPT_TO_BE_USED:
+                    name = ast.unparse(target)
+                case _:
+                    continue
+            if first := kept.get(name):
+                cause = f"{name} is given another {how.removeprefix('create_')} here, so nothing uses the one of line {first.lineno}, `{ast.unparse(first.value)}`."
+                fix = f"write another name here, such as {name}_2, and use that where this one is meant"
+                yield Finding("replaced", cause, state.at(statement), fix)
+            kept[name] = statement
+
+
+def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
+    """Yield a count that a callback sets back each time before it adds to it."""
+    begun: dict[str, ast.stmt] = {}
+    for statement in method.body:
+        match statement:
+            case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=ast.Constant()) if (
+                is_self_attribute(target)
+            ):
+                begun.setdefault(name, statement)
+            case ast.AugAssign(target=ast.Attribute(attr=name) as target) if (
+                is_self_attribute(target) and name in begun
+            ):
+                users = {one.name for one, _ in state.loads.get(f"self.{name}", ())} - {method.name}
+                if not users - {"__init__"}:
+                    yield Finding(
+                        "begun-anew",
+                        f"{method.name}() sets self.{name} back with `{ast.unparse(begun[name])}` each time, so it never grows.",
+                        state.at(begun[name]),
+                        f"take the line `{ast.unparse(begun[name])}` away here; it belongs into __init__",
+                    )

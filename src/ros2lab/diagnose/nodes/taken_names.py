@@ -1,0 +1,89 @@
+"""Names that somebody else has already: another package, Python's own modules, or what every node has."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Collection, Iterator, Sequence
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.interfaces import members_of, method_of
+from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import Function, walk
+
+
+def taken_packages(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
+    """Yield installed Python packages whose names another package of the workspace, or Python itself, has."""
+    yield from _same_modules(packages)
+    yield from _hides_pythons(packages)
+
+
+def _same_modules(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
+    """Yield a Python package that two packages of the workspace install: Python finds the one of the first in its path."""
+    first: dict[str, SourcePackage] = {}
+    for package in packages:
+        for name in dict.fromkeys(one.partition(".")[0] for one in package.packages or ()):
+            other = first.setdefault(name, package)
+            if other is not package and other.name != package.name:
+                cause = f"{other.name} and {package.name} both install a Python package {name}: Python finds one of the two, and the other one's modules are missing."
+                fix = f"move {package.shown(name)} into {package.shown(package.name)}, take {name!r} out of packages in setup.py, and import it as {package.name}.{name}; best so in both"
+                place = (
+                    at(package.setup.source.shown, package.setup.line("packages")) if package.setup else ""
+                )
+                yield Finding("name-shadowed", cause, place, fix)
+
+
+def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
+    """Yield an installed package of the name of one of Python's own modules, which everything then imports in place of it."""
+    for package in packages:
+        for name in sorted(
+            {one.partition(".")[0] for one in package.packages or ()}
+            & sys.stdlib_module_names - interfaces.PROGRAMS
+        ):
+            cause = f"The Python package {name} has the name of a module of Python's own, which the libraries import: they get this one."
+            fix = f"give it another name, such as my_{name}: the folder {package.shown(name)}, and each place in setup.py, setup.cfg, package.xml, resource and the imports"
+            yield Finding("name-shadowed", cause, package.shown(name), fix)
+
+
+def hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tuple[str, Finding]]:
+    """Yield by its name each method that hides what every node has."""
+    for method in one.methods.values():
+        if method.name in properties and not method.decorator_list:
+            why = f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own."
+        elif least := _demanded_by_node(method):
+            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more."
+        else:
+            continue
+        fix = f"call it {method.name}_ or another name, also where it is used"
+        yield method.name, Finding("node-property", why, one.source.at(method), fix)
+
+
+def taken_attributes(one: NodeClass) -> dict[str, tuple[str, str]]:
+    """Return cause and fix, by their names, of attributes that a class sets and that every node has: for rclpy, or for all."""
+    members, properties = members_of("rclpy.node", "Node")
+    found: dict[str, tuple[str, str]] = {}
+    for node in walk(one.definition):
+        match node:
+            case ast.Attribute(attr=name, ctx=ast.Store()) if is_self_attribute(node) and name in properties:
+                cause = f"Every node already has `{name}`, which cannot be set, so it is no name for something of your own."
+                found[name] = cause, f"write self.{name}_ or another name"
+            case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=value) if is_self_attribute(
+                target
+            ):
+                is_rclpys = name in members and re.match(r"_[a-z]", name)
+                if is_rclpys and f".get{name}(" not in ast.unparse(value):
+                    cause = f"Every node keeps something of rclpy's in self.{name}, which this takes away."
+                    found[name] = cause, f"write self.{name[1:]} or another name, also where it is used"
+    return found
+
+
+def _demanded_by_node(method: Function) -> int:
+    """Return how many values a method of Node of the same name needs, if this one does not take so many; else 0."""
+    of_node = method_of("rclpy.node", "Node", method.name)
+    if of_node is None or method.name.startswith("__") or method.decorator_list or method.args.vararg:
+        return 0
+    least = len(of_node.args.args) - len(of_node.args.defaults) - 1
+    return least if len(method.args.args) - 1 < least else 0

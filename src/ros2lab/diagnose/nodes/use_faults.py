@@ -1,0 +1,202 @@
+"""Definitions that nothing uses, where something else shows that they were meant to be used."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.code.expression_faults import chain_faults, keys_twice
+from ros2lab.diagnose.code.result_faults import result_faults
+from ros2lab.diagnose.code.shared_objects import shared_objects
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.nodes.state_faults import state_faults
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
+from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses, named
+
+
+def use_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield what a package's files define, make or compute, and do not use, or use as it was before."""
+    if any(source.fault for source in sources.sources.values()):
+        return  # what cannot be read may use anything
+    uses = Uses(sources)
+    yield from _never_made(uses)
+    yield from _in_another_program(sources)
+    for source in sources.sources.values():
+        yield from keys_twice(source)
+        yield from chain_faults(source)
+        for node in source.nodes:
+            if isinstance(node, (ast.Module, ast.ClassDef)):
+                yield from _replaced(uses, source, node)
+    yield from result_faults(uses)
+    yield from state_faults(uses)
+    yield from shared_objects(uses)
+    yield from _parameters_unread(uses)
+
+
+def _never_made(uses: Uses) -> Iterator[Finding]:
+    """Yield a node class of a program that makes no object of it, and of no other class of its own."""
+    names = {one.name for one in uses.sources.nodes}
+    for owner in uses.sources.nodes:
+        source, name = owner.source, owner.definition.name
+        found = uses.sources.functions.get(f"{source.name}.main")
+        if found is None or uses.resolved[owner.name] or uses.named[name]:
+            continue
+        main = found[1]
+        loads = [node for node in walk(main) if isinstance(node, (ast.Name, ast.Attribute))]
+        if any(uses.sources.resolve(source, node) in names for node in loads):
+            continue  # it makes another one
+        made = next(
+            (
+                node
+                for node in walk(main)
+                if isinstance(node, ast.Call) and uses.sources.makes_node(source, None, main, node)
+            ),
+            None,
+        )
+        spun = next((dotted(n.func) or "" for n in walk(main) if isinstance(n, ast.Call)), "")
+        if made is None and not spun.startswith("rclpy."):
+            continue
+        fix = (
+            f"write `{name}()` in place of `{ast.unparse(made)}`"
+            if made
+            else f"write `node = {name}()` in main, and `rclpy.spin(node)` below it"
+        )
+        cause = f"The class {name} is defined, and nothing makes an object of it, so none of its code is run."
+        yield Finding("never-made", cause, source.at(made or main), fix)
+
+
+def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
+    """Yield a variable of a module that one program changes and another one reads: each has a copy of its own."""
+    programs = {name for name in sources.sources if f"{name}.main" in sources.functions}
+    imported = [{one.target for one in source.imports} for source in sources.sources.values()]
+    if any(
+        sum(any(t == p or t.startswith(f"{p}.") for t in each) for p in programs) > 1 for each in imported
+    ):
+        return  # one program may run the nodes of the others
+    stores: dict[str, dict[str, ast.Attribute]] = {}
+    loads: dict[str, set[str]] = {}
+    for name in sorted(programs):
+        for node in sources.sources[name].nodes:
+            variable = (
+                sources.resolve(sources.sources[name], node) if isinstance(node, ast.Attribute) else None
+            )
+            shared = variable is not None and any(
+                variable.startswith(f"{module}.") for module in sources.sources if module not in programs
+            )
+            if not shared or not isinstance(node, ast.Attribute) or variable is None:
+                continue
+            if isinstance(node.ctx, ast.Store):
+                stores.setdefault(variable, {}).setdefault(name, node)
+            else:
+                loads.setdefault(variable, set()).add(name)
+    for variable, by in stores.items():
+        for reader in sorted(loads.get(variable, set()) - set(by)):
+            name, node = next(iter(by.items()))
+            shown = [sources.sources[one].shown.rpartition("/")[2] for one in (name, reader)]
+            yield Finding(
+                "never-passed",
+                f"{shown[0]} changes {ast.unparse(node)}, and {shown[1]} reads it: they are two programs, and each has a copy "
+                "of its own.",
+                sources.sources[name].at(node),
+                f"publish it on a topic of its own in {shown[0]}, such as /robot/state, and subscribe to that in {shown[1]}",
+            )
+
+
+def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef) -> Iterator[Finding]:
+    """Yield a function or a class of whose name there is a later one in the same block."""
+    seen: dict[str, ast.stmt] = {}
+    for statement in scope.body:
+        if not isinstance(statement, (*FUNCTIONS, ast.ClassDef)) or statement.decorator_list:
+            continue
+        name, first = statement.name, seen.get(statement.name)
+        seen[name] = statement
+        if first is None or (name.startswith("_") and not name.startswith("__")):
+            continue
+        between = scope.body[scope.body.index(first) + 1 : scope.body.index(statement)]
+        if any(
+            name in named(node) for one in between if not isinstance(one, FUNCTIONS) for node in walk(one)
+        ):
+            continue  # the first one was used before
+        given = [creation for creation, function in uses.sources.callbacks() if function is statement]
+        where = f" of {scope.name}" if isinstance(scope, ast.ClassDef) else ""
+        what = f"{name}()" if isinstance(statement, FUNCTIONS) else f"The class {name}"
+        if ast.dump(first) == ast.dump(statement):
+            continue
+        if len(given) > 1:
+            last = given[-1].call
+            fix = (
+                f"write another name here, such as `def {name}_2`, and give self.{name}_2 to "
+                f"{given[-1].method} in line {last.lineno}"
+            )
+        elif isinstance(statement, FUNCTIONS) and name != "__init__":
+            fix = f"move the lines of line {first.lineno} on into this one, or take this one away"
+        else:
+            fix = f"join both into one, and take the one of line {first.lineno} away"
+        yield Finding(
+            "replaced",
+            f"{what}{where} is defined twice: this one replaces the one of line {first.lineno}, which is never called.",
+            source.at(statement),
+            fix,
+        )
+
+
+def _parameters_unread(uses: Uses) -> Iterator[Finding]:
+    """Yield a declared parameter that nothing reads, where what it was declared for is given its default."""
+    declared = declared_in(uses.sources) or {}
+    asked = {
+        "get_parameters",
+        "get_parameters_by_prefix",
+        "add_on_set_parameters_callback",
+        "get_parameter_or",
+        "has_parameter",
+        "add_post_set_parameters_callback",
+        "_parameters",
+    }
+    if asked & set(uses.named):
+        return
+    for source in uses.sources.sources.values():
+        for owner, function, node in uses.sources.scoped(source):
+            if not (
+                isinstance(node, ast.Call)
+                and getattr(node.func, "attr", "") == "declare_parameter"
+                and node.args
+            ):
+                continue
+            name = uses.sources.value(source, node.args[0])
+            if (
+                name not in declared
+                or uses.named[str(name)] != 1
+                or owner is None
+                or _is_kept(function, node)
+            ):
+                continue
+            field = _filled_with(owner, node.args[1] if len(node.args) > 1 else None)
+            if field is None:
+                continue  # it may be there to be asked for from outside
+            cause = f"The parameter {name!r} is declared, and nothing reads it: setting it changes nothing."
+            fix = f"write {ast.unparse(field.targets[0])} = self.get_parameter({name!r}).value"
+            yield Finding("parameter-unread", cause, source.at(field), fix)
+
+
+def _is_kept(function: Function | None, call: ast.Call) -> bool:
+    """Return whether something is done with what declare_parameter() returns."""
+    statements = (
+        {id(node.value) for node in walk(function) if isinstance(node, ast.Expr)} if function else set()
+    )
+    return id(call) not in statements
+
+
+def _filled_with(owner: NodeClass, default: ast.expr | None) -> ast.Assign | None:
+    """Return the only assignment in a class that gives something a parameter's default."""
+    found = [
+        node
+        for node in walk(owner.definition)
+        if isinstance(node, ast.Assign)
+        and default is not None
+        and isinstance(node.targets[0], ast.Attribute)
+        and ast.dump(node.value) == ast.dump(default)
+    ]
+    return found[0] if len(found) == 1 else None

@@ -1,0 +1,1 @@
+"""Rules over packages: manifests, setup files, entry points, where things lie and what was installed."""

@@ -1,0 +1,358 @@
+"""What executables call: the entry points of setup.py, against the files of the package."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.packaging.setup_shapes import like
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
+from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
+
+
+def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    """Yield what is wrong with the executables of a setup.py, and with what they call."""
+    groups, points = setup.groups, setup.entry_points
+    place = at(setup.source.shown, setup.line("entry_points"))
+    if (
+        groups is not None
+        and (wrong := nearest("console_scripts", groups, 0.8))
+        and "console_scripts" not in groups
+    ):
+        yield Finding(
+            "entry-points-key",
+            f"setup.py writes {wrong!r} in entry_points, and the key is 'console_scripts', so no executable is installed.",
+            place,
+            "write 'console_scripts' with an s",
+        )
+    elif points == [] and (main := _first_main(package)):
+        yield Finding(
+            "entry-points-missing",
+            f"setup.py has no entry point, so {main} cannot be run with `ros2 run`.",
+            place,
+            f"add '{main.rpartition('.')[2]} = {main}:main' to 'console_scripts' in entry_points",
+        )
+    yield from _of_another(setup, package.sources)
+    seen: dict[str, EntryPoint] = {}
+    for point in points or ():
+        first = seen.setdefault(point.name, point) if point.name else point
+        if first is not point:
+            found = [_named_twice(setup, point, first)]
+        else:
+            found = [*_entry_point_fault(package, setup, point)]
+        yield from (replace(one, about=(point.name,)) for one in found)
+
+
+def _first_main(package: SourcePackage) -> str | None:
+    for name, source in package.sources.items():
+        if "rclpy" in source.names and any(
+            isinstance(n, ast.FunctionDef) and n.name == "main" for n in source.tree.body
+        ):
+            return name
+    return None
+
+
+def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Finding:
+    is_same = (point.module, point.function) == (first.module, first.function)
+    return Finding(
+        "entry-point-twice",
+        f"The executable {point.name} is named twice in entry_points, so setuptools refuses setup.py.",
+        at(setup.source.shown, point.line),
+        f"remove this line: line {first.line} says the same"
+        if is_same
+        else "give one of the two another name",
+    )
+
+
+def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
+    """Return the only file of a folder that no entry point names, and which may be the one that is meant."""
+    setup = package.setup
+    named = {point.module.rpartition(".")[2] for point in (setup.entry_points if setup else None) or ()}
+    text = setup.source.text if setup else ""
+    files = [path for path in wanted.parent.glob("*.py") if path.stem not in {*named, "__init__"}]
+    alone = [path.name for path in files if path.stem not in text and "def main" in read_text(path)]
+    return (
+        alone[0] if len(alone) == 1 and set(alone[0][:-3].split("_")) & set(wanted.stem.split("_")) else None
+    )
+
+
+def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryPoint) -> Iterator[Finding]:
+    place = at(setup.source.shown, point.line)
+    if not point.module:
+        yield _wrong_form(package, point, place)
+        return
+    if point.module.partition(".")[0] in sys.stdlib_module_names | {"rclpy", "launch"}:
+        return
+    sources = package.sources
+    source = sources.get(point.module)
+    tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
+    if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
+        yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)
+    elif not point.function:
+        yield Finding(
+            "entry-point-no-function",
+            f"The executable {point.name} names the module {point.module} and no function in it.",
+            place,
+            f"write '{point.name} = {point.module}:{meant_function(package, point.module)}'",
+        )
+    elif source is not None and any(
+        isinstance(n, ast.ClassDef) and n.name == point.function for n in source.tree.body
+    ):
+        yield Finding(
+            "entry-point-function",
+            f"The executable {point.name} calls the class {point.function}, and must call a function that runs a node of it.",
+            place,
+            f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
+        )
+    elif source is not None and (function := _demanding(source, point.function)) is not None:
+        names = [one.arg for one in function.args.args]
+        values = ["None"] * (len(names) - len(function.args.defaults)) + [
+            *map(ast.unparse, function.args.defaults)
+        ]
+        given = ", ".join(f"{name}={value}" for name, value in zip(names, values, strict=True))
+        yield Finding(
+            "entry-point-function",
+            f"`ros2 run` calls {point.function}() without anything, and it demands {', '.join(names[: len(names) - len(function.args.defaults)])}.",
+            source.at(function),
+            f"write def {point.function}({given}):",
+        )
+    elif source is not None and not source.fault and not _has(source, point.function):
+        yield _missing_function(source, sources, point, place)
+
+
+def _demanding(source: PythonSource, name: str) -> ast.FunctionDef | None:
+    """Return the function of a name that cannot be called without values."""
+    for node in source.tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name == name and not node.decorator_list:
+            return node if len(node.args.args) > len(node.args.defaults) else None
+    return None
+
+
+def _below_guard(source: PythonSource) -> ast.If | None:
+    """Return the `if __name__ == '__main__':` that holds a program itself, and does not only call a function."""
+    for node in source.tree.body:
+        if isinstance(node, ast.If) and "__name__" in ast.unparse(node.test) and len(node.body) > 1:
+            return node
+    return None
+
+
+def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iterator[Finding]:
+    """Yield an executable that calls what another one calls, where another file has such a function and is called by none."""
+    points = setup.entry_points or []
+    uncalled = sources.keys() - {point.module for point in points}
+    for number, point in enumerate(points):
+        twin = next((one for one in points if one is not point and one.module == point.module), None)
+        if twin is None or not (meant := _meant_module(points, number, [*uncalled], sources)):
+            continue
+        cause = f"The executable {point.name} calls {point.module}, as {twin.name} does, so nothing runs {sources[meant].shown}."
+        fix = f"write '{point.name} = {meant}:{point.function}', and build again"
+        place = at(setup.source.shown, point.line)
+        yield Finding("entry-point-function", cause, place, fix, (point.name,))
+
+
+def _meant_module(
+    points: list[EntryPoint], number: int, uncalled: list[str], sources: Mapping[str, PythonSource]
+) -> str:
+    """Return the module that an entry point should name, beside another one of its module; empty if it may be right.
+
+    It is the file of its own name. Where two call the same function, it may be another one that nothing calls: of the
+    executable whose name is most like that file's, or else of the one that stands last.
+    """
+    point = points[number]
+    able = [name for name in uncalled if _has(sources[name], point.function)]
+    if own := next((name for name in able if name.rpartition(".")[2] == point.name), ""):
+        return own
+    alike = [one for one in points if (one.module, one.function) == (point.module, point.function)]
+    if len(alike) < 2 or len(able) != 1:
+        return ""
+
+    def fit(one: EntryPoint) -> tuple[float, int]:
+        return _likeness(one.name, able[0]) - _likeness(one.name, point.module), points.index(one)
+
+    is_told = max(fit(one)[0] for one in alike) > 0
+    return able[0] if point is (max(alike, key=fit) if is_told else alike[-1]) else ""
+
+
+def _likeness(executable: str, module: str) -> float:
+    """Return how much the name of an executable is like that of a module, from 0 to 1."""
+    return difflib.SequenceMatcher(None, executable, module.rpartition(".")[2]).ratio()
+
+
+def _missing_function(
+    source: PythonSource, sources: Mapping[str, PythonSource], point: EntryPoint, place: str
+) -> Finding:
+    """Return what is to be said of an entry point whose module has not the function that it names."""
+    calls = f"The executable {point.name} calls {point.function}() in {source.shown}, and"
+    homes = [name for name, one in sources.items() if not one.fault and _has(one, point.function)]
+    if (below := _below_guard(source)) is not None:
+        cause = f"{calls} that file runs its code only below `if __name__ == '__main__':`, which `ros2 run` never does."
+        fix = f"write `def {point.function}(args=None):` in place of that line, and at the end of the file that line with `{point.function}()` below it"
+        return Finding("entry-point-function", cause, source.at(below), fix)
+    if inner := _indented(source, point.function):
+        holder, line = inner
+        cause = f"{calls} `def {point.function}` in line {line} is indented, so it belongs to {holder} and not to the module."
+        fix = f"take the blanks before `def {point.function}` and as many before each line below it away"
+        return Finding("entry-point-function", cause, source.at(line), fix)
+    if homes:
+        meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
+        cause = f"{calls} it stands in {', '.join(homes)}."
+        return Finding(
+            "entry-point-function", cause, place, f"write '{point.name} = {meant}:{point.function}'"
+        )
+    define = f"define {point.function}(args=None)"
+    functions = [
+        one.name for one in source.tree.body if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))
+    ]
+    if not functions:
+        what = "there is no such function." if source.text.strip() else "the file is empty."
+        fix = f"{define} in {source.shown}, or write the function's right name in setup.py"
+        return Finding("entry-point-function", f"{calls} {what}", source.at(1), fix)
+    return Finding(
+        "entry-point-function",
+        f"{calls} there is no such function.{did_you_mean(point.function, functions)}",
+        place,
+        f"write the function that is meant in setup.py ({source.shown} has {', '.join(functions)}), or {define} there",
+    )
+
+
+def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own: bool) -> Finding:
+    """Say which module was meant by an entry point whose module is not there."""
+    if meant := _of_its_parts(package, point):
+        return _put_in_order(package, point, meant, place)
+    sources, listed = package.sources, package.packages or ()
+    installed = [n for n in sources if n != package.name and n.rpartition(".")[0] in listed]
+    wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
+    # A file of this name may be installed from another folder; in one that is not, or beside, it has to be moved.
+    same = [name for name in sources if name.rpartition(".")[2] == wanted.stem]
+    known = [name for name in same if name in installed]
+    paths = [package.folder / wanted.name, *(sources[name].path for name in same)]
+    near = like(wanted) or _unnamed(package, wanted)
+    paths += [wanted.parent / near] if near else []
+    lies = None if known else next((path for path in paths if path and path.exists()), None)
+    if lies is not None:
+        shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
+        return Finding(
+            "entry-point-module",
+            f"The executable {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} in its place.",
+            place,
+            f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
+        )
+    return Finding(
+        "entry-point-module",
+        f"The executable {point.name} names the module {point.module}, and "
+        + ("there is no such file." if is_own else "no such package is in this folder.")
+        + did_you_mean(point.module, known or installed),
+        place,
+        f"write '{point.name} = {known[0]}:{point.function or 'main'}', and build again"
+        if len(known) == 1
+        else "write the module as the file is called, or the file as the module is called, and build again",
+    )
+
+
+def _has(source: PythonSource, function: str) -> bool:
+    _ = source.tree
+    if source.fault:
+        return True
+    bound = {
+        node.id for node in source.nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+    }
+    names = set(source.names) | bound
+    return function.partition(".")[0] in names or any(one.local == "*" for one in source.imports)
+
+
+def _indented(source: PythonSource, name: str) -> tuple[str, int] | None:
+    """Return the class or function in which a function of a name stands, and its line; None if none does."""
+    for outer in source.nodes:
+        if isinstance(outer, (ast.ClassDef, ast.FunctionDef)):
+            for node in outer.body:
+                if isinstance(node, ast.FunctionDef) and node.name == name:
+                    kind = "the class" if isinstance(outer, ast.ClassDef) else "the function"
+                    return f"{kind} {outer.name}", node.lineno
+    return None
+
+
+def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
+    name, _, rest = point.text.partition("=")
+    parts = [
+        re.sub(r"\s*=\s*", " = ", one)
+        for one in re.findall(r"[\w-]+\s*=\s*[\w.]+:\w+?(?=[\W_]|$)", point.text)
+    ]
+    if rest.count("=") >= 1:
+        return Finding(
+            "entry-point-comma",
+            f"Two entry points stand in one text: {point.text!r}; each has its own quotes, with a comma between two.",
+            place,
+            f"write {', '.join(map(repr, parts))}"
+            if len(parts) > 1
+            else "put a comma behind each entry point",
+        )
+    if meant := _of_its_parts(package, point):
+        return _put_in_order(package, point, meant, place)
+    if "/" in point.text:
+        why = "has a slash where a dot belongs"
+    elif "(" in point.text:
+        why = "calls the function with parentheses, and only its name belongs there"
+    elif not rest:
+        why = "has no `=` between the executable and the module"
+    elif point.text.count(":") > 1:
+        why = "has two colons"
+    else:
+        why = "is not of the form `name = package.module:function`"
+    module = re.sub(r"[^\w.]", "", rest.replace("/", ".").partition(":")[0]).removesuffix(".py")
+    if not rest:
+        name, _, module = point.text.partition(":")
+        module = module.partition(":")[0].strip()
+    module = module or f"{package.name}.{name.strip()}"
+    written = point.text.rpartition(":")[2] if ":" in point.text else ""
+    return Finding(
+        "entry-point-spec",
+        f"The entry point {point.text!r} {why}.",
+        place,
+        f"write '{name.strip()} = {module}:{meant_function(package, module, written)}'",
+    )
+
+
+def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: str) -> Finding:
+    """Say how an entry point is written whose parts are there; a module with a hyphen in its name is moved first."""
+    module = meant.rpartition(" = ")[2].partition(":")[0]
+    if "-" not in module:
+        cause = f"The parts of the entry point {point.text!r} are not in the order `name = package.module:function`."
+        return Finding("entry-point-spec", cause, place, f"write {meant!r}")
+    shown = package.sources[module].shown
+    folder, _, file = shown.rpartition("/")
+    cause = f"{shown} has a hyphen in its name, and what Python imports has none."
+    written = meant.replace(module, module.replace("-", "_"))
+    moved = f"mv {shown} {folder}/{file.replace('-', '_')}"
+    return Finding("entry-point-spec", cause, place, f"{moved}, and write {written!r}")
+
+
+def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
+    """Return an entry point of parts that are there, a module and its function, in whatever order; empty if they are not."""
+    parts = re.findall(r"[\w.-]+", point.text)
+    for part in parts:
+        modules = (one for one in (part, f"{package.name}.{part}") if one in package.sources)
+        for module in modules:
+            functions = [n.name for n in package.sources[module].tree.body if isinstance(n, ast.FunctionDef)]
+            rest = [one for one in parts if one != part]
+            function = next((one for one in rest if one in functions), "")
+            names = [one for one in rest if one != function and "." not in one]
+            if function and len(names) == 1:
+                return f"{names[0]} = {module}:{function}"
+    return ""
+
+
+def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
+    """Return the function that an entry point is to call: the one that is written, or the only one there is."""
+    if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
+        return name[1]
+    source = package.sources.get(module)
+    functions = [n.name for n in source.tree.body if isinstance(n, ast.FunctionDef)] if source else []
+    return functions[0] if len(functions) == 1 else "main"

@@ -1,0 +1,61 @@
+"""Whether a package is meant for ROS, or only colcon builds it: a Python library, a CMake project."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection
+
+from ros2lab.diagnose.packaging.setup_shapes import like
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import read_text
+
+_OF_THE_INDEX = re.compile(r"\bament_index\b|(?:^|/)package\.xml$")
+
+
+def is_for_ros(package: SourcePackage, started: Collection[str] = ()) -> bool:
+    """Return whether a package has a package.xml, or something that only a package of ROS needs.
+
+    colcon builds a folder with a setup.py alone as a Python package, and one with a CMakeLists.txt as a CMake
+    package: both are right without a package.xml, for who only imports or links them.
+
+    Args:
+        package: the package.
+        started: the names of the packages of which launch files start nodes.
+    """
+    if package.has("package.xml") or renamed_manifest(package) or package.name in started:
+        return True
+    if package.kind == "cmake":
+        return False
+    has_marker = package.has(f"resource/{package.name}")
+    return has_marker or bool(package.launch_files) or _installs_for_ros(package) or _has_program(package)
+
+
+def renamed_manifest(package: SourcePackage) -> str:
+    """Return the file that is a manifest, and is called nearly package.xml; empty if there is none."""
+    name = like(package.folder / "package.xml")
+    return name if name and "<package" in read_text(package.folder / name) else ""
+
+
+def _installs_for_ros(package: SourcePackage) -> bool:
+    """Return whether a package installs something where only ROS looks: a marker, a manifest, executables below lib."""
+    config = package.setup_cfg
+    keys = (("develop", "script_dir"), ("install", "install_scripts"))
+    folders = [config.get(*key, fallback="") for key in keys] if config else []
+    if any(f"lib/{package.name}" in (folder or "") for folder in folders):
+        return True
+    source = package.setup.source if package.setup else None
+    if source is None:
+        return False
+    if source.tree is None or source.fault:
+        return "ament_index" in source.text
+    texts = (node.value for node in source.nodes if isinstance(node, ast.Constant))
+    return any(isinstance(text, str) and _OF_THE_INDEX.search(text) for text in texts)
+
+
+def _has_program(package: SourcePackage) -> bool:
+    """Return whether a file of a package is a node's program: it uses rclpy and has a main()."""
+    return any(
+        "rclpy" in source.names and any(getattr(one, "name", "") == "main" for one in source.tree.body)
+        for source in package.sources.values()
+    )

@@ -1,0 +1,281 @@
+"""What was installed, against the sources and against the environment of a terminal."""
+
+from __future__ import annotations
+
+import configparser
+import filecmp
+import os
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path, PurePosixPath
+
+from ros2lab.diagnose.finding import Finding, shown_path
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+
+# Where ROS looks for the packages of a prefix: a file named for each.
+INDEX = "share/ament_index/resource_index/packages"
+_BUILD = "colcon build --packages-select"
+
+
+def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
+    """Yield how what was installed of a package differs from its sources."""
+    prefix = prefix_of(root, package.name)
+    if prefix is None:
+        links = list(_links(root, package, root / "install" / package.name))
+        if any("another folder" in one.cause for one in links):
+            yield from links
+            return
+        if (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
+            yield Finding(
+                "not-built",
+                f"The package {package.name} is in src and not in install: it was never built, or its build failed.",
+                package.shown(""),
+                f"{_BUILD} {package.name}, and read what it says",
+            )
+        return
+    by_hand = dict(edited(root, package))
+    for shown, copy in by_hand.items():
+        is_since = (root / shown).stat().st_mtime > _built_at(root)
+        save = f"compare the two (diff {shown} {copy}), and write into {shown} what you want to keep"
+        yield Finding(
+            "edited-in-install",
+            f"{copy} was changed by hand after the build, and what is in src differs: the next build writes over it.",
+            str(copy),
+            f"{save if is_since else f'cp {copy} {shown}'}, then {_BUILD} {package.name}, and edit only what is in src",
+        )
+    yield from _links(root, package, prefix)
+    yield from _left_over(root, package, prefix)
+    changed = [shown for shown in _changed_files(prefix, package) if shown not in by_hand]
+    missing = _new_executables(prefix, package)
+    if changed or missing:
+        what = (
+            f"{changed[0]} is new or has changed"
+            if changed
+            else f"the entry point {missing[0]} was added or changed"
+        )
+        yield Finding(
+            "install-stale",
+            f"Since the last build {what}, so what runs is not what you see in src.",
+            changed[0] if changed else package.shown("setup.py"),
+            f"{_BUILD} {package.name} (with --symlink-install, edits of Python files need no new build)",
+            (*(PurePosixPath(shown).name for shown in changed), *missing),
+        )
+
+
+def prefix_of(root: Path, name: str) -> Path | None:
+    """Return the folder into which a package was installed, None if it was not."""
+    prefixes = (root / "install" / name, root / "install")
+    return next((prefix for prefix in prefixes if _is_installed(prefix, name)), None)
+
+
+def _is_installed(prefix: Path, name: str) -> bool:
+    """Return whether ROS or Python knows the package there; a build that failed leaves a share folder, too."""
+    return (prefix / INDEX / name).is_file() or bool(_metadata(prefix, name))
+
+
+def _metadata(prefix: Path, name: str) -> list[Path]:
+    """Return the folders that say what was installed of a package."""
+    return [
+        path
+        for folder in _site_packages(prefix)
+        for version in ("-*", "")  # not those of a package whose name begins so
+        for path in folder.glob(f"{name}{version}.*-info")
+    ]
+
+
+def _linked_metadata(prefix: Path, name: str) -> list[Path]:
+    """Return the same of a package that was built with links; a build that failed may leave it, too."""
+    return [
+        Path(read_text(link).partition("\n")[0]) / f"{name}.egg-info"
+        for folder in _site_packages(prefix)
+        for link in folder.glob("*.egg-link")
+        if link.stem.replace("-", "_") == name
+    ]
+
+
+def _site_packages(prefix: Path) -> list[Path]:
+    return [*prefix.glob("lib/python3*/site-packages"), *prefix.glob("local/lib/python3*/dist-packages")]
+
+
+def changed_sources(prefix: Path, package: SourcePackage) -> Iterator[tuple[PythonSource, Path]]:
+    """Yield the Python files whose text is not what was installed, each with its copy; with links there are none."""
+    for source in package.sources.values():
+        if source.path is None:
+            continue
+        for folder in _site_packages(prefix):
+            top = source.name.partition(".")[0]
+            if not (folder / top).is_dir():
+                continue  # linked, or never installed
+            copy = folder.joinpath(*source.name.split("."))
+            copy = copy / "__init__.py" if source.is_package else copy.with_suffix(".py")
+            try:
+                is_same = filecmp.cmp(copy, source.path, shallow=False)
+            except OSError:
+                # A test folder inside the package, or what setup.py does not list, is not installed on purpose.
+                is_same = copy.parent.is_dir() is False
+            if not is_same:
+                yield source, copy
+
+
+def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
+    """List the files whose text is not what was installed, data files included."""
+    found = [source.shown for source, _ in changed_sources(prefix, package)]
+    setup = package.setup
+    for target, files in setup.data_files if setup and setup.are_data_files_known else ():
+        for file in files:
+            original, copy = package.folder / file, prefix / target / Path(file).name
+            if original.is_file() and not (copy.is_file() and copy.read_bytes() == original.read_bytes()):
+                found.append(package.shown(file))
+    return found
+
+
+def _built_at(root: Path) -> float:
+    """Return when colcon built last, in s since 1970; no time at all if it left no log."""
+    log = root / "log" / "latest_build" / "logger_all.log"
+    return log.stat().st_mtime if log.is_file() else float("inf")
+
+
+def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
+    """List the files of a package whose built or installed copy was changed after the build, each with that copy."""
+    prefix, last = prefix_of(root, package.name), _built_at(root)
+    if prefix is None or package.setup is None:
+        return []
+    pairs = []
+    for source in package.sources.values():
+        inner = Path(*source.name.split("."), *(["__init__"] if source.is_package else [])).with_suffix(".py")
+        folders = [*_site_packages(prefix), root / "build" / package.name / "build" / "lib"]
+        pairs += [(source.shown, source.path, folder / inner) for folder in folders]
+    for target, files in package.setup.data_files:
+        pairs += [(package.shown(f), package.folder / f, prefix / target / Path(f).name) for f in files]
+    return [
+        (shown, copy.relative_to(root) if copy.is_relative_to(root) else copy)
+        for shown, path, copy in pairs
+        if path and path.is_file() and copy.is_file() and copy.stat().st_mtime > last
+        if not filecmp.cmp(path, copy, shallow=False)
+    ]
+
+
+def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
+    """Yield a link of a build with --symlink-install that leads to what is not there, or out of the workspace."""
+    build = root / "build" / package.name
+    links = {path: path.readlink() for base in (prefix, build) for path in _all_links(base)}
+    for folder in _site_packages(prefix):
+        links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
+    real = root.resolve()
+    for path, target in links.items():
+        whole = path.parent / target
+        is_moved = (
+            target.is_absolute() and not target.is_relative_to(root) and not target.is_relative_to(real)
+        )
+        if whole.exists() and not (is_moved and package.name in target.parts):
+            continue
+        why = "the workspace was built in another folder" if is_moved else "that was moved or renamed since"
+        yield Finding(
+            "link-stale",
+            f"{shown_path(path, root)} leads to {target}, and {why}.",
+            shown_path(path, root),
+            f"rm -r {shown_path(build, root)} {shown_path(prefix, root)}, then {_BUILD} {package.name} --symlink-install",
+        )
+        return
+
+
+def _all_links(base: Path) -> list[Path]:
+    return [
+        Path(folder, name)
+        for folder, names, files in os.walk(base)
+        for name in (*names, *files)
+        if Path(folder, name).is_symlink()
+    ]
+
+
+def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
+    """Yield what an earlier build has installed, and setup.py names no more."""
+    setup = package.setup
+    points = setup.entry_points if setup else None
+    lib = prefix / "lib" / package.name
+    names = {point.name for point in points or ()}
+    old = [path for path in lib.glob("*") if path.name not in names and "console_scripts" in read_text(path)]
+    if setup and setup.are_data_files_known:
+        wanted = {prefix / target / Path(file).name for target, files in setup.data_files for file in files}
+        share = prefix / "share" / package.name
+        folders = {path.parent for path in wanted if share in path.parents} - {share} | {share / "launch"}
+        old += [
+            path for f in sorted(folders) for path in f.glob("*.*") if path not in wanted and path.is_file()
+        ]
+    for path in old if points else ():
+        shown = shown_path(path, root)
+        yield Finding(
+            "left-over",
+            f"{shown} is left from an earlier build: setup.py names it no more, and it can still be started.",
+            shown,
+            f"rm {shown}; or name it in setup.py, if it is still wanted, and build again",
+        )
+
+
+def installed_entry_points(prefix: Path, name: str) -> dict[str, str] | None:
+    """Return what each executable of a package was installed as, `module:function`; None if that is not known."""
+    folders = [*_metadata(prefix, name), *_linked_metadata(prefix, name)]
+    files = [file for folder in folders if (file := folder / "entry_points.txt").is_file()]
+    if not files:
+        return None
+    parser = configparser.RawConfigParser(delimiters=("=",))
+    parser.optionxform = str  # type: ignore[assignment, method-assign]
+    try:
+        parser.read_string(files[0].read_text(encoding="utf-8"))
+    except (configparser.Error, OSError, UnicodeDecodeError):
+        return None
+    points = parser["console_scripts"] if parser.has_section("console_scripts") else {}
+    return {name: point.replace(" ", "") for name, point in points.items()}
+
+
+def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
+    """List the entry points of setup.py that the installed metadata does not have, or has otherwise."""
+    points = package.setup.entry_points if package.setup else None
+    installed = installed_entry_points(prefix, package.name)
+    if points is None or installed is None:
+        return []
+    return [
+        point.name
+        for point in points
+        if point.function and installed.get(point.name) != f"{point.module}:{point.function}"
+    ]
+
+
+def environment_faults(root: Path, names: Collection[str], environ: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield what a terminal's environment hides of the workspace's packages.
+
+    Args:
+        root: the workspace.
+        names: its packages.
+        environ: the terminal's variables.
+    """
+    prefixes = [Path(part) for part in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if part]
+    missing = []
+    for name in sorted(names):
+        own = prefix_of(root, name)
+        if own is None or not (own / INDEX / name).is_file():
+            continue  # what has no marker, as a Python library, ROS does not look for
+        on_path = [p for p in prefixes if _is_installed(p, name)]
+        if not any(_same(prefix, own) for prefix in on_path):
+            missing.append(name)
+        elif not _same(on_path[0], own):
+            yield Finding(
+                "overlay-order",
+                f"{on_path[0]} comes before this workspace in AMENT_PREFIX_PATH and has a package {name}, too: "
+                "that one runs.",
+                "",
+                f"open a new terminal, source the other workspace first and {root}/install/setup.bash last",
+            )
+    if missing:
+        is_earlier = any(prefix.is_relative_to(root / "install") for prefix in prefixes)
+        has = f"sourced it before {', '.join(missing)} was built" if is_earlier else "not sourced it"
+        yield Finding(
+            "not-sourced",
+            f"The workspace is built and this terminal has {has}, so ROS does not find {', '.join(missing)}.",
+            "",
+            f"source {root}/install/setup.bash",
+        )
+
+
+def _same(one: Path, other: Path) -> bool:
+    return one == other or os.path.realpath(one) == os.path.realpath(other)

@@ -1,0 +1,137 @@
+"""Where things lie: packages that colcon does not see, builds in the wrong folder, files of somebody else."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.finding import Finding, shown_path
+from ros2lab.diagnose.packaging.installed import edited, prefix_of
+from ros2lab.diagnose.packaging.own_test_faults import own_test_faults
+from ros2lab.diagnose.sources.package import PassedOver, SourcePackage, takes_for_package
+
+_LAYOUT = ".colcon_install_layout"  # what colcon writes into each of its install folders
+
+
+def layout_faults(
+    root: Path, packages: Collection[SourcePackage], passed_over: Collection[PassedOver]
+) -> Iterator[Finding]:
+    """Yield what lies where colcon or ROS does not look for it.
+
+    Args:
+        root: the workspace.
+        packages: those that colcon sees.
+        passed_over: those that it does not see, and why.
+    """
+    seen = {package.name for package in packages}
+    wanted = {name for package in packages for name in _needs(package)}
+    for one in passed_over:
+        # Somebody may have hidden a package on purpose; not one that is needed, or the only one.
+        name = one.package.name
+        is_missed = name not in seen and (not packages or name in wanted or prefix_of(root, name))
+        if is_missed or (one.is_nested and name not in seen):
+            yield hidden(one)
+    if not packages and not passed_over:
+        yield from outside(root)
+    for package in packages:
+        yield from own_test_faults(package)
+    yield from _built_elsewhere(root, packages)
+    yield from _renamed(root, packages, seen | {one.package.name for one in passed_over})
+    yield from _not_writable(root, packages)
+
+
+def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[str]) -> Iterator[Finding]:
+    """Yield a package that is still installed, and that src has under another name: its programs are those of a new one."""
+    for folder in sorted((root / "install").glob("*/lib")):
+        old = folder.parent.name
+        programs = {path.name for path in (folder / old).glob("*") if path.is_file()}
+        for package in packages if old not in names and prefix_of(root, old) else ():
+            now = {point.name for point in (package.setup.entry_points if package.setup else None) or ()}
+            if programs and programs <= now:
+                cause = f"install/{old} is left of a package that src has no more, and `ros2 run {old}` still starts what was built then; now it is called {package.name}."
+                fix = f"rm -r build/{old} install/{old}, and type `ros2 run {package.name} ...`"
+                yield Finding("left-over", cause, f"install/{old}", fix)
+
+
+def _needs(package: SourcePackage) -> set[str]:
+    return {one.name for one in package.manifest.exec_depends} if package.manifest else set()
+
+
+def hidden(one: PassedOver) -> Finding:
+    """Say why colcon does not see a package."""
+    name, folder = one.package.name, one.package.shown("").rstrip("/")
+    by = shown_path(one.by, one.package.root)
+    root = one.package.root
+    if one.is_nested and root and (file := takes_for_package(one.by, root)):
+        where = shown_path(one.by / file, root)
+        return Finding(
+            "package-passed-over",
+            f"colcon takes the folder {one.by} for a package, because of {where}, so it does not look for {name} in it.",
+            where,
+            f"mv {where} {where}.away, and build again",
+        )
+    if one.is_nested:
+        return Finding(
+            "package-passed-over",
+            f"The package {name} lies inside the package {one.by.name}, and colcon does not look into packages.",
+            folder,
+            f"mv {folder} {shown_path(one.by.parent, one.package.root)}/, and build again",
+        )
+    return Finding(
+        "package-passed-over",
+        f"colcon passes over the package {name}, because of the file {by}.",
+        by,
+        f"rm {by}, and build again",
+    )
+
+
+def outside(root: Path, name: str = "") -> Iterator[Finding]:
+    """Yield packages that lie beside a workspace and not in it; only the one of this name, if it is given."""
+    for file in sorted([*root.parent.glob("*/package.xml"), *root.parent.glob("src/*/package.xml")]):
+        package = SourcePackage(file.parent)
+        if root not in (file.parent, *file.parents) and name in ("", package.name):
+            yield Finding(
+                "package-outside",
+                f"The package {package.name} lies in {file.parent}, outside the workspace {root}, so it is not built.",
+                str(file.parent),
+                f"mv {file.parent} {root / 'src'}/, and run colcon build in {root}",
+            )
+
+
+def _built_elsewhere(root: Path, packages: Collection[SourcePackage]) -> Iterator[Finding]:
+    """Yield builds that were made in `src`, in a package, or above the workspace."""
+    folders = {folder for package in packages for folder in (package.folder, *package.folder.parents)}
+    inside = {folder for folder in folders if root in folder.parents}
+    names = [package.name for package in packages]
+    is_above = not (root / "install").is_dir() and any(prefix_of(root.parent, name) for name in names)
+    for folder in sorted(inside | ({root.parent} if is_above else set())):
+        if not (folder / "install" / _LAYOUT).is_file():
+            continue
+        where = shown_path(folder, root)
+        made = [name for name in ("build", "install", "log") if (folder / name / "COLCON_IGNORE").is_file()]
+        own = [name for name in made if name != "log"]
+        is_edited = any(edited(folder, package) for package in packages)
+        remove = f"rm -r {' '.join(f'{where}/{name}' for name in made or own)}, then "
+        yield Finding(
+            "build-elsewhere",
+            f"colcon build was run in {where}, so what it built lies there, and not in {root}/install.",
+            f"{where}/install",
+            f"{'' if is_edited or folder == root.parent else remove}cd {root}, run colcon build there, and source install/setup.bash",
+        )
+
+
+def _not_writable(root: Path, packages: Collection[SourcePackage]) -> Iterator[Finding]:
+    made = [root / name for name in ("build", "install", "log")]
+    inner = [folder / package.name for folder in made for package in packages]
+    for path in [root, *made, *inner, *(package.folder for package in packages)]:
+        if path.exists() and not os.access(path, os.W_OK):
+            owner = path.stat().st_uid
+            whose = "root, as after a build with sudo" if owner == 0 else f"the user {owner}"
+            yield Finding(
+                "not-writable",
+                f"{shown_path(path, root)} belongs to {whose}, so colcon cannot write there.",
+                shown_path(path, root),
+                f'sudo chown -R "$USER" {root}, and build without sudo',
+            )
+            return

@@ -1,0 +1,235 @@
+"""What is wrong with a package.xml."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import re
+import sys
+from collections.abc import Collection, Iterator
+from graphlib import CycleError, TopologicalSorter
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.packaging.for_ros import renamed_manifest
+from ros2lab.diagnose.packaging.setup_shapes import manifest_line
+from ros2lab.diagnose.packaging.xml_repairs import repaired
+from ros2lab.diagnose.sources.interfaces import PACKAGES, meant
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import is_near_miss
+
+BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
+_PYTHON_LINE = "write <export><build_type>ament_python</build_type></export> in package.xml"
+# What rclpy brings along, and what a launch file needs: hardly anybody declares these, and nothing is missed.
+_BROUGHT_ALONG = frozenset(
+    ("rcl_interfaces", "builtin_interfaces", "unique_identifier_msgs", "launch", "launch_ros")
+)
+
+
+def manifest_faults(
+    package: SourcePackage, workspace_names: Collection[str], plain: Collection[str] = ()
+) -> Iterator[Finding]:
+    """Yield what is wrong with a package's package.xml.
+
+    Args:
+        package: a package that is meant for ROS.
+        workspace_names: of the packages of its workspace.
+        plain: of those that are not for ROS: a package.xml may declare them, and need not.
+    """
+    shown = package.shown("package.xml")
+    if not package.has("package.xml") and (other := renamed_manifest(package)):
+        yield Finding(
+            "manifest-invalid",
+            f"The manifest is called {other}, and must be called package.xml: colcon does not take this for a ROS package.",
+            package.shown(other),
+            f"mv {package.shown(other)} {shown}",
+        )
+        return
+    if not package.has("package.xml"):
+        yield no_manifest(package)
+        return
+    if package.manifest_fault:
+        fix = "fix what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)"
+        line, right = repaired(read_text(package.folder / "package.xml")) or (package.manifest_line, "")
+        if version := re.search(r'version "([\d.]+)"', package.manifest_fault):
+            parts = [*filter(None, version[1].split(".")), "0", "0"][:3]
+            line, right = manifest_line(package, version[1]), f"write `<version>{'.'.join(parts)}</version>`"
+        yield Finding(
+            "manifest-invalid",
+            f"package.xml is not valid, so colcon does not take this for a ROS package: {package.manifest_fault}",
+            at(shown, line),
+            right or fix,
+        )
+        return
+    yield from _build_type_faults(package, shown)
+    yield from _dependency_faults(package, shown, workspace_names, plain)
+
+
+def no_manifest(package: SourcePackage) -> Finding:
+    """Say that a package that is meant for ROS has no package.xml."""
+    return Finding(
+        "manifest-invalid",
+        f"The package {package.name} has no package.xml, so colcon and ROS do not take it for a ROS package.",
+        package.shown("package.xml"),
+        "write a package.xml beside setup.py; `ros2 pkg create --build-type ament_python` makes one",
+    )
+
+
+def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
+    """Yield packages that depend on each other, or one on itself: colcon finds no order to build them in."""
+    needs = {package.name: [one.name for one in _needed(package)] for package in packages}
+    try:
+        TopologicalSorter(needs).prepare()
+    except CycleError as error:
+        circle: list[str] = error.args[1]  # each is needed by the next one
+        edges = [*itertools.pairwise(circle)]
+        by_name = {package.name: package for package in packages}
+        wanted, user = next((edge for edge in edges if not _uses(by_name[edge[1]], edge[0])), edges[0])
+        package = by_name[user]
+        yield Finding(
+            "dependency-circle",
+            f"colcon finds no package to build first, because each of these needs the next: {' -> '.join(circle[::-1])}.",
+            at(package.shown("package.xml"), manifest_line(package, wanted)),
+            f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
+            if not _uses(package, wanted)
+            else f"move what {user} uses of {wanted} into a package of its own, on which both depend, and remove this dependency",
+        )
+
+
+def _uses(package: SourcePackage, other: str) -> bool:
+    """Return whether a file of a package names another package."""
+    texts = [source.text for source in package.sources.values()]
+    texts += [read_text(path) for path in package.launch_files]
+    return any(re.search(rf"\b{re.escape(other)}\b", text) for text in texts)
+
+
+def _needed(package: SourcePackage) -> list[Any]:
+    manifest = package.manifest
+    kinds = ("buildtool_depends", "build_depends", "build_export_depends", "exec_depends", "test_depends")
+    return [one for kind in kinds for one in getattr(manifest, kind, ())]
+
+
+def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
+    kind, has_cmake = package.build_type, package.has("CMakeLists.txt")
+    if not package.has("setup.py") and not package.has("CMakeLists.txt") and kind == "ament_python":
+        yield Finding(
+            "setup-missing",
+            f"The package {package.name} is an ament_python package and has no setup.py, which says what is installed.",
+            package.shown("setup.py"),
+            f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, and copy setup.py, "
+            f"setup.cfg and resource from there beside package.xml; put the executables into its entry_points",
+        )
+    if kind is None and not has_cmake:
+        yield Finding(
+            "build-type-missing",
+            "package.xml has no <build_type>, so colcon takes this for an old catkin package and wants a CMakeLists.txt.",
+            shown,
+            _PYTHON_LINE,
+        )
+    elif kind is not None and kind not in BUILD_TYPES:
+        yield Finding(
+            "build-type-unknown",
+            f"package.xml gives the build type {kind!r}, which colcon does not know, so it builds nothing.",
+            at(shown, manifest_line(package, kind or "build_type")),
+            _PYTHON_LINE,
+        )
+    elif kind in ("ament_cmake", "cmake", "catkin") and not has_cmake:
+        yield Finding(
+            "build-type-cmake",
+            f"package.xml gives the build type {kind}, which needs a CMakeLists.txt, and this is a Python package.",
+            at(shown, manifest_line(package, "build_type")),
+            _PYTHON_LINE,
+        )
+    elif kind == "ament_cmake" and not package.has("setup.py") and (file := _python_alone(package)):
+        name = package.name
+        needs = dict.fromkeys(one.name for one in package.manifest.exec_depends) if package.manifest else {}
+        create = f"ros2 pkg create {name} --build-type ament_python"
+        create += f" --dependencies {' '.join(needs)}" if needs else ""
+        folder = package.shown("").rstrip("/")
+        yield Finding(
+            "build-type-cmake",
+            f"{name} is a CMake package, as `ros2 pkg create` makes it without --build-type ament_python, and {file} in it is Python.",
+            at(shown, manifest_line(package, "build_type")),
+            f"touch {folder}/COLCON_IGNORE, then mv {folder} {folder}_old, then cd {folder.rpartition('/')[0] or '.'} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
+        )
+
+
+def _python_alone(package: SourcePackage) -> str:
+    """Return a node's file of a CMake package that has nothing to compile, and does not install it; empty if there is none."""
+    compiled = [
+        path
+        for ending in ("cpp", "c", "cc", "msg", "srv", "action")
+        for path in package.folder.rglob(f"*.{ending}")
+    ]
+    folders = (
+        package.folder / "src",
+        package.folder / "scripts",
+        package.folder / package.name,
+        package.folder,
+    )
+    files = [path for folder in folders for path in sorted(folder.glob("*.py"))]
+    if (
+        compiled
+        or not files
+        or ".py" in read_text(package.folder / "CMakeLists.txt").replace("CMakeLists", "")
+    ):
+        return ""
+    is_told = "ament_python" in read_text(package.folder / "CMakeLists.txt")
+    return "" if is_told else files[0].relative_to(package.folder).as_posix()
+
+
+def _dependency_faults(
+    package: SourcePackage, shown: str, workspace_names: Collection[str], plain: Collection[str]
+) -> Iterator[Finding]:
+    manifest = package.manifest
+    runtime = [*manifest.build_depends, *manifest.exec_depends, *manifest.build_export_depends]
+    declared = [
+        *dict.fromkeys(one.name for one in [*runtime, *manifest.test_depends, *manifest.buildtool_depends])
+    ]
+    known = PACKAGES | set(workspace_names)
+    for name in declared:
+        place = at(shown, manifest_line(package, name))
+        if name in known:
+            continue
+        if name in sys.stdlib_module_names:
+            yield Finding(
+                "dependency-not-ros",
+                f"package.xml declares {name}, which is a part of Python and no package, so rosdep cannot find it.",
+                place,
+                f"remove the line with {name}",
+                (name,),
+            )
+        elif wanted := next((one for one in sorted(known) if is_near_miss(name, one)), None):
+            yield Finding(
+                "dependency-unknown",
+                f"package.xml declares {name}, and there is no such package; the name is {wanted}.",
+                place,
+                f"write {wanted} in place of {name}",
+                (name,),
+            )
+    yield from _undeclared(package, set(declared), known - {*plain})
+
+
+def _undeclared(package: SourcePackage, declared: set[str], known: Collection[str]) -> Iterator[Finding]:
+    told: set[str] = set()
+    for source in package.sources.values():
+        if re.search(r"(^|/)tests?/", source.shown):
+            continue
+        for one in source.imports:
+            name = one.target.partition(".")[0]
+            if name in told | declared | _BROUGHT_ALONG or name == package.name or one.is_guarded:
+                continue
+            is_interface = name.endswith(("_msgs", "_srvs", "_interfaces")) and name not in package.sources
+            if name in known or (is_interface and not meant(name)):
+                told.add(name)
+                if difflib.get_close_matches(name, [d for d in declared if d not in known], n=1, cutoff=0.85):
+                    continue  # it is declared, and misspelt; that is told already
+                yield Finding(
+                    "dependency-undeclared",
+                    f"{source.shown} imports {name}, and package.xml does not declare it: on another machine "
+                    "it may be missing, and colcon may build in the wrong order.",
+                    source.at(one.line),
+                    f"add <depend>{name}</depend> to package.xml",
+                    (name,),
+                )

@@ -1,0 +1,138 @@
+"""What keeps the tests of a package from being run."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import lru_cache
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, read_text
+
+_FIXTURE = re.compile(
+    r"^ {,4}@(?:pytest\.)?fixture\b.*\n(?: *@.*\n)* *def (\w+)",
+    re.MULTILINE,  # as pytest's own sources write one
+)
+
+
+def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
+    """Yield files that pytest does not look into, tests that colcon does not give to pytest, and missing fixtures."""
+    paths = [path for name in ("test", "tests") for path in sorted((package.folder / name).glob("*.py"))]
+    sources = [package.read(path, path.stem) for path in paths]
+    looked_into = [
+        source for source in sources if source.name.startswith("test_") or source.name.endswith("_test")
+    ]
+    for source in sources:
+        if source in looked_into:
+            yield from _called_otherwise(source)
+        elif source.name != "conftest":
+            yield from _not_looked_into(source)
+    tests = [
+        (source, function)
+        for source in looked_into
+        for function in source.tree.body
+        if isinstance(function, ast.FunctionDef) and function.name.startswith("test")
+    ]
+    if tests:
+        yield from _not_given_to_pytest(package, *tests[0])
+    texts = " ".join(source.text for source in sources)
+    if not [*package.folder.glob("conftest.py")] and not re.search(r"pytest_plugins|import \*", texts):
+        own = {function.name for source in sources for function in _fixtures(source)}
+        for source, function in tests:
+            yield from _without_fixture(source, function, own)
+
+
+def _not_looked_into(source: PythonSource) -> Iterator[Finding]:
+    tests = _checks(source)
+    if tests:
+        new = f"test_{source.name.removesuffix('_tests').removesuffix('_checks')}.py"
+        cause = f"pytest looks only into files called test_*.py, so {tests[0]}() in {source.name}.py is never run."
+        others = [name for name in tests if not name.startswith("test")]
+        more = (
+            f", and let the names of its functions begin with test_ ({', '.join(others)})" if others else ""
+        )
+        fix = f"mv {source.shown} {source.shown.rpartition('/')[0]}/{new}{more}"
+        yield Finding("never-called", cause, source.shown, fix)
+
+
+def _checks(source: PythonSource) -> list[str]:
+    """Return the functions of a file that are tests by their names, or that assert something."""
+    functions = [n for n in source.nodes if isinstance(n, ast.FunctionDef)]
+    return [
+        one.name
+        for one in functions
+        if one.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(one))
+    ]
+
+
+def _called_otherwise(source: PythonSource) -> Iterator[Finding]:
+    """Yield functions that assert something and that pytest passes over, in a file in which it finds no test."""
+    names = _checks(source)
+    if names and not any(name.startswith("test") for name in names):
+        cause = f"pytest calls only functions called test_..., so {names[0]}() is never run."
+        yield Finding(
+            "never-called",
+            cause,
+            source.shown,
+            f"write test_{names[0].removeprefix('check_')} in place of {names[0]}",
+        )
+
+
+def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Function) -> Iterator[Finding]:
+    """Yield that setup.py does not name pytest: then colcon takes unittest, which finds no function of pytest's."""
+    setup = package.setup
+    if setup is None or "pytest" in setup.source.text + read_text(package.folder / "setup.cfg"):
+        return
+    cause = f"setup.py does not name pytest, so `colcon test` takes unittest, which does not find {test.name}() in {source.shown}."
+    above = next(
+        (name for name in ("install_requires", "packages", *setup.lines) if name in setup.lines), None
+    )
+    if above is None:  # all stands in setup.cfg
+        fix = "write [options.extras_require] at the end of setup.cfg, and test = pytest below that; then build again"
+        yield Finding("tests-not-run", cause, package.shown("setup.cfg"), fix)
+        return
+    fix = f"write extras_require={{'test': ['pytest']}}, as a line of its own above {above}=..., and build again"
+    yield Finding("tests-not-run", cause, at(setup.source.shown, setup.line(above)), fix)
+
+
+def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str]) -> Iterator[Finding]:
+    """Yield what a test asks for in its parentheses and nobody makes."""
+    marks = [ast.unparse(one) for one in test.decorator_list]
+    if not all(mark.startswith("pytest.mark.") for mark in marks):
+        return
+    named = set(re.findall(r"\w+", " ".join(mark for mark in marks if "parametrize" in mark)))
+    functions = [one for one in source.tree.body if isinstance(one, ast.FunctionDef)]
+    for name in (one.arg for one in test.args.args):
+        if name in own | named | _built_in():
+            continue
+        same = next((one for one in functions if one.name == name), None)
+        makes = next((one for one in functions if one.name.endswith(f"_{name}") and not one.args.args), None)
+        if same:
+            fix = f"write @pytest.fixture above `def {name}` in line {same.lineno}, and import pytest at the top"
+        elif makes:
+            fix = f"write `def {test.name}():`, and {name} = {makes.name}() as its first line"
+        else:
+            fix = f"write above it: @pytest.fixture, and below that a function {name}() that returns what the test needs; import pytest at the top"
+        cause = (
+            f"pytest gives {test.name}() what a fixture called {name} returns, and there is no such fixture."
+        )
+        yield Finding("test-fixture", cause, source.at(test), fix)
+
+
+def _fixtures(source: PythonSource) -> Iterator[Function]:
+    for node in source.nodes:
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and any(
+            "fixture" in ast.unparse(one) for one in node.decorator_list
+        ):
+            yield node
+
+
+@lru_cache(maxsize=1)
+def _built_in() -> frozenset[str]:
+    """Return the names of the fixtures that pytest itself has, read from its sources."""
+    folder = interfaces.folder_of("_pytest")
+    texts = (read_text(path) for path in (folder.glob("*.py") if folder else ()))
+    return frozenset({"request", *(name for text in texts for name in _FIXTURE.findall(text))})

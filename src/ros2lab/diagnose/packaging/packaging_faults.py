@@ -1,0 +1,315 @@
+"""What is wrong with a package's setup.py, its setup.cfg, and the files that they name."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
+from ros2lab.diagnose.code.imports import undefined_names
+from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
+from ros2lab.diagnose.packaging.installed import INDEX
+from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text, read_toml
+from ros2lab.diagnose.sources.setup_cfg import read_cfg
+from ros2lab.diagnose.sources.setup_script import SetupScript
+from ros2lab.diagnose.sources.spelling import is_near_miss
+
+
+def packaging_faults(
+    package: SourcePackage, *, is_for_ros: bool = True, is_as_meant: bool = False
+) -> Iterator[Finding]:
+    """Yield what is wrong with how a Python package is put together.
+
+    Args:
+        package: the package.
+        is_for_ros: whether ROS has to find it and its executables, too.
+        is_as_meant: whether what is given under a wrong name is taken as it was meant, once that name is told.
+    """
+    setup = package.setup
+    if setup is None or (package.kind == "cmake" and not is_for_ros):
+        return
+    if setup.source.tree is not None and setup.source.fault:
+        yield syntax_finding("setup-syntax", setup.source)
+        return
+    yield from _undefined(setup)
+    yield from path_faults(setup.source)
+    yield from comma_faults(setup.source, "setup-syntax")
+    if not setup.is_called:
+        yield Finding(
+            "setup-missing",
+            "setup.py never calls setup(), so nothing is installed.",
+            setup.source.shown,
+            "call setup(...) from setuptools",
+        )
+        return
+    yield from keys_twice(setup.source)
+    yield from _taken_over(package, setup)
+    yield from shape_faults(package, setup, is_for_ros=is_for_ros)
+    if is_as_meant:
+        package, setup = as_meant(package, setup)
+    yield from _package_faults(package, setup)
+    yield from _missing_files(package, setup)
+    yield from _cfg_form(package)
+    if is_for_ros:
+        yield from _places_for_ros(package, setup)
+    if is_for_ros and package.build_type in (None, "ament_python"):
+        yield from _cfg_faults(package)
+    yield from entry_point_faults(package, setup)
+
+
+def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    """Yield a pyproject.toml with a table [project], beside which setuptools takes no executable from setup.py."""
+    text = read_text(package.folder / "pyproject.toml")
+    table = read_toml(text).get("project")
+    if not isinstance(table, dict) or "entry_points" not in setup.lines:
+        return
+    if not {*table, *table.get("dynamic", ())} & {"scripts", "entry-points"}:
+        number = next(n for n, line in enumerate(text.splitlines(), 1) if "project" in line)
+        yield Finding(
+            "entry-points-missing",
+            "pyproject.toml has a table [project], so setuptools does not take the entry points of setup.py, and installs no executable.",
+            at(package.shown("pyproject.toml"), number),
+            f"rm {package.shown('pyproject.toml')}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]",
+        )
+
+
+def _undefined(setup: SetupScript) -> Iterator[Finding]:
+    lines = {
+        "os": "import os",
+        "glob": "from glob import glob",
+        "find_packages": "from setuptools import find_packages",
+    }
+    for name, node in undefined_names(setup.source):
+        is_import = name in lines or name in sys.stdlib_module_names or name == "setup"
+        line = lines.get(name, "from setuptools import setup" if name == "setup" else f"import {name}")
+        yield Finding(
+            "setup-import" if is_import else "name-undefined-in-setup",
+            f"setup.py uses {name} and never imports or defines it.",
+            setup.source.at(node),
+            f"write `{line}` at the top of setup.py"
+            if is_import
+            else f"define {name} above this line, or fix its spelling",
+        )
+
+
+def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    names = package.packages
+    if names is None or setup.keywords.get("py_modules"):
+        return
+    place = at(setup.source.shown, setup.line("packages"))
+    for name in names:
+        if _folder_of(package, name).is_dir():
+            continue
+        if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
+            line = setup.line("package_dir") or _line_with(setup.source, "package_dir", 1)
+            yield Finding(
+                "package-folder-missing",
+                f"package_dir lets setup.py look for {name} in another folder, and it lies beside setup.py.",
+                at(setup.source.shown, line),
+                "take the line with package_dir away",
+            )
+            continue
+        if name != package.name and package.name in names:
+            left = [one for one in names if _folder_of(package, one).is_dir()]
+            cause = (
+                f"setup.py installs the Python package {name}, and there is no folder {name} beside setup.py."
+            )
+            yield Finding("package-folder-missing", cause, place, f"write packages={left!r}")
+            continue
+        beside = [path.name for path in package.folder.glob("*.py") if path.name != "setup.py"]
+        yield Finding(
+            "package-folder-missing",
+            f"setup.py installs the Python package {name}, and there is no folder {name} beside setup.py"
+            + (f" ({', '.join(sorted(beside))} lie there directly)." if beside else "."),
+            place,
+            f"make the folder {name} in {package.shown('')}, with an empty __init__.py, and put the nodes into it",
+        )
+    for name in dict.fromkeys(_needed_packages(package, setup)):
+        if name in names:
+            continue
+        folder = _folder_of(package, name).relative_to(package.folder).as_posix()
+        # With its name written out, setuptools installs a folder without __init__.py, too.
+        if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
+            yield Finding(
+                "init-file-missing",
+                f"The folder {folder} has no __init__.py, so find_packages() passes it over and nothing of it is installed.",
+                package.shown(f"{folder}/__init__.py"),
+                f"touch {package.shown(folder)}/__init__.py, and build again",
+            )
+        else:
+            yield Finding(
+                "package-not-listed",
+                f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
+                place,
+                f"write {name!r} into the list of packages in setup.py"
+                if names
+                else f"write packages={[name]!r} in place of what stands there",
+            )
+
+
+def _needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
+    """Yield the Python packages whose modules lie there: the one that all have, and those that entry points and imports name."""
+    inner = package.folder / package.name
+    if inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
+        yield package.name
+    modules = [point.module for point in setup.entry_points or ()]
+    for source in package.sources.values():
+        for one in source.imports:
+            modules.append(one.target.rpartition(".")[0] if one.is_from else one.target)
+    for named in modules:
+        name, _, module = named.rpartition(".")
+        folder = _folder_of(package, name)
+        if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
+            yield name
+
+
+def _folder_of(package: SourcePackage, name: str) -> Path:
+    mapping = package.package_dirs
+    if name in mapping:
+        return package.folder / mapping[name]
+    top, _, rest = name.partition(".")
+    base = package.folder / mapping[top] if top in mapping else package.folder / mapping.get("", "") / top
+    return base.joinpath(*rest.split(".")) if rest else base
+
+
+def _missing_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    for file in (file for _, files in setup.data_files for file in files):
+        if not (package.folder / file).exists() and not like(
+            package.folder / file
+        ):  # that is told of its shape
+            yield _missing_file(package, setup, file)
+
+
+def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    """Yield what is not installed where ROS looks for it."""
+    place = at(setup.source.shown, setup.line("data_files"))
+    if not setup.are_data_files_known:
+        return
+    if not any(target == INDEX for target, _ in setup.data_files):
+        yield Finding(
+            "marker-not-installed",
+            "setup.py does not install the marker by which ROS finds the package; colcon does it for you with a warning.",
+            place,
+            f"add ('{INDEX}', ['resource/{package.name}']) to data_files",
+        )
+    installed = {file for _, files in setup.data_files for file in files}
+    # By its name `ros2 launch` finds the one that is installed, and not its copy.
+    found = {Path(file).name for file in installed}
+    for path in package.likely_files:
+        relative = path.relative_to(package.folder).as_posix()
+        folder = "launch" if path in package.launch_files else relative.partition("/")[0]
+        share = f"share/{package.name}"
+        target = next((target for target, files in setup.data_files if relative in files), "")
+        if target and not target.startswith("/") and not f"{target}/".startswith(f"{share}/"):
+            written, line = setup.written(target)
+            yield Finding(
+                "installed-elsewhere",
+                f"{relative} is installed into {target}, and ROS looks for it in {share}.",
+                at(setup.source.shown, line),
+                f"write '{share}/{folder}' in place of {written}, and build again",
+                (path.name,),
+            )
+        is_copy = path in package.launch_files and path.name in found
+        if relative not in installed and not is_copy:
+            yield _left_out(package, setup, path, folder)
+
+
+def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Finding:
+    """Say that a file is to be installed and is not there."""
+    is_marker = file == f"resource/{package.name}"
+    # The package's own name stands on other lines, too.
+    word = "resource/" if is_marker else file.rpartition("/")[2]
+    line = _line_with(setup.source, word, setup.line("data_files")) or setup.line("data_files")
+    place = at(setup.source.shown, line)
+    if is_marker:
+        cause = f"The file {file}, by which ROS knows the package, is missing; it is empty and easily lost."
+        return Finding("marker-missing", cause, place, f"touch {package.shown('resource')}/{package.name}")
+    cause = f"setup.py installs {file}, and there is no such file."
+    fix = f"make the file, or take {file} out of data_files"
+    return Finding("data-file-missing", cause, place, fix, (file.rpartition("/")[2],))
+
+
+def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
+    """Say that a file is not installed: by a pattern with a slip in it, or by no line at all."""
+    relative, meant = path.relative_to(package.folder).as_posix(), f"*{''.join(path.suffixes)}"
+    for pattern in _patterns(setup.source):
+        # In other capitals it is the file that is called wrongly.
+        if pattern.lower() != meant.lower() and is_near_miss(pattern, meant):
+            cause = f"The pattern {pattern!r} in setup.py takes no file, and {relative} is called otherwise: it is not installed."
+            place = at(setup.source.shown, _line_with(setup.source, pattern, 1))
+            fix = f"write {meant!r} in place of {pattern!r}, and build again"
+            return Finding("not-in-data-files", cause, place, fix, (path.name,))
+    patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
+    only = f" (which takes {' and '.join(patterns)})" if patterns else ""
+    return Finding(
+        "not-in-data-files",
+        f"{relative} is not in data_files of setup.py{only}, so it is not installed and cannot be found.",
+        at(setup.source.shown, setup.line("data_files")),
+        f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
+        (path.name,),
+    )
+
+
+def _patterns(source: PythonSource) -> Iterator[str]:
+    """Yield the last part of each text with a star."""
+    for node in source.nodes:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and "*" in node.value:
+            yield node.value.rpartition("/")[2]
+
+
+def _line_with(source: PythonSource, word: str, start: int | None) -> int | None:
+    lines = source.text.splitlines()
+    return next((n for n in range(start or 1, len(lines) + 1) if word in lines[n - 1]), None)
+
+
+def _cfg_form(package: SourcePackage) -> Iterator[Finding]:
+    _, fault = read_cfg(read_text(package.folder / "setup.cfg"))
+    if fault is not None:
+        cause = f"setup.cfg {fault.said}, so setuptools stops."
+        yield Finding("setup-value", cause, at(package.shown("setup.cfg"), fault.line), fault.fix)
+
+
+def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
+    shown = package.shown("setup.cfg")
+    wanted = f"lib/{package.name}"
+    fix = f"write in setup.cfg: [develop] script_dir=$base/{wanted} and [install] install_scripts=$base/{wanted}"
+    lost = "the executables go to bin, where `ros2 run` does not look"
+    config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
+    if fault is not None:
+        return  # it is told of its form
+    if not package.has("setup.cfg"):
+        yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, fix)
+        return
+    for section, key in (("develop", "script_dir"), ("install", "install_scripts")):
+        dashed = key.replace("_", "-")
+        value = config.get(section, key, fallback=None)
+        if value is None and config.has_option(section, dashed):
+            yield Finding(
+                "setup-cfg-dashes",
+                f"setup.cfg writes {dashed}, and setuptools wants {key} with an underscore.",
+                at(shown, _cfg_line(package, dashed)),
+                f"write {key} in place of {dashed}",
+            )
+        elif value is None and section == "install":
+            yield Finding(
+                "setup-cfg-missing", f"setup.cfg has no {key} in [{section}], so {lost}.", shown, fix
+            )
+        elif value is not None and not value.strip().rstrip("/").endswith(wanted):
+            yield Finding(
+                "setup-cfg-missing",
+                f"setup.cfg installs the executables in {value.strip()}, and `ros2 run` looks in {wanted}.",
+                at(shown, _cfg_line(package, key)),
+                fix,
+            )
+
+
+def _cfg_line(package: SourcePackage, key: str) -> int | None:
+    lines = read_text(package.folder / "setup.cfg").splitlines()
+    return next((number for number, line in enumerate(lines, 1) if line.strip().startswith(key)), None)

@@ -1,0 +1,264 @@
+"""The shapes of what setup() is given: names that it does not know, and values of another form than it wants."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.packaging import setup_child
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.setup_script import SetupScript
+from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.static_value import UNKNOWN, is_known
+
+_LONGEST = 60.0  # s that setuptools may take on a busy machine; it takes less than one
+_VERSION = re.compile(r"\d+(?:\.\d+)*")
+
+# What earlier releases of setuptools took, and what colcon or pytest may still read.
+_FORMER = frozenset(
+    ("tests_require", "test_suite", "test_loader", "use_2to3", "convert_2to3_doctests", "features")
+)
+# What has rules of its own here, or is what `ros2 pkg create` writes: setuptools need not be asked.
+_TOLD = frozenset(("name", "packages", "data_files", "entry_points", "console_scripts", "gui_scripts"))
+_TEXTS = frozenset(
+    ("maintainer", "maintainer_email", "author", "author_email", "description", "license", "url")
+)
+_AS_CREATED: dict[str, Any] = {
+    "version": "0.0.0",
+    "install_requires": ["setuptools"],
+    "zip_safe": True,
+    "extras_require": {"test": ["pytest"]},
+    "tests_require": ["pytest"],
+}
+
+
+def shape_faults(package: SourcePackage, setup: SetupScript, *, is_for_ros: bool) -> Iterator[Finding]:
+    """Yield what setup() is given in another form than it takes, or than ROS needs."""
+    if is_for_ros:
+        yield from _names(package, setup)
+    yield from _keywords(setup)
+    yield from _entry_points(setup)
+    yield from _data_files(package, setup)
+    packages = setup.keywords.get("packages")
+    if isinstance(packages, str):
+        yield _value(
+            setup,
+            "packages",
+            f"packages is the text {packages!r}, and must be a list",
+            f"write packages=[{packages!r}]",
+        )
+
+
+def _value(setup: SetupScript, keyword: str, cause: str, fix: str) -> Finding:
+    place = at(setup.source.shown, setup.line(keyword))
+    return Finding("setup-value", f"In setup.py, {cause}.", place, fix, (keyword,))
+
+
+def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    name = setup.keywords.get("name")
+    given = package.manifest.name if package.manifest else ""
+    if "-" in package.name:
+        better = package.name.replace("-", "_")
+        yield Finding(
+            "package-name",
+            f"The name {package.name} has a hyphen, and a Python package's name may have none; ROS writes an underscore.",
+            package.shown(""),
+            f"make the package anew with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and as the names of the folders",
+        )
+    elif isinstance(name, str) and given and name.replace("-", "_") != given:
+        if (package.folder / name).is_dir() and not (package.folder / given).is_dir():
+            yield Finding(
+                "package-name",
+                f"package.xml gives the package the name {given}, and its folder and setup.py call it {name}: colcon goes by package.xml.",
+                at(package.shown("package.xml"), manifest_line(package, given)),
+                f"write <name>{name}</name> in package.xml, then rm -r build install, and build again",
+                (name,),
+            )
+            return
+        lines = setup.source.text.splitlines()
+        line = next((n for n, text in enumerate(lines, 1) if name in text), setup.line("name"))
+        yield Finding(
+            "package-name",
+            f"setup.py gives the package the name {name}, and package.xml calls it {given}.",
+            at(setup.source.shown, line),
+            f"write {given} in place of {name}",
+        )
+
+
+def _keywords(setup: SetupScript) -> Iterator[Finding]:
+    asked = _asked(setup)
+    for keyword in _GROUPS:
+        if line := setup.lines.get(keyword):
+            cause = f"In setup.py, {keyword} stands beside entry_points in setup(), and belongs into it."
+            fix = f"write entry_points={{'{keyword}': [...]}}, with the list as it is"
+            yield Finding("setup-value", cause, at(setup.source.shown, line), fix)
+    for keyword, (said, better) in _refused(repr(asked)).items() if asked else ():
+        if said:
+            # What is about the value itself, and not about a line of setuptools, helps.
+            is_clear = keyword in said or repr(asked[keyword]) in said
+            why = f": {said.partition(chr(10))[0].rstrip('.:')}" if is_clear else ""
+            cause = f"setuptools refuses {keyword}={asked[keyword]!r}{why}"
+            new = _AS_CREATED.get(keyword) if better is None else better
+            yield _value(setup, keyword, cause, f"write {keyword}={new!r}" if new else f"take {keyword} away")
+        elif keyword not in _FORMER:
+            wanted = nearest(keyword, better, 0.6)
+            cause = f"setup() knows no {keyword}, and passes over what it is given there"
+            fix = f"write {wanted} in place of {keyword}" if wanted else f"take {keyword} away"
+            yield _value(setup, keyword, cause, fix)
+
+
+_GROUPS = ("console_scripts", "gui_scripts")
+
+
+def _asked(setup: SetupScript) -> dict[str, Any]:
+    """Return what setup() is given that setuptools is asked about."""
+    given = {keyword: setup.keywords.get(keyword) for keyword in setup.lines if keyword not in _GROUPS}
+    return {key: value for key, value in given.items() if not _is_usual(key, value) and is_known(value)}
+
+
+def as_meant(package: SourcePackage, setup: SetupScript) -> tuple[SourcePackage, SetupScript]:
+    """Return a package whose setup() is given under the right name what it is given under one that is not known."""
+    asked = _asked(setup)
+    refused = _refused(repr(asked)) if asked else {}
+    known = {
+        key: nearest(key, better, 0.6)
+        for key, (said, better) in refused.items()
+        if not said and key not in _FORMER
+    }
+    names = {keyword: name for keyword, name in known.items() if name and name not in setup.keywords}
+    keywords = {name: setup.keywords[keyword] for keyword, name in names.items()}
+    lines = {name: setup.lines[keyword] for keyword, name in names.items()}
+    groups = {group: setup.keywords[group] for group in _GROUPS if group in setup.lines}
+    if groups and "entry_points" not in setup.keywords:
+        keywords["entry_points"], lines["entry_points"] = groups, min(setup.lines[group] for group in groups)
+    if not keywords:
+        return package, setup
+    meant = SourcePackage(package.folder, package.root)
+    meant.setup = replace(setup, keywords=setup.keywords | keywords, lines=setup.lines | lines)
+    return meant, meant.setup
+
+
+def _is_usual(keyword: str, value: Any) -> bool:
+    """Return whether a value is known to be taken, or told of elsewhere."""
+    is_text = isinstance(value, str) and (
+        keyword in _TEXTS or (keyword == "version" and _VERSION.fullmatch(value))
+    )
+    return keyword in _TOLD or bool(is_text) or value == _AS_CREATED.get(keyword, UNKNOWN)
+
+
+@functools.lru_cache(maxsize=64)
+def _refused(given: str) -> Mapping[str, tuple[str, Any]]:
+    """Return what setuptools says of the values that it refuses; see `setup_child.refusals`."""
+    try:
+        said = subprocess.run(
+            [
+                sys.executable,
+                "-I",
+                setup_child.__file__,
+            ],  # nothing of the student's stands for what it imports
+            input=given,
+            capture_output=True,
+            text=True,
+            timeout=_LONGEST,
+            check=True,
+        ).stdout
+        refused: Mapping[str, tuple[str, Any]] = ast.literal_eval(said)
+    except (OSError, ValueError, SyntaxError, subprocess.SubprocessError):
+        return {}
+    return refused
+
+
+def _entry_points(setup: SetupScript) -> Iterator[Finding]:
+    value = setup.keywords.get("entry_points")
+    if isinstance(value, (list, tuple)):
+        cause = "entry_points is a list, and must be a dict that holds it under 'console_scripts'"
+        yield _value(
+            setup,
+            "entry_points",
+            cause,
+            "write entry_points={'console_scripts': [...]}, with the list as it is",
+        )
+    scripts = value.get("console_scripts") if isinstance(value, dict) else None
+    if isinstance(scripts, dict):
+        name, target = next(iter(scripts.items()), ("talk", "my_package.talk:main"))
+        cause = "'console_scripts' holds a dict, and must be a list of texts"
+        yield _value(setup, "entry_points", cause, f"write 'console_scripts': ['{name} = {target}']")
+
+
+def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    value = setup.keywords.get("data_files")
+    if isinstance(value, dict):
+        cause = "data_files is a dict, and must be a list of pairs of a folder and its files"
+        yield _value(setup, "data_files", cause, f"write data_files={[*value.items()]!r}")
+    given = [n.value for n in setup.source.nodes if isinstance(n, ast.keyword) and n.arg == "data_files"]
+    items = given[0].elts if given and isinstance(given[0], ast.List) else []
+    lists = {number for number, item in enumerate(items) if isinstance(item, ast.List)}
+    for number, entry in enumerate(value) if isinstance(value, (list, tuple)) else ():
+        match entry:
+            case [str() as target, str() as file] if "/" in target or target == "share":
+                cause = f"the files for {target} are the text {file!r}, and must be a list"
+                yield _value(setup, "data_files", cause, f"write brackets around it: [{file!r}]")
+            case str():
+                cause = f"data_files holds the text {entry!r} where a pair of a folder and a list of files belongs"
+                yield _value(
+                    setup, "data_files", cause, f"write (os.path.join('share', package_name), [{entry!r}])"
+                )
+            case [str(), [*files]]:
+                yield from _files(package, setup, files)
+                if number in lists:
+                    cause = f"the folder {entry[0]} and its files stand in [ ], and colcon wants each such pair in ( )"
+                    yield _value(
+                        setup,
+                        "data_files",
+                        cause,
+                        f"write ( in place of the [ before {entry[0]!r}, and ) in place of its ]",
+                    )
+
+
+def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iterator[Finding]:
+    for file in (one for one in files if isinstance(one, str) and one):
+        path = package.folder / file
+        if path.is_dir():
+            cause = f"data_files names the folder {file}, and only files can be installed"
+            yield _value(
+                setup,
+                "data_files",
+                cause,
+                f"write glob('{file.rstrip('/')}/*') in place of ['{file}'], with `from glob import glob` at the top",
+            )
+        elif not path.exists() and (close := like(path)):
+            shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
+            yield Finding(
+                "data-file-missing",
+                f"setup.py installs {file}, and there is no such file; there is {close}.",
+                at(setup.source.shown, setup.line("data_files")),
+                f"mv {shown} {wanted}",
+            )
+
+
+def like(path: Any) -> str:
+    """Return the name of a file that lies where another one is looked for, and is called nearly so; empty if none does."""
+    there = [one.name for one in path.parent.iterdir() if one.is_file()] if path.parent.is_dir() else []
+    stem = path.name.partition(".")[0].lower()
+    plain = stem.replace("_", "").replace("-", "")
+    same = [
+        name for name in there if name.partition(".")[0].lower().replace("_", "").replace("-", "") == plain
+    ]
+    same = [name for name in same if name != path.name and not name.endswith((".pyc", ".md"))]
+    return same[0] if same else ""
+
+
+def manifest_line(package: SourcePackage, word: str) -> int | None:
+    """Return the line of a package.xml in which a word is a tag, or what stands in one."""
+    lines = read_text(package.folder / "package.xml").splitlines()
+    pattern = rf">\s*{re.escape(word)}\s*<|<{re.escape(word)}\b"
+    return next((number for number, line in enumerate(lines, 1) if re.search(pattern, line)), None)

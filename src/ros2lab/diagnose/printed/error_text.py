@@ -1,0 +1,368 @@
+"""What a failed command has printed, taken apart: which errors, of which kind, and where."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import BinaryIO
+
+from ros2lab.build_text import first_error
+from ros2lab.diagnose.printed.transcript import (
+    LABELLED,
+    OF_LATER,
+    WARNING,
+    Step,
+    harmless_lines,
+    is_telling,
+    prompt_in,
+    says_well,
+    steps_of,
+)
+
+_MOST_QUOTED = 30  # lines of one command
+MOST_READ = 100_000  # characters of what was printed
+
+# What a tool, launch or a logger puts before what it says.
+PREFIX = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E|fatal)?(?::[\w.]+)?:? ?")
+_ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\r")
+_FRAME = re.compile(r'^\s*File "(?P<file>[^"]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?')
+_CELL_FRAME = re.compile(
+    r"^(?:File (?P<file>\S+?):(?P<line>\d+)|Cell In\s*\[(?P<cell>\d+)\], line (?P<cell_line>\d+))"
+)
+_EXCEPTION = re.compile(
+    r"^(?:E +| - )?(?P<kind>(?:[A-Za-z_]\w*\.)*[A-Za-z_]\w*(?:Error|Exception|Interrupt|Exit))(?::\s?(?P<message>.*))?$"
+)
+# Some are called otherwise, such as StopIteration: what follows the places of a traceback is one.
+_OTHER_EXCEPTION = re.compile(r"(?P<kind>[A-Za-z_][\w.]*)(?::\s(?P<message>.*))?$")
+# What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
+_OF_COURSE = re.compile(
+    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|\S+\.xml: \d+ tests?, |Set parameter successful|Failed to publish log message to rosout|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
+)
+# What a program of the student's says itself; a finding may be led to by it, but no tool has said it.
+_OWN_LOG = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)[\w./]+\]: ")
+_IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$")
+_OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: |$)| +\S|- ")
+_PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
+_NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
+# A program that is ended from outside says so by these, and nothing is wrong.
+_ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
+_INTERRUPTED = re.compile(r"^\^C|user interrupted with ctrl-c")
+_WRAPPED = re.compile(r"Invalid(?:Frontend)?LaunchFileError$")  # launch says why in the line above
+_COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
+_INSTALLED = re.compile(
+    r"/(?:site|dist)-packages/(?!.*/)|^<(?:frozen|string)|/\.?venv/|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
+)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One line of a traceback that says where; the innermost one is the last.
+
+    Attributes:
+        part: what of the line failed, as Python marks it below; empty if it marks nothing.
+        text: the line itself, where it was printed.
+    """
+
+    file: str
+    line: int
+    part: str = ""
+    text: str = ""
+
+    @property
+    def is_in(self) -> str:
+        """The file's name with its folder's, by which a file and its installed copy are the same."""
+        return "/".join(PurePath(self.file).parts[-2:])
+
+
+@dataclass(frozen=True)
+class ErrorReport:
+    """One error.
+
+    Attributes:
+        kind: the exception's class, without its module; empty for what is no exception.
+        message: what it says.
+        frames: where, the innermost last.
+    """
+
+    kind: str
+    message: str
+    frames: tuple[Frame, ...] = ()
+
+    @property
+    def line(self) -> str:
+        """The line that decides."""
+        return f"{self.kind}: {self.message}".removesuffix(": ") if self.kind else self.message
+
+
+@dataclass(frozen=True)
+class ErrorText:
+    """Everything that a text tells.
+
+    Attributes:
+        text: the text, without colours.
+        reports: its exceptions, those of the first traceback first.
+        decisive: the line that says best what went wrong; empty if the text is.
+        steps: the commands behind prompts, in their order, each with what it has printed.
+        is_clear: whether that line says by its words that something went wrong.
+        command: the last `ros2 run` or `ros2 launch` in it, as (verb, package, executable or file).
+    """
+
+    text: str
+    reports: tuple[ErrorReport, ...]
+    decisive: str
+    is_clear: bool
+    command: tuple[str, str, str] | None
+    steps: tuple[Step, ...] = ()
+
+    @property
+    def typed(self) -> tuple[str, ...]:
+        """The commands, in their order."""
+        return tuple(step.command for step in self.steps if step.command)
+
+    @property
+    def frames(self) -> tuple[Frame, ...]:
+        """All places that its exceptions name."""
+        return tuple(frame for report in self.reports for frame in report.frames)
+
+
+def read_printed(stream: BinaryIO) -> str:
+    """Return what a command has printed, of however much only the beginning and the end."""
+    begin, end = stream.read(MOST_READ), b""
+    while part := stream.read(MOST_READ):
+        end = (end + part)[-MOST_READ:]
+    return (begin + end).decode(errors="replace")
+
+
+def commands_with_output(text: str) -> list[tuple[str, list[str]]]:
+    """Return each command that was typed behind a prompt, with the lines printed up to the next prompt."""
+    steps = steps_of(_with_whole_quotes(_ESCAPES.sub("", text[-MOST_READ:]).splitlines()))
+    return [(step.command, [*step.lines]) for step in steps if step.command]
+
+
+_TRIED = re.compile(r"when trying to load file of format \[\w+\]:$")
+
+
+def read_error(text: str) -> ErrorText:
+    """Take an error's text apart; of a very long one the beginning and the end."""
+    if len(text) > MOST_READ:
+        text = f"{text[: MOST_READ // 2]}\n{text[-MOST_READ // 2 :]}"
+    lines = _with_whole_quotes(_ESCAPES.sub("", text).splitlines())
+    commands = [match for line in lines if (match := _COMMAND.search(line))]
+    last = commands[-1] if commands else None
+    steps = steps_of(lines)
+    lines = _of_its_own_format([line for step in steps for line in step.lines])
+    lines = _of_one_process_each(_before_ctrl_c(lines))
+    reports: list[ErrorReport] = []
+    said: list[str] = []  # what stands in no traceback of a program that was only ended
+    start = 0
+    for end, report in _reports(lines):
+        if report.kind not in _ENDED:
+            said += lines[start:end]
+            reports.append(report)
+        else:
+            headers = [n for n in range(start, end) if lines[n].startswith("Traceback")]
+            said += lines[start : headers[0]] if headers else []
+        start = end
+    said = _without_messages([*said, *lines[start:]])
+    # colcon's own traceback follows the one of the setup.py that it has run.
+    # What Python only warns of comes before what ended the program.
+    reports.sort(
+        key=lambda report: (
+            not _WRAPPED.match(report.kind),
+            not report.kind.endswith("Warning"),
+            bool(own_frames(report.frames)),
+        )
+    )
+    harmless = harmless_lines(steps)
+    judged = [line for line in said if line not in harmless]
+    decisive, is_clear = (reports[-1].line, True) if reports else _decisive(judged)
+    return ErrorText(
+        "\n".join(said),
+        tuple(reports),
+        decisive,
+        is_clear,
+        (last["verb"], last["package"], last["what"]) if last else None,
+        tuple(steps),
+    )
+
+
+def _without_messages(lines: Sequence[str]) -> list[str]:
+    """Leave out the messages that `ros2 topic echo` shows, each in YAML above three hyphens: what they say is no error.
+
+    colcon ends with three hyphens, too, what a package printed; that began with them.
+    """
+    found: list[str] = []
+    is_of_colcon = False
+    for line in lines:
+        if line.strip() != "---" or is_of_colcon:
+            is_of_colcon = line.startswith("--- ") or (is_of_colcon and line.strip() != "---")
+            found.append(line)
+            continue
+        while found and _OF_MESSAGE.match(found[-1]):
+            found.pop()
+    return found
+
+
+def _of_its_own_format(lines: Sequence[str]) -> list[str]:
+    """Leave out why launch could not read a file in other formats than its own, which it tries after that."""
+    found: list[str] = []
+    tried = -1  # the reasons that are left; negative where none are listed
+    for line in lines:
+        tried = 0 if _TRIED.search(line) else tried + 1 if tried >= 0 and line.startswith(" - ") else -1
+        if tried < 2:
+            found.append(line)
+    return found
+
+
+def _with_whole_quotes(lines: Sequence[str]) -> list[str]:
+    """Put the lines of a command together whose quote is closed in a later line; a shell shows `> ` before these."""
+    found: list[str] = []
+    left, shown = list(lines), prompt_in(lines)
+    while left:
+        line = left.pop(0)
+        prompt = shown.match(line)
+        quote = re.search(
+            r"^[^'\"]*(?:'[^']*'[^'\"]*|\"[^\"]*\"[^'\"]*)*(['\"])[^'\"]*$",
+            line[prompt.end() :] if prompt else "",
+        )
+        end = next((n for n, one in enumerate(left[:_MOST_QUOTED]) if quote and quote[1] in one), None)
+        if end is not None and not any(shown.match(one) for one in left[: end + 1]):
+            line = "\n".join([line, *(one.removeprefix("> ") for one in left[: end + 1])])
+            del left[: end + 1]
+        found.append(line)
+    return found
+
+
+def _before_ctrl_c(lines: list[str]) -> list[str]:
+    """Return what was printed before Ctrl-C, if that says already what went wrong; else everything but the ^C."""
+    end = next((n for n, line in enumerate(lines) if _INTERRUPTED.search(line)), len(lines))
+    before, lines = lines[:end], [line.removeprefix("^C") for line in lines]
+    return before if _decisive(before)[1] or any(_reports(before)) else lines
+
+
+def _of_one_process_each(lines: Sequence[str]) -> list[str]:
+    """Put together what each process of a launch has printed, without its name."""
+    parts: dict[str, list[str]] = {}
+    for line in lines:
+        process = _PROCESS.match(line)
+        parts.setdefault(process[0] if process else "", []).append(line[process.end() if process else 0 :])
+    return [line for part in parts.values() for line in part]
+
+
+def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
+    """Yield each exception, with the line behind it."""
+    frames: list[Frame] = []
+    is_traceback = False
+    package = ""
+    for number, line in enumerate(lines):
+        is_pytests = line.startswith("E  ")
+        line = line.removeprefix("E  ").lstrip() if is_pytests else line  # noqa: PLW2901 -- pytest's mark
+        frame = _frame(line, lines[number + 1 : number + 3], package, frames)
+        exception = _EXCEPTION.match(line) or (is_traceback and _OTHER_EXCEPTION.match(line))
+        if line.startswith("Traceback (most recent call last)"):
+            frames, is_traceback = [], True
+        elif line.startswith("Starting >>> "):
+            package = line.split()[2]
+        elif (
+            (warned := WARNING.match(line))
+            and not (warned["indent"] or OF_LATER.search(warned["kind"]))
+            and own_frames([spot := Frame(warned["file"], int(warned["line"]))])
+        ):
+            yield number + 1, ErrorReport(warned["kind"], warned["message"], (spot,))
+        elif frame:
+            frames.append(frame)
+        elif exception:
+            kind = exception["kind"].rpartition(".")[2]
+            message = _whole_message(exception["message"] or "", lines[number + 1 :])
+            frames = frames or _named_places(message, lines[number + 1 : number + 4] if is_pytests else ())
+            yield number + 1, ErrorReport(kind, message, tuple(frames))
+            frames, is_traceback = [], False
+
+
+def _frame(line: str, below: Sequence[str], package: str, before: Sequence[Frame]) -> Frame | None:
+    """Return the place that a line of a traceback names, as Python, pytest or IPython writes it; None if it is none."""
+    if frame := _FRAME.match(line) or _PYTEST_FRAME.match(line):
+        # colcon runs a setup.py from a text.
+        is_setup = frame["file"] == "<string>" and before and before[-1].file.endswith("/core.py")
+        file = f"{package}/setup.py" if is_setup else frame["file"]
+        text = below[0].strip() if below and below[0].startswith("    ") else ""
+        return Frame(file, int(frame["line"]), _marked(below), text)
+    if cell := _CELL_FRAME.match(line):
+        is_file = cell["file"] is not None
+        name = cell["file"] if is_file else f"cell {cell['cell']}"
+        return Frame(name, int(cell["line"] if is_file else cell["cell_line"]))
+    return None
+
+
+def _named_places(message: str, below: Sequence[str]) -> list[Frame]:
+    """Return where an exception without a traceback came, as the lines below or its own words say it."""
+    places = [match for one in below if (match := _PYTEST_PLACE.match(one))]
+    named = places or [match for match in [_NAMED.search(message)] if match]
+    return [Frame(one["file"], int(one["line"])) for one in named]
+
+
+# How pytest names a line: before the code, or below it in its long form.
+_PYTEST_FRAME = re.compile(r"(?P<file>\S+\.py):(?P<line>\d+): (?:in \S+)?$")
+_PYTEST_PLACE = re.compile(r"(?P<file>\S+\.py):(?P<line>\d+): \w+$")
+
+
+def _marked(lines: Sequence[str]) -> str:
+    """Return what of a line of code the line below it marks, as in `    ~~~~^^^`."""
+    match lines:
+        case [code, marks] if re.fullmatch(r" +[~^]+", marks):
+            return code[len(marks) - len(marks.lstrip()) : len(marks)]
+    return ""
+
+
+def _whole_message(first: str, rest: Sequence[str]) -> str:
+    """Join a message that goes on in the next lines, as rclpy's do."""
+    message = [first.strip()]
+    for line in rest[:3]:
+        is_next = line.startswith((" ", "\t", "Traceback", "[", "---", "File ", "$")) or _EXCEPTION.match(
+            line
+        )
+        if not line.strip() or is_next or not first.rstrip().endswith((":", ",", "")):
+            break
+        if not first.rstrip().endswith((":", ".", ",")) and len(message) == 1 and not line[0].islower():
+            break
+        message.append(line.strip())
+    return " ".join(part for part in message if part)
+
+
+def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
+    """Return the line that says best what went wrong, and whether it does so by its words: a warning does not."""
+    lines = [line for line in lines if not (_OF_COURSE.match(line) or _OWN_LOG.match(line))]
+    lines = [line for line in lines if not says_well(line)]
+    telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # so pytest marks it
+    telling = telling or next(
+        (
+            line
+            for line in lines
+            if is_telling(line) and not line.startswith("Failed ") and not LABELLED.match(line)
+        ),
+        None,
+    )
+    if telling is not None:
+        return telling.strip(), True
+    if warning := next((line for line in lines if LABELLED.match(line)), None):
+        return warning.strip(), False
+    return first_error([line for line in lines if not _IN_ORDER.match(line)]) or "", False
+
+
+def own_frames(frames: Sequence[Frame]) -> list[Frame]:
+    """Return the frames outside Python and the installed packages, the innermost first."""
+    return [
+        frame
+        for frame in reversed(frames)
+        if not _INSTALLED.search(frame.file) and not _is_foreign(frame.file)
+    ]
+
+
+def _is_foreign(file: str) -> bool:
+    parts = PurePath(file).parts
+    if "site-packages" not in parts and "dist-packages" not in parts:
+        return "ros2lab" in parts and "src" in parts
+    # In the installed copy of a workspace, the student's files lie below site-packages, too.
+    return "install" not in parts or ".venv" in parts

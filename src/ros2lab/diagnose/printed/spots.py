@@ -1,0 +1,133 @@
+"""Places in a student's files, as texts and as what stands there."""
+
+from __future__ import annotations
+
+import ast
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ros2lab.diagnose.finding import shown_path
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import Frame
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_source, read_text
+from ros2lab.diagnose.sources.static_value import expression
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A line of the student's at which an error came.
+
+    Attributes:
+        source: the file; None if it cannot be read.
+        line: the line.
+        is_innermost: whether the error came in this line itself, and not in what a library did for it.
+        part: what of the line failed, as Python marks it.
+    """
+
+    source: PythonSource | None
+    line: int
+    is_innermost: bool = True
+    part: str = ""
+
+    @property
+    def marked(self) -> ast.AST | None:
+        """The expression that Python marks in the line; None if it marks none, or the whole line."""
+        part = expression(self.part) if self.part else None
+        wanted = ast.unparse(part) if part else ""
+        return next((n for n in self.nodes if isinstance(n, ast.expr) and ast.unparse(n) == wanted), None)
+
+    @property
+    def nodes(self) -> list[ast.AST]:
+        """What stands in the line."""
+        nodes = self.source.nodes if self.source else ()
+        return [node for node in nodes if getattr(node, "lineno", 0) == self.line]
+
+    @property
+    def text(self) -> str:
+        """The line itself."""
+        lines = self.source.text.splitlines() if self.source else []
+        return lines[self.line - 1].strip() if 0 < self.line <= len(lines) else ""
+
+    @property
+    def function(self) -> Function | None:
+        """The innermost function around the line."""
+        around = [
+            node
+            for node in (self.source.nodes if self.source else ())
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+            and node.lineno <= self.line <= (node.end_lineno or 0)
+        ]
+        return max(around, key=lambda node: node.lineno, default=None)
+
+    @property
+    def lines(self) -> range:
+        """The lines of the statement that stands there; of an `if` or a `def`, those before its body."""
+        best = range(self.line, self.line + 1)
+        for node in self.source.nodes if self.source else ():
+            if isinstance(node, ast.stmt) and node.lineno <= self.line <= (node.end_lineno or 0):
+                body = getattr(node, "body", None)
+                end = body[0].lineno if body else (node.end_lineno or 0) + 1
+                if self.line < end:
+                    best = range(node.lineno, end)
+        return best
+
+    def assigned(self, text: str) -> list[ast.expr]:
+        """Return what the file assigns to a name, or to an attribute such as `self.count`."""
+        nodes = self.source.nodes if self.source else ()
+        assignments = (node for node in nodes if isinstance(node, ast.Assign))
+        return [one.value for one in assignments if text in map(ast.unparse, one.targets)]
+
+    def holds(self, name: str) -> list[str]:
+        """Return the expressions of the line in front of `.name`, of the shortest first."""
+        found = [ast.unparse(n.value) for n in self.nodes if isinstance(n, ast.Attribute) and n.attr == name]
+        return sorted(found, key=len)
+
+
+def spot_at(place: str, look: Look | None) -> Spot:
+    """Return what stands at a place such as `src/pk/pk/talk.py:12`; nothing if that names no line of a file."""
+    file, _, line = place.rpartition(":")
+    path = (look.root if look else Path()) / file
+    is_known = line.isdigit() and path.is_file()
+    return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
+
+
+def statement_around(place: str, look: Look) -> list[str]:
+    """Return the places of all lines of the statement at a place; of the file, if that names no line."""
+    if not place.rpartition(":")[2].isdigit():
+        return [f"{place}:{n}" for n, _ in enumerate(read_text(look.root / place).splitlines(), 1)]
+    spot = spot_at(place, look)
+    return [f"{spot.source.shown}:{line}" for line in spot.lines] if spot.source else []
+
+
+def is_setup(place: str) -> bool:
+    """Return whether a place is in a setup.py."""
+    return re.search(r"setup\.py(:|$)", place) is not None
+
+
+def place_of(frames: list[Frame], look: Look | None) -> str:
+    """Return the innermost place; of an installed copy, that of the student's own file."""
+    if not frames:
+        return ""
+    file = frames[0].file
+    for package in look.packages if look else ():
+        for source in [*package.sources.values(), *([package.setup.source] if package.setup else [])]:
+            if file == source.shown or file.endswith(f"/{'/'.join(Path(source.shown).parts[2:])}"):
+                return f"{source.shown}:{frames[0].line}"
+        if (package.folder / file).is_file() and not Path(file).is_absolute():
+            return f"{package.shown(file)}:{frames[0].line}"  # pytest names a test from the package on
+    return f"{shown_path(Path(file), look.root if look else None)}:{frames[0].line}"
+
+
+def kind_in_words(name: str) -> str:
+    """Return one of Python's types in words."""
+    words = {"str": "a text", "int": "an integer", "float": "a number", "NoneType": "None", "list": "a list"}
+    words |= {
+        "dict": "a dict",
+        "sequence": "a text",
+        "tuple": "a tuple",
+        "bool": "True or False",
+        "method": "a method",
+        "type": "a class",
+    }
+    return words.get(name, f"a {name}")

@@ -1,0 +1,379 @@
+"""What `ros2 run` calls, what that reaches, and which node is spun there, how long and by what."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NODE_CLASSES, NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+
+SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
+_CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
+# By what a program may last or wait that spins nothing itself.
+_WAITING = frozenset(("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep"))
+_MOST_FUNCTIONS = 500
+_SHORT_REST = 0.2  # s; after a shorter one a node is still as quick as its timers
+
+
+@dataclass(frozen=True)
+class Call:
+    """A call that a program reaches.
+
+    Attributes:
+        name: what is called, as far as it is known, such as `rclpy.spin`.
+        function: in which it stands.
+        is_repeated: whether it stands in a loop.
+    """
+
+    source: PythonSource
+    call: ast.Call
+    name: str
+    function: Function
+    is_repeated: bool
+
+    @property
+    def short(self) -> str:
+        """Its last name."""
+        return self.name.rpartition(".")[2]
+
+    @property
+    def is_lasting(self) -> bool:
+        """Whether it spins until Ctrl-C."""
+        return self.name == "rclpy.spin" or self.name.endswith("executor.spin")
+
+
+class Entrance:
+    """A function that an executable calls, and everything that runs because of it in the package's own files.
+
+    Attributes:
+        calls: every call that is reached.
+        functions: every function that is reached.
+        node: the first call that makes a node; None if none does.
+        may_do_more: whether something is handed over to code that is not the package's own, which may spin.
+    """
+
+    def __init__(self, sources: NodeSources, name: str) -> None:
+        self.sources = sources
+        self.source, self.function = sources.functions[name]
+        self.calls: list[Call] = []
+        self.functions: list[Function] = []
+        self.may_do_more = False
+        self._seen: set[int] = set()
+        self._follow(self.source, self.function)
+        self.node = next((one for one in self.calls if self.makes_node(one)), None)
+        self.spins = [one for one in self.calls if "spin" in one.short]
+        self.has_loop = any(isinstance(node, ast.While) for one in self.functions for node in walk(one))
+
+    def makes_node(self, one: Call) -> bool:
+        """Return whether a call makes a node."""
+        is_class = (
+            one.name in self.sources.classes and self.sources.lineage(self.sources.classes[one.name])[1]
+        )
+        return is_class or one.name in NODE_CLASSES or one.name == "rclpy.create_node"
+
+    def _follow(self, source: PythonSource, function: Function) -> None:
+        if id(function) in self._seen or len(self._seen) > _MOST_FUNCTIONS:
+            return
+        self._seen.add(id(function))
+        self.functions.append(function)
+        loops = [node for node in walk(function) if isinstance(node, (ast.While, ast.For, ast.AsyncFor))]
+        repeated = {id(inner) for loop in loops for inner in walk(loop)}
+        for node in walk(function):
+            if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Load):
+                self._follow_name(self.sources.resolve(source, node) or "")
+            if isinstance(node, ast.Call):
+                name = self.sources.resolve(source, node.func) or dotted(node.func) or ""
+                name = name or str(getattr(node.func, "attr", ""))
+                self.calls.append(Call(source, node, name, function, id(node) in repeated))
+                self.may_do_more |= self._is_handed_on(source, name, function)
+
+    def _follow_name(self, name: str) -> None:
+        # A function or a class that is only named may be called by whoever is given it.
+        if name in self.sources.functions:
+            self._follow(*self.sources.functions[name])
+        elif name in self.sources.classes:
+            for inner in self.sources.lineage(self.sources.classes[name])[0]:
+                for method in inner.methods.values():
+                    self._follow(inner.source, method)
+
+    def _is_handed_on(self, source: PythonSource, name: str, function: Function) -> bool:
+        if "import_module" in name or name in ("exec", "eval", "runpy.run_module"):
+            return True
+        top = name.partition(".")[0]
+        imported = {one.target.partition(".")[0] for one in source.imports}
+        is_foreign = top in imported and top not in {"rclpy", *sys.stdlib_module_names}
+        is_own = name in self.sources.functions or name in self.sources.classes
+        is_interface = name.endswith(("msg", "srv")) or ".msg." in name or ".srv." in name
+        return is_foreign and not is_own and not is_interface and function.name == "main"
+
+
+def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
+    """Yield what is wrong between a program's first line and its end."""
+    if entrance.node is None:
+        yield from _left_aside(entrance)
+        return
+    yield from _init(entrance)
+    for one in entrance.calls:
+        if one.name in ("rclpy.init", "rclpy.create_node") and _is_behind_with(one.call, one.function):
+            yield Finding(
+                "context-manager",
+                f"In ROS 2 Jazzy {one.name}() cannot stand behind `with`; later releases allow it.",
+                one.source.at(one.call),
+                "call it on a line of its own, and rclpy.try_shutdown() at the end of main",
+            )
+    if any(one.short in _CALLED_BACK for one in entrance.calls):
+        yield from _spin(entrance)
+
+
+def _left_aside(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a function that makes a node in the file of an entrance which does not reach it, nor does anything else."""
+    source = entrance.source
+    named = {getattr(node, "id", getattr(node, "attr", "")) for node in source.nodes}
+    for name, (home, function) in entrance.sources.functions.items():
+        if home is not source or entrance.may_do_more or function.name in named:
+            continue
+        if Entrance(entrance.sources, name).node is not None:
+            cause = f"{entrance.function.name}() is what `ros2 run` calls, and it never reaches {function.name}(), which makes the node."
+            fix = f"write `{function.name}()` as the last line of {entrance.function.name}()"
+            yield Finding("never-made", cause, source.at(entrance.function), fix)
+
+
+def _init(entrance: Entrance) -> Iterator[Finding]:
+    inits = [one for one in entrance.calls if one.name == "rclpy.init"]
+    node = entrance.node
+    assert node is not None
+    if not entrance.may_do_more and not any(one.short == "init" for one in entrance.calls):
+        yield Finding(
+            "rclpy-init-missing",
+            "A node is made, and rclpy.init() is called nowhere before it.",
+            node.source.at(node.call),
+            f"write rclpy.init(args=args) as the first line of {entrance.function.name}",
+        )
+    sure = [
+        one
+        for one in inits
+        if not _is_guarded(one.call, one.function)
+        and not any(keyword.arg == "context" for keyword in one.call.keywords)
+    ]
+    if len(sure) > 1 and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
+        yield Finding(
+            "rclpy-init-twice",
+            "rclpy.init() is called twice in one program, and only the first one is right.",
+            sure[-1].source.at(sure[-1].call),
+            "remove one of the two; it belongs into main",
+        )
+
+
+def _spin(entrance: Entrance) -> Iterator[Finding]:
+    """Yield why no callback is called, or only one, or only those of some of the nodes."""
+    node, name = entrance.node, entrance.function.name
+    assert node is not None
+    waits = entrance.may_do_more or any(one.short in _WAITING for one in entrance.calls)
+    if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance):
+        yield Finding(
+            "spin-missing",
+            f"{name} makes a node and never spins it, so the program ends at once and no callback is called.",
+            node.source.at(node.call),
+            "write rclpy.spin(node) after the node is made",
+        )
+    if not waits:
+        yield from _one_turn(entrance)
+    if not entrance.spins and not entrance.may_do_more and not _names_spin(entrance):
+        yield from _unspun_loop(entrance)
+    yield from _rests(entrance)
+    yield from _idle_executor(entrance)
+    yield from _left_out(entrance)
+    for inner, later in _in_a_row(entrance):
+        yield Finding(
+            "spin-missing",
+            "A spin goes on until Ctrl-C, so a second one behind it is not reached, and no callback of its node is called.",
+            inner.at(later),
+            "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
+        )
+
+
+def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a loop of one's own that sleeps where it could spin."""
+    node = entrance.node
+    assert node is not None
+    if any(one.short in _WAITING - {"sleep", "wait"} for one in entrance.calls):
+        return
+    for one in entrance.calls:
+        # In the node's own methods, a loop is told of as what keeps its callbacks waiting.
+        if (
+            one.name != "time.sleep"
+            or not one.is_repeated
+            or one.function is not node.function
+            or not one.call.args
+        ):
+            continue
+        kept = [
+            n.targets[0]
+            for n in own_nodes(node.function)
+            if isinstance(n, ast.Assign) and n.value is node.call
+        ]
+        name, length = ast.unparse(kept[0]) if kept else "node", ast.unparse(one.call.args[0])
+        yield Finding(
+            "spin-missing",
+            f"This loop sleeps and spins nothing, so no callback of {name} is ever called.",
+            one.source.at(one.call),
+            f"write rclpy.spin_once({name}, timeout_sec={length}) in place of {ast.unparse(one.call)}",
+        )
+
+
+def _one_turn(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a program that spins once and ends."""
+    name = entrance.function.name
+    once = [one for one in entrance.spins if one.short == "spin_once" and _is_the_only_turn(entrance, one)]
+    if once and len(once) == len(entrance.spins):
+        given = ast.unparse(once[-1].call.args[0]) if once[-1].call.args else "node"
+        cause = (
+            f"spin_once() calls one callback at most, and {name} calls it in no loop: then the program ends."
+        )
+        fix = f"write rclpy.spin({given}) in place of {ast.unparse(once[-1].call)}"
+        yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
+
+
+def _rests(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a loop that spins once a round and sleeps: what comes in the meantime waits, a round for each."""
+    turns = [one for one in entrance.calls if one.name == "rclpy.spin_once" and one.is_repeated]
+    for turn in turns:
+        for one in entrance.calls:
+            length = entrance.sources.value(one.source, one.call.args[0]) if one.call.args else None
+            is_sleep = one.name == "time.sleep" and one.is_repeated and one.function is turn.function
+            if is_sleep and isinstance(length, (int, float)) and length >= _SHORT_REST:
+                given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
+                yield Finding(
+                    "callback-waits",
+                    f"spin_once() calls one callback, and then this loop sleeps {length:g} s: callbacks are called that seldom, and their messages pile up.",
+                    one.source.at(one.call),
+                    f"write rclpy.spin({given}) in place of the loop, and let a timer do what it does besides",
+                )
+
+
+def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
+    """Yield an executor that is spun and was given no node."""
+    shorts = {one.short for one in entrance.calls}
+    made = [
+        one
+        for one in entrance.calls
+        if one.name.startswith("rclpy.executors.") and one.short.endswith("Executor")
+    ]
+    of_executor = [one for one in entrance.spins if one.name != "rclpy.spin" and one.is_lasting]
+    if (
+        made
+        and of_executor
+        and not {"add_node", "spin_once"} & shorts
+        and len(of_executor) == len(entrance.spins)
+    ):
+        spin = of_executor[0]
+        whole = ast.unparse(spin.call.func).removesuffix(".spin")
+        cause = (
+            f"`{ast.unparse(spin.call)}` spins an executor that was given no node, so no callback is called."
+        )
+        yield Finding(
+            "spin-missing",
+            cause,
+            spin.source.at(spin.call),
+            f"write `{whole}.add_node(node)` above this line",
+        )
+
+
+def _is_the_only_turn(entrance: Entrance, one: Call) -> bool:
+    """Return whether a program turns once and is done: it neither comes back, nor asks what the turn has brought."""
+    node = ast.unparse(one.call.args[0]) if one.call.args else ""
+    asked = {
+        n.attr
+        for n in own_nodes(one.function)
+        if isinstance(n, ast.Attribute) and ast.unparse(n.value) == node and n.lineno > one.call.lineno
+    }
+    is_own = one.function is entrance.function and one.call in own_nodes(one.function)
+    return is_own and not one.is_repeated and asked <= {"destroy_node"}
+
+
+def _left_out(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a node that is made and given to nothing, beside another one that is spun."""
+    spun = [one for one in entrance.spins if one.name == "rclpy.spin" and one.call.args]
+    for one in spun:
+        for node in own_nodes(one.function):
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=made)):
+                    pass
+                case _:
+                    continue
+            owner = entrance.sources.classes.get(entrance.sources.resolve(one.source, made) or "")
+            if (
+                owner is None
+                or not entrance.sources.lineage(owner)[1]
+                or name == ast.unparse(one.call.args[0])
+            ):
+                continue
+            if any(
+                creation.owner is owner and creation.method in _CALLED_BACK
+                for creation in entrance.sources.creations
+            ):
+                loads = [n for n in walk(one.function) if isinstance(n, ast.Name) and n.id == name]
+                destroyed = {
+                    id(n.value)
+                    for n in walk(one.function)
+                    if isinstance(n, ast.Attribute) and n.attr == "destroy_node"
+                }
+                if not any(isinstance(n.ctx, ast.Load) and id(n) not in destroyed for n in loads):
+                    cause = f"{name} is made here and never spun: `{ast.unparse(one.call)}` calls only the callbacks of {ast.unparse(one.call.args[0])}."
+                    fix = "add both to one executor, and spin that: executor.add_node(node) for each, then executor.spin()"
+                    if entrance.sources.resolve(one.source, one.call.args[0]) == owner.name:
+                        cause = f"`{ast.unparse(one.call)}` is given the class, and not the node {name} that is made of it."
+                        fix = f"write rclpy.spin({name})"
+                    yield Finding("spin-missing", cause, one.source.at(node), fix)
+
+
+def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
+    """Yield the first spin that stands behind another one in the same block."""
+    spinning = {id(one.call): one.source for one in entrance.spins if one.is_lasting}
+    for function in entrance.functions:
+        for node in walk(function):
+            for block in (getattr(node, "body", None), getattr(node, "orelse", None)):
+                calls = [
+                    one.value
+                    for one in (block if isinstance(block, list) else ())
+                    if isinstance(one, ast.Expr)
+                    and isinstance(one.value, ast.Call)
+                    and id(one.value) in spinning
+                ]
+                if len(calls) > 1:
+                    yield spinning[id(calls[1])], calls[1]
+
+
+def _names_spin(entrance: Entrance) -> bool:
+    """Return whether something is handed over that spins, as in `Thread(target=executor.spin)`."""
+    for function in entrance.functions:
+        named = {id(n.func) for n in walk(function) if isinstance(n, ast.Call)}
+        named |= {id(n.value) for n in walk(function) if isinstance(n, ast.Expr)}
+        names = (n for n in walk(function) if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in named)
+        if any(getattr(n, "attr", getattr(n, "id", "")) in SPINNING for n in names):
+            return True
+    return False
+
+
+def _is_behind_with(call: ast.Call, function: Function) -> bool:
+    statements = (node for node in walk(function) if isinstance(node, (ast.With, ast.AsyncWith)))
+    return any(item.context_expr is call for statement in statements for item in statement.items)
+
+
+def _is_guarded(call: ast.Call, function: Function) -> bool:
+    branches = [node for node in walk(function) if isinstance(node, (ast.If, ast.ExceptHandler))]
+    return any(call is inner for branch in branches for inner in walk(branch))
+
+
+def _shutdown_between(function: Function, first: ast.Call, last: ast.Call) -> bool:
+    ends = [
+        node.lineno
+        for node in walk(function)
+        if isinstance(node, ast.Call) and (dotted(node.func) or "").endswith("shutdown")
+    ]
+    return any(first.lineno < line < last.lineno for line in ends)

@@ -1,0 +1,304 @@
+"""What the installed ROS packages offer, read from their files without importing them."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import importlib.util
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import nearest
+
+# Those that a student may need by name, where nothing is installed, too.
+_NAMES = """
+    rclpy rclcpp std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs diagnostic_msgs shape_msgs stereo_msgs
+    trajectory_msgs visualization_msgs actionlib_msgs action_msgs example_interfaces builtin_interfaces
+    rcl_interfaces lifecycle_msgs rosgraph_msgs unique_identifier_msgs composition_interfaces tf2 tf2_ros tf2_msgs
+    tf2_geometry_msgs tf_transformations turtlesim launch launch_ros launch_testing launch_xml launch_yaml
+    ament_index_python ament_cmake ament_cmake_python ament_python rosidl_default_generators
+    rosidl_default_runtime ros2launch xacro robot_state_publisher joint_state_publisher rviz2 nav2_msgs
+    nav2_simple_commander control_msgs cv_bridge image_transport message_filters ament_copyright ament_flake8
+    launch_testing_ros launch_pytest ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
+    """
+PACKAGES = frozenset(_NAMES.split())
+# From where launch files import.
+LAUNCH_MODULES = (
+    "launch_ros.actions",
+    "launch.actions",
+    "launch.substitutions",
+    "launch_ros.substitutions",
+    "launch.conditions",
+    "launch.launch_description_sources",
+    "launch",
+    "ament_index_python.packages",
+)
+
+
+@lru_cache(maxsize=256)
+def folder_of(package: str) -> Path | None:
+    """Return the folder of an installed top-level Python package, None if there is none."""
+    try:
+        spec = importlib.util.find_spec(package) if package.isidentifier() else None
+    except (ImportError, ValueError):
+        return None
+    places = list(spec.submodule_search_locations or []) if spec else []
+    return Path(places[0]) if places else None
+
+
+@lru_cache(maxsize=256)
+def meant(package: str) -> str | None:
+    """Return the ROS package of which this name is a misspelling; None if it is none, or is installed."""
+    close = None if package in PACKAGES or is_installed(package) else nearest(package, PACKAGES, 0.85)
+    return None if close and package.startswith(f"{close}_") else close  # as sensor_msgs_py is another one
+
+
+def is_installed(module: str) -> bool:
+    """Return whether a top-level module is installed."""
+    try:
+        return importlib.util.find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+@lru_cache(maxsize=256)
+def names_in(module: str) -> frozenset[str] | None:
+    """Return what can be imported from a module such as `std_msgs.msg`; None if it cannot be told."""
+    package, *rest = module.split(".")
+    folder = folder_of(package)
+    if folder is None:
+        return None
+    path = folder.joinpath(*rest)
+    submodules = {inner.stem for inner in path.glob("*.py")} | {
+        inner.parent.name for inner in path.glob("*/*.py")
+    }
+    submodules |= {inner.name.partition(".")[0] for inner in path.glob("*.so")}
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    if not file.is_file():
+        return None
+    tree = ast.parse(read_text(file))
+    names = _bound_in(tree)
+    if "__getattr__" in names or "*" in names:
+        return None
+    return frozenset(names | submodules)
+
+
+# These packages, and each __main__, do something when they are imported, as programs do.
+PROGRAMS = frozenset(("antigravity", "idlelib", "test", "this"))
+
+
+def own_module(name: str) -> ModuleType | None:
+    """Return one of Python's own modules; None for any other, and for a program.
+
+    Raises:
+        ImportError: if Python has no module of this name.
+    """
+    first, *inner = name.split(".")
+    is_harmless = first in sys.stdlib_module_names - PROGRAMS and "__main__" not in inner
+    return importlib.import_module(name) if is_harmless else None
+
+
+def has_name(module: str, name: str) -> bool:
+    """Return whether a name can be imported from an installed module, or one of Python's own."""
+    names = names_in(module)
+    if names is None and module in sys.stdlib_module_names:
+        names = frozenset(dir(own_module(module)))
+    return name in (names or ())
+
+
+def nearest_module(name: str) -> str | None:
+    """Return the installed module of which a dotted name, such as `rclpy.nod`, is a misspelling; None if it is none."""
+    parent, _, last = name.rpartition(".")
+    close = nearest(last, names_in(parent) or (), 0.6) if parent else meant(name)
+    return f"{parent}.{close}" if parent and close else close
+
+
+def _bound_in(tree: ast.Module) -> set[str]:
+    """Return the names that a module's top level binds; what is only for type checkers is not there."""
+    names: set[str] = set()
+    for node in _run_on_import(tree):
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
+            names |= {(alias.asname or alias.name).partition(".")[0] for alias in node.names}
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+    return names
+
+
+def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
+    for node in ast.iter_child_nodes(parent):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        yield node
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)):
+            yield from _run_on_import(node)
+
+
+@lru_cache(maxsize=512)
+def fields_of(type_name: str | None) -> Mapping[str, str] | None:
+    """Return the fields of a message such as `geometry_msgs.msg.Twist`, name to type; None if it is unknown.
+
+    The part of a service or an action is named as its class is: `std_srvs.srv.SetBool_Request`.
+    """
+    package, _, rest = (type_name or "").partition(".")
+    kind, _, name = rest.partition(".")
+    folder = folder_of(package)
+    if folder is None or kind not in ("msg", "srv", "action") or not name.isidentifier():
+        return None
+    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name.partition("_")[0]).lower()
+    text = read_text(folder / kind / f"_{snake}.py")
+    match = re.search(
+        rf"^class {name}\(.*?_fields_and_field_types = (\{{.*?\}})", text, re.DOTALL | re.MULTILINE
+    )
+    fields = ast.literal_eval(match[1]) if match else None
+    return fields if isinstance(fields, dict) else None
+
+
+def is_interface(type_name: str | None) -> bool:
+    """Return whether a dotted name has the form of a message's, a service's or an action's."""
+    return bool(type_name and re.fullmatch(r"\w+\.(msg|srv|action)\.\w+", type_name))
+
+
+@lru_cache(maxsize=64)
+def homes_of(name: str) -> tuple[str, ...]:
+    """List the modules from which a message, a service or one of rclpy's classes is imported."""
+    interfaces = sorted(
+        package for package in PACKAGES if package.endswith(("_msgs", "_srvs", "_interfaces"))
+    )
+    modules = [f"{package}.{kind}" for package in interfaces for kind in ("msg", "srv")]
+    modules = [module for module in modules if name in (names_in(module) or ())]
+    folder = folder_of("rclpy")
+    for file in sorted(folder.glob("*.py")) if folder else ():
+        if re.search(rf"^class {re.escape(name)}\b", read_text(file), re.MULTILINE):
+            modules.append(f"rclpy.{file.stem}")
+    # The plain packages come before those of rarer use.
+    return tuple(
+        sorted(modules, key=lambda module: (not module.startswith(("std_", "geometry_", "rclpy")), module))
+    )
+
+
+def launch_homes_of(name: str) -> list[str]:
+    """List the modules from which launch files import a class or a function."""
+    found = []
+    for module in LAUNCH_MODULES:
+        package, *rest = module.split(".")
+        folder = folder_of(package)
+        files = sorted(folder.joinpath(*rest).glob("*.py")) if folder else []
+        if folder and rest and not files:
+            files = [folder.joinpath(*rest).with_suffix(".py")]
+        if any(
+            re.search(rf"^(?:class|def) {re.escape(name)}\b", read_text(file), re.MULTILINE) for file in files
+        ):
+            found.append(module)
+    return found
+
+
+@lru_cache(maxsize=1)
+def _launch_classes() -> Mapping[str, frozenset[str]]:
+    """Return the names of the classes above each class of launch."""
+    folders = [one for one in map(folder_of, ("launch", "launch_ros")) if one]
+    texts = (read_text(path) for folder in folders for path in folder.rglob("*.py"))
+    found = (re.findall(r"^class (\w+)\(([\w., ]+)", text, re.MULTILINE) for text in texts)
+    return {name: frozenset(re.findall(r"\w+(?=,|$)", above)) for rows in found for name, above in rows}
+
+
+def launch_classes_below(name: str) -> list[str]:
+    """List the classes that launch files import and that are derived from a class of launch, itself included."""
+    known, found = _launch_classes(), {name}
+    while more := {one for one, above in known.items() if above & found} - found:
+        found |= more
+    return sorted(one for one in found if launch_homes_of(one))
+
+
+def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:
+    """List the modules from which a file imports a class or a function; one that imports launch means launch's first.
+
+    Args:
+        name: of the class or the function.
+        imported: what the file imports already.
+    """
+    of_launch, of_ros = launch_homes_of(name), homes_of(name)
+    is_launch = any(one.startswith("launch") for one in imported)
+    return (of_launch or of_ros) if is_launch else (of_ros or of_launch)
+
+
+def only_field(class_name: str) -> str:
+    """Return the field of a message that holds nothing else than `data`; empty for any other class."""
+    fields = [fields_of(f"{home}.{class_name}") or {} for home in homes_of(class_name)]
+    return "data" if any(list(one) == ["data"] for one in fields) else ""
+
+
+_MOST_METHODS = 12
+
+
+def methods_of(class_name: str) -> str:
+    """Return in one text the public methods and properties that an installed class defines; empty if it is not known."""
+    found = next((_class(home, class_name) for home in homes_of(class_name)), None)
+    defined = [one.name for one in found.body if isinstance(one, ast.FunctionDef)] if found else []
+    return ", ".join([*dict.fromkeys(name for name in defined if not name.startswith("_"))][:_MOST_METHODS])
+
+
+@lru_cache(maxsize=32)
+def inner_homes_of(class_name: str) -> tuple[str, ...]:
+    """Return the modules of rclpy that define a class, also those from which nobody imports it."""
+    folder = folder_of("rclpy")
+    files = sorted(folder.rglob("*.py")) if folder else []
+    found = [
+        path
+        for path in files
+        if re.search(rf"^class {re.escape(class_name)}\b", read_text(path), re.MULTILINE)
+    ]
+    return tuple(".".join(path.relative_to(folder.parent).with_suffix("").parts) for path in found if folder)
+
+
+@lru_cache(maxsize=32)
+def _class(module: str, class_name: str) -> ast.ClassDef | None:
+    package, *rest = module.split(".")
+    folder = folder_of(package)
+    path = folder.joinpath(*rest) if folder else Path("-")
+    files = sorted(path.glob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
+    texts = (text for file in files if f"class {class_name}" in (text := read_text(file)))
+    classes = (node for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
+    return next((one for one in classes if one.name == class_name), None)
+
+
+def method_of(module: str, class_name: str, name: str) -> ast.FunctionDef | None:
+    """Return a method of an installed class as it is written; None if it defines none of this name, or a property."""
+    found = _class(module, class_name)
+    defined = [one for one in (found.body if found else ()) if isinstance(one, ast.FunctionDef)]
+    return next((one for one in defined if one.name == name and not one.decorator_list), None)
+
+
+@lru_cache(maxsize=16)
+def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[str]]:
+    """Return what an installed class has, and which of that are properties that cannot be set."""
+    found = _class(module, class_name)
+    if found is None:
+        return frozenset(), frozenset()
+    members: set[str] = set()
+    properties: set[str] = set()
+    settable: set[str] = set()
+    for node in ast.walk(found):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            members.add(node.name)
+            decorators = {ast.unparse(decorator) for decorator in node.decorator_list}
+            if "property" in decorators:
+                properties.add(node.name)
+            if f"{node.name}.setter" in decorators and not _only_raises(node):
+                settable.add(node.name)
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            members.add(node.attr)
+    for statement in found.body:
+        targets = getattr(statement, "targets", [getattr(statement, "target", None)])
+        members |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return frozenset(members), frozenset(properties - settable)
+
+
+def _only_raises(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    return isinstance(function.body[-1], ast.Raise)

@@ -1,0 +1,210 @@
+"""Of which kind the values are that a program puts into messages, followed through its sources."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping
+from functools import cached_property
+
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+
+# The kind of a value: one of `PLAIN`, a message such as "std_msgs.msg.String", its class as
+# "type of std_msgs.msg.String", or "publisher of std_msgs.msg.String"; None where it is not known.
+Kind = str | None
+
+PLAIN = frozenset(("int", "float", "str", "bool", "list", "dict"))
+PUBLISHER, CLASS = "publisher of ", "type of "
+PARAMETER = "rclpy.parameter.Parameter"
+_DEEPEST = 12  # names that are followed from one to the next
+
+_Assigned = Mapping[str, list[ast.expr | None]]
+
+
+class Kinds:
+    """What the names of some sources hold, as far as every assignment to a name agrees."""
+
+    def __init__(self, sources: NodeSources) -> None:
+        self.sources = sources
+        self.depth = 0
+        self._locals: dict[int, _Assigned] = {}
+        self._attributes: dict[int, Mapping[str, list[tuple[Scope, ast.expr | None]]]] = {}
+
+    @cached_property
+    def received(self) -> Mapping[int, str]:
+        """The message that a callback's parameter holds, by the parameter's identity."""
+        found: dict[int, set[str]] = {}
+        for creation, function in self.sources.callbacks():
+            given = (creation.arguments or {}).get("msg_type")
+            name = self.sources.resolve(creation.source, given)
+            names = [one for one in parameters(function) if one.arg not in ("self", "cls")]
+            if creation.method == "create_subscription" and names and name and interfaces.is_interface(name):
+                found.setdefault(id(names[0]), set()).add(name)
+        # One function may take messages of several types.
+        return {parameter: types.pop() for parameter, types in found.items() if len(types) == 1}
+
+    def locals_of(self, function: Function) -> _Assigned:
+        """Return what a function assigns to each of its names; None stands for what cannot be followed."""
+        if id(function) not in self._locals:
+            self._locals[id(function)] = _assigned(
+                function, lambda node: node.id if isinstance(node, ast.Name) else None
+            )
+        return self._locals[id(function)]
+
+    def attributes_of(self, one: NodeClass) -> Mapping[str, list[tuple[Scope, ast.expr | None]]]:
+        """Return what a class assigns to each attribute of itself, and where."""
+        if id(one) not in self._attributes:
+            found: dict[str, list[tuple[Scope, ast.expr | None]]] = {}
+            for inner in self.sources.lineage(one)[0]:
+                for method in inner.methods.values():
+                    scope = Scope(self, inner.source, inner, method)
+                    pairs = _assigned(method, lambda n: n.attr if is_self_attribute(n) else None)
+                    for name, values in pairs.items():
+                        found.setdefault(name, []).extend((scope, value) for value in values)
+            self._attributes[id(one)] = found
+        return self._attributes[id(one)]
+
+
+def _assigned(function: Function, name_of: Callable[[ast.AST], str | None]) -> _Assigned:
+    found: dict[str, list[ast.expr | None]] = {}
+    followed: set[int] = set()
+
+    def add(target: ast.AST, value: ast.expr | None) -> None:
+        if name := name_of(target):
+            followed.add(id(target))
+            found.setdefault(name, []).append(value)
+
+    for node in own_nodes(function):
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
+            for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                add(target, node.value)
+        elif isinstance(node, ast.AugAssign):
+            # A sum is of the kind of what is added, or the assignments disagree: that is enough to know.
+            add(node.target, node.value if isinstance(node.op, (ast.Add, ast.Sub, ast.Mult)) else None)
+    for node in own_nodes(function):
+        if isinstance(getattr(node, "ctx", None), ast.Store) and id(node) not in followed:
+            add(node, None)
+    return found
+
+
+class Scope:
+    """A place in the sources, from which names are looked up."""
+
+    def __init__(
+        self, kinds: Kinds, source: PythonSource, owner: NodeClass | None, function: Function | None
+    ) -> None:
+        self.kinds, self.source, self.owner, self.function = kinds, source, owner, function
+
+    def assigned(self, node: ast.AST) -> list[tuple[Scope, ast.expr | None]]:
+        """Return what the class assigns to `self.something`, and where; nothing for any other expression."""
+        if self.owner is None or not is_self_attribute(node):
+            return []
+        return self.kinds.attributes_of(self.owner).get(node.attr, [])
+
+    def kind(self, node: ast.AST | None) -> Kind:
+        """Return the kind of an expression's value."""
+        if self.kinds.depth > _DEEPEST:
+            return None
+        self.kinds.depth += 1
+        try:
+            return self._kind(node)
+        finally:
+            self.kinds.depth -= 1
+
+    def _kind(self, node: ast.AST | None) -> Kind:  # noqa: PLR0911 -- a table
+        match node:
+            case ast.Constant():
+                return _constant_kind(node.value)
+            case ast.JoinedStr():
+                return "str"
+            case ast.List() | ast.ListComp() | ast.Tuple():
+                return "list"
+            case ast.Dict() | ast.DictComp():
+                return "dict"
+            case ast.UnaryOp():
+                return "bool" if isinstance(node.op, ast.Not) else self.kind(node.operand)
+            case ast.BinOp():
+                return self._sum_kind(node)
+            case ast.IfExp():
+                one, other = self.kind(node.body), self.kind(node.orelse)
+                if {one, other} == {"int", "float"}:
+                    return "int"  # sometimes, and that is enough to be wrong
+                return one if one == other else None
+            case ast.Call():
+                return self._call_kind(node)
+            case ast.Name():
+                return self._name_kind(node)
+            case ast.Attribute():
+                return self._attribute_kind(node)
+        return None
+
+    def _sum_kind(self, node: ast.BinOp) -> Kind:
+        one, other = self.kind(node.left), self.kind(node.right)
+        if isinstance(node.op, ast.Mod) and one == "str":
+            return "str"
+        if isinstance(node.op, ast.Div):
+            return "float" if {one, other} <= {"int", "float"} else None
+        if one == other and one in ("int", "float", "str"):
+            return None if isinstance(node.op, ast.Pow) else one
+        return "float" if {one, other} == {"int", "float"} else None
+
+    def _call_kind(self, node: ast.Call) -> Kind:
+        name = self.kinds.sources.resolve(self.source, node.func)
+        if name == "len" or (name == "round" and len(node.args) == 1):
+            return "int"
+        if name in PLAIN or interfaces.is_interface(name):
+            return name
+        if not isinstance(node.func, ast.Attribute):
+            return None
+        if node.func.attr == "get_parameter":
+            return PARAMETER
+        if node.func.attr == "create_publisher":
+            given = [k.value for k in node.keywords if k.arg == "msg_type"] or node.args[:1]
+            message = self.kinds.sources.resolve(self.source, given[0]) if given else None
+            return f"{PUBLISHER}{message}" if interfaces.is_interface(message) else None
+        is_text = node.func.attr in ("format", "join", "upper", "lower", "strip")
+        return "str" if is_text and self.kind(node.func.value) == "str" else None
+
+    def _name_kind(self, node: ast.Name) -> Kind:
+        if self.function is not None:
+            assigned = self.kinds.locals_of(self.function).get(node.id)
+            arguments = [*parameters(self.function), *self.function.args.kwonlyargs]
+            parameter = next((one for one in arguments if one.arg == node.id), None)
+            if parameter is not None:
+                known = self.kinds.received.get(id(parameter)) or self.source.resolve(parameter.annotation)
+                return known if interfaces.is_interface(known) and not assigned else None
+            if assigned:
+                return _agreed([self.kind(value) for value in assigned])
+        if node.id in self.source.constants:
+            return _constant_kind(self.source.constants[node.id])
+        return self._class_kind(node)
+
+    def _attribute_kind(self, node: ast.Attribute) -> Kind:
+        if is_self_attribute(node):
+            return _agreed([scope.kind(value) for scope, value in self.assigned(node)])
+        fields = interfaces.fields_of(self.kind(node.value)) or {}
+        return self._class_kind(node) or field_kind(fields.get(node.attr))
+
+    def _class_kind(self, node: ast.expr) -> Kind:
+        name = self.source.resolve(node)
+        return f"{CLASS}{name}" if interfaces.is_interface(name) else None
+
+
+def field_kind(field: str | None) -> Kind:
+    """Return the kind of what a message's field holds, such as `double` or `geometry_msgs/Vector3`."""
+    if field is None or "[" in field or "<" in field:
+        return None
+    if "/" in field:
+        return field.replace("/", ".msg.")
+    named = {"float": "float", "double": "float", "string": "str", "wstring": "str", "boolean": "bool"}
+    return named.get(field, "int" if "int" in field else None)
+
+
+def _agreed(kinds: list[Kind]) -> Kind:
+    return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else None
+
+
+def _constant_kind(value: object) -> Kind:
+    name = type(value).__name__
+    return name if name in PLAIN else None

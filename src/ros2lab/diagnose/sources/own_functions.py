@@ -1,0 +1,120 @@
+"""The functions of a student's files that a call may mean, and what they give back."""
+
+from __future__ import annotations
+
+import ast
+import os
+from pathlib import Path
+from typing import TypeVar
+
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source
+
+_Kind = TypeVar("_Kind", ast.FunctionDef, ast.ClassDef)
+
+
+def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, ast.FunctionDef] | None:
+    """Return the function that a name or `self.name` means, and its file: this one, or one of its package.
+
+    Of an object made of a class of these files, its method is meant.
+    """
+    if isinstance(called, ast.Attribute) and (method := _method(source, called)):
+        return method
+    name = getattr(called, "attr", getattr(called, "id", ""))
+    if isinstance(called, ast.Name) or ast.unparse(called) == f"self.{name}":
+        found = [node for node in source.nodes if isinstance(node, ast.FunctionDef) and node.name == name]
+        if len(found) == 1:
+            return source, found[0]
+    return _at_top(source, called, ast.FunctionDef)
+
+
+def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, ast.FunctionDef] | None:
+    """Return the method of an object that is made once of a class of these files, as in `robot = Robot()`."""
+    owner = ast.unparse(called.value)
+    made = [
+        n.value
+        for n in source.nodes
+        if isinstance(n, ast.Assign) and owner in map(ast.unparse, n.targets) and owner != "self"
+    ]
+    if len({ast.unparse(one) for one in made}) != 1 or not isinstance(made[0], ast.Call):
+        return None
+    own = [n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == ast.unparse(made[0].func)]
+    home = (source, own[0]) if own else _at_top(source, made[0].func, ast.ClassDef)
+    for node in home[1].body if home else ():
+        if home and isinstance(node, ast.FunctionDef) and node.name == called.attr:
+            return home[0], node
+    return None
+
+
+def _at_top(source: PythonSource, named: ast.AST, kind: type[_Kind]) -> tuple[PythonSource, _Kind] | None:
+    """Return what a name that is imported from another file of the package means there, and that file."""
+    module, _, name = (source.resolve(named) or "").rpartition(".")
+    other = _file_of(source, module)
+    top = other.tree.body if other else ()
+    found = next((node for node in top if isinstance(node, kind) and node.name == name), None)
+    return (other, found) if other and found else None
+
+
+def _file_of(source: PythonSource, module: str) -> PythonSource | None:
+    """Return the file of a module that lies in the package of another one; None if none does."""
+    above = source.path.parents[:3] if source.path else ()
+    for folder in above if module else ():
+        path = folder.joinpath(*module.split(".")).with_suffix(".py")
+        if path.is_file():
+            shown = os.path.normpath(Path(source.shown, os.path.relpath(path, source.path)))
+            return read_source(path, module, shown)
+    return None
+
+
+def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.Constant] | None:
+    """Return the constant that an expression is, or that is assigned to it once, here or where it is imported from."""
+    if isinstance(named, ast.Constant):
+        return source, named
+    home, text = source, ast.unparse(named)
+    module, _, name = (source.resolve(named) or "").rpartition(".")
+    if module and (other := _file_of(source, module)):
+        home, text = other, name
+    last = text.rpartition(".")[2]
+    values = [
+        n.value
+        for n in home.nodes
+        if isinstance(n, (ast.Assign, ast.AnnAssign))
+        for to in (n.targets if isinstance(n, ast.Assign) else [n.target])
+        if ast.unparse(to) in (text, last) and n.value is not None
+    ]
+    found = values[0] if len(values) == 1 else None
+    return (home, found) if isinstance(found, ast.Constant) else None
+
+
+def returned(function: ast.FunctionDef) -> list[ast.AST]:
+    """Return what gives a value back in a function."""
+    kinds = (ast.Yield, ast.YieldFrom)
+    return [
+        n
+        for n in own_nodes(function)
+        if isinstance(n, kinds) or (isinstance(n, ast.Return) and n.value is not None)
+    ]
+
+
+def may_fall_through(function: ast.FunctionDef) -> bool:
+    """Return whether a function may reach its end, and give nothing back then."""
+    if function.decorator_list or any(
+        isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)
+    ):
+        return False
+    return not returned(function) or _goes_on(function.body)
+
+
+def _goes_on(body: list[ast.stmt]) -> bool:
+    match body[-1]:
+        case ast.Return() | ast.Raise():
+            return False
+        case ast.If(body=inner, orelse=other):
+            return _goes_on(inner) or not other or _goes_on(other)
+        case ast.With(body=inner):
+            return _goes_on(inner)
+        case ast.Try(body=inner, handlers=handlers, orelse=other, finalbody=last):
+            parts = [other or inner, *(handler.body for handler in handlers)]
+            return any(map(_goes_on, parts)) and (not last or _goes_on(last))
+        case ast.While(test=ast.Constant(value=True)):
+            return False
+    return True

@@ -1,0 +1,283 @@
+"""A package's folder, read: package.xml, setup.py, setup.cfg and every Python file."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Collection, Iterator, Mapping
+from configparser import RawConfigParser
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.finding import shown_path
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.sources.setup_cfg import read_cfg
+from ros2lab.diagnose.sources.setup_script import SetupScript, read_setup
+from ros2lab.diagnose.sources.static_value import UNKNOWN
+from ros2lab.manifest_words import NOT_TAKEN, fault_of
+
+_NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
+_LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b|def generate_launch_description\b)", re.MULTILINE)
+IGNORED_BY = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
+# What a `condition` in a package.xml may ask for, as a sourced Jazzy answers.
+_JAZZY = {"ROS_VERSION": "2", "ROS_DISTRO": "jazzy", "ROS_PYTHON_VERSION": "3"}
+# Nobody writes more of them by hand, and catkin_pkg would take minutes.
+_LONGEST_MANIFEST = 30_000  # characters
+_MOST_BRACKETS = 5  # of a condition
+_LARGEST_WORKSPACE = 5000  # folders looked at
+
+
+@dataclass(eq=False)
+class SourcePackage:
+    """A package as its source folder has it.
+
+    Attributes:
+        folder: where package.xml or setup.py lies.
+        root: the workspace's folder, from which on paths are shown.
+    """
+
+    folder: Path
+    root: Path | None = None
+
+    @cached_property
+    def name(self) -> str:
+        """Its name by package.xml, else by setup.py, else that of its folder."""
+        if self.manifest is not None:
+            return str(self.manifest.name)
+        named = self.setup.keywords.get("name") if self.setup else None
+        return named if isinstance(named, str) and named else self.folder.name
+
+    @cached_property
+    def _parsed(self) -> tuple[Any, str | None, int | None]:
+        # Late: it takes a tenth of a second to import, and not every error text needs it.
+        from catkin_pkg.package import InvalidPackage, parse_package_string
+
+        if not self.has("package.xml"):
+            return None, None, None
+        text = read_text(self.folder / "package.xml")
+        if len(text) > _LONGEST_MANIFEST:
+            return None, f"it has more than {_LONGEST_MANIFEST} characters", None
+        try:
+            manifest = parse_package_string(text, filename=str(self.folder / "package.xml"), warnings=[])
+            return _where_they_hold(manifest), None, None
+        except (InvalidPackage, *NOT_TAKEN) as error:
+            return None, fault_of(error, text), _line_in(str(error))
+
+    @property
+    def manifest(self) -> Any:
+        """package.xml as catkin_pkg reads it; None if it is missing or invalid."""
+        return self._parsed[0]
+
+    @property
+    def manifest_fault(self) -> str | None:
+        """Why package.xml is not valid."""
+        return self._parsed[1]
+
+    @property
+    def manifest_line(self) -> int | None:
+        """The line of package.xml at which that is."""
+        return self._parsed[2]
+
+    @property
+    def build_type(self) -> str | None:
+        """What package.xml says; None if it says nothing or is not valid."""
+        exports = (
+            [export for export in self.manifest.exports if export.tagname == "build_type"]
+            if self.manifest
+            else []
+        )
+        return str(exports[0].content or "").strip() if exports else None
+
+    @property
+    def kind(self) -> str:
+        """What colcon takes it for: `ros`, else `cmake` or `python`, as its extensions are asked in this order."""
+        if self.has("package.xml"):
+            return "ros"
+        text = read_text(self.folder / "setup.py") if self.has("setup.py") else ""
+        # An empty setup() tells colcon that setup.cfg says everything; only then it is asked before CMake.
+        if "setup()" in text and self.setup_cfg and self.setup_cfg.has_option("metadata", "name"):
+            return "python"
+        return "cmake" if self.has("CMakeLists.txt") else "python"
+
+    @cached_property
+    def setup(self) -> SetupScript | None:
+        """Its setup.py."""
+        return read_setup(self.folder, self.shown("setup.py"))
+
+    @cached_property
+    def setup_cfg(self) -> RawConfigParser | None:
+        """Its setup.cfg; None if it is missing or cannot be read."""
+        parser, fault = read_cfg(read_text(self.folder / "setup.cfg"))
+        return parser if self.has("setup.cfg") and fault is None else None
+
+    @cached_property
+    def sources(self) -> Mapping[str, PythonSource]:
+        """Its Python files but setup.py, launch files and tests, by the name under which they are imported."""
+        found = {}
+        for base, folder in self._import_folders():
+            for path in sorted(folder.rglob("*.py")):
+                relative = path.relative_to(folder)
+                if any(part in _NOT_LOOKED_INTO or part.startswith(".") for part in relative.parts):
+                    continue
+                parts = [base, *relative.with_suffix("").parts]
+                name = ".".join(part for part in parts if part and part != "__init__")
+                found[name] = self.read(path, name)
+        return found
+
+    def read(self, path: Path, name: str) -> PythonSource:
+        """Return one of its Python files, which is imported by a name."""
+        return read_source(path, name, self.shown(str(path.relative_to(self.folder))))
+
+    def _import_folders(self) -> Iterator[tuple[str, Path]]:
+        """Yield each top-level package's name and folder."""
+        mapping = self.package_dirs
+        names = self.packages
+        tops = {name.partition(".")[0] for name in names} if names is not None else set()
+        tops |= {self.name}
+        for top in sorted(tops):
+            folder = self.folder / mapping.get(top, Path(mapping.get("", "")) / top)
+            # Not the folder itself, and nothing to which a name such as `/usr` leads.
+            if folder.is_dir() and self.folder.resolve() in folder.resolve().parents:
+                yield top, folder
+
+    @property
+    def package_dirs(self) -> Mapping[str, str]:
+        """What setup.py says in `package_dir`."""
+        value = self.setup.keywords.get("package_dir") if self.setup else None
+        return value if isinstance(value, dict) and UNKNOWN not in value.values() else {}
+
+    @property
+    def packages(self) -> list[str] | None:
+        """The Python packages that setup.py installs; None if that is not known."""
+        value = self.setup.keywords.get("packages", []) if self.setup else None
+        if not isinstance(value, (list, tuple)) or not all(isinstance(name, str) for name in value):
+            return None
+        return list(value)
+
+    @cached_property
+    def launch_files(self) -> list[Path]:
+        """Its launch files, in Python, XML or YAML, wherever they lie in it: by their ending, or by what they say."""
+        return sorted(path for path in self._own_files() if _is_launch_file(path))
+
+    @cached_property
+    def parameter_files(self) -> list[Path]:
+        """Its YAML files below `config` and `params`."""
+        folders = ("config", "params", "param", "cfg")
+        return sorted(
+            p for name in folders for p in self._files(name) if p.suffix.lower() in (".yaml", ".yml")
+        )
+
+    @cached_property
+    def likely_files(self) -> list[Path]:
+        """Its launch and parameter files, and what sets parameters in the folder of the launch files."""
+        others = [p for p in self._files("launch") if p.suffix.lower() in (".yaml", ".yml")]
+        others = [path for path in others if "ros__parameters" in read_text(path)]
+        return list(dict.fromkeys([*self.launch_files, *self.parameter_files, *others]))
+
+    def _own_files(self) -> Iterator[Path]:
+        """Yield its files, without tests, what a build makes, and other packages that lie in its folder."""
+        for where, names, files in os.walk(self.folder):
+            folder = Path(where)
+            if folder != self.folder and not {"package.xml", "setup.py"}.isdisjoint(files):
+                names.clear()
+                continue
+            passed_over = {*_NOT_LOOKED_INTO, "test", "tests"}
+            names[:] = [name for name in names if name not in passed_over and not name.startswith(".")]
+            yield from (folder / name for name in files)
+
+    def _files(self, name: str) -> list[Path]:
+        return [path for path in (self.folder / name).rglob("*") if path.is_file()]
+
+    def has(self, name: str) -> bool:
+        """Return whether there is such a file in its folder."""
+        return (self.folder / name).is_file()
+
+    def shown(self, name: str) -> str:
+        """Return the path of one of its files as it is shown."""
+        return shown_path(self.folder / name, self.root)
+
+
+@dataclass(frozen=True)
+class PassedOver:
+    """A package that colcon does not see: because of a file such as COLCON_IGNORE, or of a package around it."""
+
+    package: SourcePackage
+    by: Path
+    is_nested: bool
+
+
+def find_packages(root: Path) -> list[SourcePackage]:
+    """Find the packages of a workspace as colcon does."""
+    return discover(root)[0]
+
+
+def discover(root: Path) -> tuple[list[SourcePackage], list[PassedOver]]:
+    """Find the packages of a workspace that colcon sees, and those that it passes over."""
+    found: list[SourcePackage] = []
+    passed_over: list[PassedOver] = []
+    hidden: dict[Path, Path] = {}  # each folder into which colcon does not look, with the reason
+    seen: set[str] = set()
+    for where, names, files in os.walk(root, followlinks=True):
+        real, folder = os.path.realpath(where), Path(where)
+        ignored_by = next((folder / name for name in IGNORED_BY if name in files and folder != root), None)
+        is_built = folder.name in _NOT_LOOKED_INTO
+        if is_built or real in seen or len(seen) > _LARGEST_WORKSPACE:
+            names.clear()
+            continue
+        seen.add(real)
+        by = hidden.get(folder.parent) or ignored_by
+        # Beside src lies much else; a package says that it is one.
+        is_below_src = root / "src" in (folder, *folder.parents) or not (root / "src").is_dir()
+        is_package = "package.xml" in files or bool(takes_for_package(folder, root, files))
+        is_package |= "setup.py" in files and is_below_src
+        package = SourcePackage(folder, root)
+        if is_package and by is None:
+            found.append(package)
+            by = folder
+        elif is_package and "package.xml" in files and by is not None:
+            passed_over.append(PassedOver(package, by, by.is_dir()))
+        if by is not None:
+            hidden[folder] = by
+        is_deep = not is_below_src and len(folder.relative_to(root).parts) > 1
+        hides = ("test", "tests", "templates", "resource") if by else ()
+        names[:] = sorted(n for n in names if not (is_deep or n.startswith(".") or n in hides))
+    return found, passed_over
+
+
+def takes_for_package(folder: Path, root: Path, files: Collection[str] = ()) -> str:
+    """Return the file by which colcon takes a workspace, or its `src`, for a package; empty if it does not."""
+    if folder not in (root, root / "src") or not (root / "src").is_dir():
+        return ""
+    files = files or [path.name for path in folder.iterdir()]
+    if "setup.py" in files and "setup(" in read_text(folder / "setup.py"):
+        return "setup.py"
+    is_cmake = "CMakeLists.txt" in files and "project" in read_text(folder / "CMakeLists.txt").lower()
+    return "CMakeLists.txt" if is_cmake else "package.xml" if "package.xml" in files else ""
+
+
+def _where_they_hold(manifest: Any) -> Any:
+    """Return a manifest without the tags whose `condition` is not true here: colcon and rosdep pass over them."""
+    kinds = [tags for kind in manifest.__slots__ if isinstance(tags := getattr(manifest, kind), list)]
+    for condition in (getattr(one, "condition", None) or "" for tags in kinds for one in tags):
+        if condition.count("(") > _MOST_BRACKETS:
+            raise ValueError(f"a condition has more than {_MOST_BRACKETS} brackets")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what catkin_pkg calls is deprecated
+        manifest.evaluate_conditions(_JAZZY)
+    for tags in kinds:
+        tags[:] = [one for one in tags if getattr(one, "evaluated_condition", True)]
+    return manifest
+
+
+def _is_launch_file(path: Path) -> bool:
+    is_named = path.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch"))
+    may_be = path.suffix in (".py", ".xml", ".yaml", ".yml") and path.name not in ("package.xml", "setup.py")
+    return path.is_file() and (is_named or (may_be and _LAUNCH.search(read_text(path)) is not None))
+
+
+def _line_in(text: str) -> int | None:
+    match = re.search(r"line (\d+)", text)
+    return int(match[1]) if match else None

@@ -1,0 +1,346 @@
+"""What a setup.py says, read and never run."""
+
+from __future__ import annotations
+
+import ast
+import glob
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.sources.setup_cfg import read_cfg
+from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate, is_known
+
+_LARGEST_PACKAGE = 2000  # files looked at
+_KEYWORDS = ("name", "packages", "entry_points", "data_files")  # that another file may bring
+
+
+@dataclass(frozen=True)
+class EntryPoint:
+    """A console script: `name = module:function`; `module` is empty if the text has another form."""
+
+    text: str
+    line: int | None
+    name: str = ""
+    module: str = ""
+    function: str = ""
+
+
+@dataclass
+class SetupScript:
+    """A setup.py.
+
+    Attributes:
+        source: the file.
+        keywords: what `setup()` is given; a value may be, or hold, `UNKNOWN`.
+        lines: the line on which each keyword stands.
+        is_called: whether `setup()` is called at all.
+        targets: where the folder of each pair of data_files is written.
+    """
+
+    source: PythonSource
+    keywords: dict[str, Any] = field(default_factory=dict)
+    lines: dict[str, int] = field(default_factory=dict)
+    is_called: bool = False
+    targets: dict[str, ast.expr] = field(default_factory=dict)
+
+    @property
+    def groups(self) -> dict[str, Any] | None:
+        """The entry points by group, as texts; None if they are not known."""
+        value = self.keywords.get("entry_points", {})
+        if isinstance(value, str):
+            return _groups_in(value)
+        if not isinstance(value, dict) or UNKNOWN in value:
+            return None
+        return value
+
+    @property
+    def entry_points(self) -> list[EntryPoint] | None:
+        """The console scripts; None if they are not known."""
+        groups = self.groups
+        if groups is None:
+            return None
+        value = groups.get("console_scripts", [])
+        texts = value.splitlines() if isinstance(value, str) else value
+        if not isinstance(texts, (list, tuple, set)) or UNKNOWN in texts:
+            return None
+        texts = [text.strip() for text in texts if isinstance(text, str) and text.strip()]
+        names = [_executable(text) for text in texts]
+        return [
+            self._entry_point(text, names[:index].count(names[index])) for index, text in enumerate(texts)
+        ]
+
+    @property
+    def data_files(self) -> list[tuple[str, list[str]]]:
+        """Where which files are installed, as far as it is known."""
+        value = self.keywords.get("data_files", [])
+        return [
+            (target.rstrip("/"), [file for file in files if isinstance(file, str)])
+            for target, files in filter(_is_pair, value if isinstance(value, (list, tuple)) else ())
+        ]
+
+    @property
+    def are_data_files_known(self) -> bool:
+        """Whether `data_files` tells all of it."""
+        value = self.keywords.get("data_files", [])
+        return isinstance(value, (list, tuple)) and all(_is_pair(one) and is_known(one) for one in value)
+
+    def written(self, target: str) -> tuple[str, int | None]:
+        """Return how the folder of a pair of data_files is written, and in which line."""
+        node = self.targets.get(target)
+        text = ast.get_source_segment(self.source.text, node) if node is not None else None
+        return (text, node.lineno) if node is not None and text else (repr(target), self.line("data_files"))
+
+    def line(self, keyword: str) -> int | None:
+        """Return the line of a keyword, or that of nothing."""
+        return self.lines.get(keyword)
+
+    def _entry_point(self, text: str, earlier: int) -> EntryPoint:
+        line = self._line_of(_executable(text), earlier)
+        match = _ENTRY_POINT.fullmatch(text)
+        return (
+            EntryPoint(text, line, *(part or "" for part in match.groups()))
+            if match
+            else EntryPoint(text, line)
+        )
+
+    def _line_of(self, name: str, earlier: int) -> int | None:
+        """Return the line of an executable's entry point, before which it has this many."""
+        start = self.line("entry_points") or 1
+        # From `entry_points` on: the package's own name may stand above, too.
+        found = [
+            number
+            for number, line in enumerate(self.source.text.splitlines()[start - 1 :], start)
+            if name and re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", line.partition("#")[0])
+        ]
+        return found[min(earlier, len(found) - 1)] if found else self.line("entry_points")
+
+
+def _executable(text: str) -> str:
+    """Return the name with which an entry point begins."""
+    return re.split(r"[=:]", text)[0].strip()
+
+
+def _is_pair(value: Any) -> bool:
+    """Return whether this is a folder with its files."""
+    match value:
+        case [str(), [*_]]:
+            return True
+    return False
+
+
+_ENTRY_POINT = re.compile(
+    r"([\w.-]+)\s*=\s*([A-Za-z_][\w.]*)\s*(?::\s*([A-Za-z_][\w.]*))?\s*(?:\[[\w, ]*\])?"
+)
+
+
+def read_setup(folder: Path, shown: str) -> SetupScript | None:
+    """Read the setup.py of a package; None if there is none."""
+    path = folder / "setup.py"
+    if not path.is_file():
+        return None
+    source = read_source(path, "setup", shown)
+    script = SetupScript(source)
+    names: dict[str, Any] = {"os.sep": "/", "__file__": str(path), "__name__": "__main__"}
+    calls = _calls(folder)
+    known = {local: calls[target] for local, target in _spellings(source) if target in calls}
+    for statement in _statements(source.tree.body):
+        call = _setup_call(source, statement)
+        if call is not None:
+            _take_keywords(script, call, names, known)
+            break
+        _follow(statement, names, known)
+    if not script.is_called:
+        # It may stand in a function or below a condition.
+        for node in source.nodes:
+            if isinstance(node, ast.Call) and _is_setup(source, node.func):
+                _take_keywords(script, node, names, known)
+                break
+    _take_configuration(script, folder)
+    return script
+
+
+def _take_configuration(script: SetupScript, folder: Path) -> None:
+    """Add what setuptools reads from setup.cfg and pyproject.toml where setup.py says nothing."""
+    parser, fault = read_cfg(read_text(folder / "setup.cfg"))
+    given: dict[str, Any] = {}
+    if parser.has_section("options.entry_points"):
+        given["entry_points"] = {key: value.strip() for key, value in parser["options.entry_points"].items()}
+    if parser.has_section("options.data_files"):
+        pairs = parser["options.data_files"].items()
+        given["data_files"] = [(target, value.split()) for target, value in pairs]
+    options = parser["options"] if parser.has_section("options") else {}
+    if "packages" in options:
+        value = options["packages"].strip()
+        given["packages"] = (
+            packages_in(folder)
+            if value == "find:"
+            else UNKNOWN
+            if value.startswith("find")
+            else value.split()
+        )
+    given |= dict.fromkeys({"package_dir", "py_modules", "scripts"} & {*options}, UNKNOWN)
+    if parser.has_option("metadata", "name"):
+        given["name"] = parser.get("metadata", "name")
+    if fault or re.search(
+        r"^\[(?:project|tool\.setuptools)", read_text(folder / "pyproject.toml"), re.MULTILINE
+    ):
+        given = dict.fromkeys(_KEYWORDS, UNKNOWN) | given
+    for keyword, value in given.items():
+        script.keywords.setdefault(keyword, value)
+
+
+def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    for statement in body:
+        if isinstance(statement, (ast.With, ast.Try)):
+            yield statement
+            yield from _statements(statement.body)
+        elif isinstance(statement, ast.If) and "__main__" in ast.dump(statement.test):
+            yield from _statements(statement.body)
+        else:
+            yield statement
+
+
+def _spellings(source: PythonSource) -> Iterator[tuple[str, str]]:
+    """Yield every dotted name that the file uses, with what it stands for."""
+    for node in source.nodes:
+        name = dotted(node) if isinstance(node, (ast.Name, ast.Attribute)) else None
+        if name:
+            yield name, source.resolve(node) or name
+
+
+def _is_setup(source: PythonSource, node: ast.expr) -> bool:
+    return source.resolve(node) in ("setuptools.setup", "distutils.core.setup") or dotted(node) == "setup"
+
+
+def _setup_call(source: PythonSource, statement: ast.stmt) -> ast.Call | None:
+    value = statement.value if isinstance(statement, (ast.Expr, ast.Assign)) else None
+    return value if isinstance(value, ast.Call) and _is_setup(source, value.func) else None
+
+
+def _take_keywords(script: SetupScript, call: ast.Call, names: dict[str, Any], calls: dict[str, Any]) -> None:
+    script.is_called = True
+    for node in script.source.nodes:
+        if isinstance(node, (ast.Tuple, ast.List)) and len(node.elts) == 2:
+            target = evaluate(node.elts[0], names, calls)
+            if isinstance(target, str):
+                script.targets.setdefault(target.rstrip("/"), node.elts[0])
+    for keyword in call.keywords:
+        value = evaluate(keyword.value, names, calls)
+        if keyword.arg is not None:
+            script.keywords[keyword.arg] = value
+            script.lines[keyword.arg] = keyword.value.lineno
+        elif isinstance(value, dict):
+            script.keywords.update(value)
+        else:
+            # Whatever it brings is not known.
+            for name in ("name", "packages", "data_files", "entry_points", "package_dir", "py_modules"):
+                script.keywords.setdefault(name, UNKNOWN)
+
+
+def _follow(statement: ast.stmt, names: dict[str, Any], calls: dict[str, Any]) -> None:
+    """Do with `names` what a statement does, or forget the names that it may change."""
+    if isinstance(statement, (ast.Assign, ast.AnnAssign)):
+        value = evaluate(statement.value, names, calls)
+        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+        for target in targets:
+            if isinstance(target, ast.Name):
+                names[target.id] = value
+            else:
+                _forget(target, names)
+        return
+    if isinstance(statement, ast.AugAssign) and isinstance(statement.op, ast.Add):
+        target_name = dotted(statement.target)
+        sum_node = ast.BinOp(statement.target, ast.Add(), statement.value)
+        if isinstance(statement.target, ast.Name) and target_name in names:
+            value = evaluate(statement.value, names, calls)
+            before = names[target_name]
+            is_pair = isinstance(before, list) and isinstance(value, list)
+            names[target_name] = [*before, *value] if is_pair else evaluate(sum_node, names, calls)
+            return
+    call = statement.value if isinstance(statement, ast.Expr) else None
+    if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and len(call.args) == 1:
+        owner = names.get(dotted(call.func.value) or "")
+        value = evaluate(call.args[0], names, calls)
+        if isinstance(owner, list) and call.func.attr == "append":
+            owner.append(value)
+            return
+        if isinstance(owner, list) and call.func.attr == "extend" and isinstance(value, (list, tuple)):
+            owner.extend(value)
+            return
+    if not isinstance(statement, (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.ClassDef)):
+        _forget(statement, names)
+
+
+def _forget(node: ast.AST, names: dict[str, Any]) -> None:
+    for inner in ast.walk(node):
+        if isinstance(inner, ast.Name) and inner.id in names and inner.id != "__file__":
+            names[inner.id] = UNKNOWN
+
+
+def _calls(folder: Path) -> dict[str, Any]:
+    """Return what the functions do that a setup.py usually calls, seen from the package's folder."""
+
+    def found(pattern: str, **_: Any) -> Any:
+        if pattern.startswith("/") or ".." in pattern:
+            return UNKNOWN  # nothing outside the package is looked for
+        pattern = os.path.join(folder, pattern)  # noqa: PTH118 -- the pattern may be absolute
+        return [os.path.relpath(path, folder) for path in glob.glob(pattern, recursive=True)]  # noqa: PTH207
+
+    def found_packages(where: str = ".", exclude: Any = (), include: Any = ("*",)) -> list[str]:
+        return packages_in(folder / where, tuple(exclude), tuple(include))
+
+    def namespaces(*_: Any, **__: Any) -> Any:
+        return UNKNOWN
+
+    return {
+        "os.path.join": os.path.join,
+        "os.path.basename": os.path.basename,
+        "os.path.dirname": os.path.dirname,
+        "os.path.splitext": os.path.splitext,
+        "os.path.abspath": str,
+        "glob.glob": found,
+        "glob.iglob": found,
+        "setuptools.find_packages": found_packages,
+        "setuptools.find_namespace_packages": namespaces,
+        "catkin_pkg.python_setup.generate_distutils_setup": dict,
+        "str": str,
+        "list": list,
+        "tuple": tuple,
+        "sorted": sorted,
+        "dict": dict,
+        "zip": lambda *lists: list(zip(*lists, strict=False)),
+        "enumerate": lambda items: list(enumerate(items)),
+    }
+
+
+def packages_in(folder: Path, exclude: tuple[str, ...] = (), include: tuple[str, ...] = ("*",)) -> list[str]:
+    """List what `find_packages` finds: folders with an `__init__.py`, and such folders in them."""
+    found: list[str] = []
+    queue = [(folder, "")]
+    while queue and len(found) < _LARGEST_PACKAGE:
+        parent, prefix = queue.pop()
+        for path in sorted(parent.iterdir()) if parent.is_dir() else ():
+            if path.is_dir() and path.name.isidentifier() and (path / "__init__.py").is_file():
+                name = prefix + path.name
+                queue.append((path, f"{name}."))
+                is_wanted = any(fnmatchcase(name, pattern) for pattern in include)
+                if is_wanted and not any(fnmatchcase(name, pattern) for pattern in exclude):
+                    found.append(name)
+    return found
+
+
+def _groups_in(text: str) -> dict[str, Any]:
+    groups: dict[str, Any] = {}
+    lines: list[str] = []
+    for line in text.splitlines():
+        if match := re.fullmatch(r"\s*\[(.+)\]\s*", line):
+            lines = groups.setdefault(match[1].strip(), [])
+        elif line.strip():
+            lines.append(line.strip())
+    return groups
