@@ -104,7 +104,7 @@ class Comparison:
         tracebacks = [run.stderr.count(_TRACEBACK) for run in (self.real[0], self.ours[0])]
         is_told = self.ours[0].stderr.strip() and self.ours[0].code != 0
         if tracebacks[0] and not tracebacks[1] and self.differing == ["stderr"] and is_told:
-            return "A sentence in place of a traceback."
+            return "A sentence instead of a traceback."
         return ""
 
     @property

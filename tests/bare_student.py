@@ -334,7 +334,7 @@ def environment(**options: Any) -> dict[str, str]:
 
 
 def python_prefix() -> Path | None:
-    """Return the prefix of the Python to be used in place of Debian's, if one is chosen."""
+    """Return the prefix of the Python to be used instead of Debian's, if one is chosen."""
     return Path(PYTHON) if PYTHON else None
 
 

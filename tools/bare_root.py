@@ -139,7 +139,7 @@ def entering(
         command: the program and its arguments.
         home: a folder of this machine, which becomes the home.
         as_root: whether to run it as root, and not as an ordinary user.
-        python: the prefix of a Python of this machine, to be used in place of Debian's.
+        python: the prefix of a Python of this machine, to be used instead of Debian's.
         binds: more folders of this machine, writable, by what they are called inside.
         folder: where to start, inside; the home without it.
         options: more of bubblewrap's, such as `--unshare-net`.

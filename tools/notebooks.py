@@ -31,7 +31,7 @@ FOLDER = ROOT / "notebooks"
 SANITIZERS = ROOT / "tests" / "notebooks" / "sanitize.cfg"
 CELL_TIMEOUT = 120  # s
 
-# A widget that closes leaves its picture in place of its view, which nobody could show without the kernel.
+# A widget that closes leaves its picture instead of its view, which nobody could show without the kernel.
 CLOSE = """
 from ros2lab.session import LabSession
 session = LabSession.current()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-LONGEST_COMMAND = 64  # characters, blanks included
+LONGEST_COMMAND = 64  # characters, spaces included
 LONGEST_QUOTE = 40  # characters
 
 
@@ -66,7 +66,7 @@ def effect_of(command: Command, state: State) -> Effect:
 
 
 def parse_command(text: str) -> Command:
-    """Understand a received command; blanks around it and capitals do not matter.
+    """Understand a received command; spaces around it and capitals do not matter.
 
     Raises:
         ValueError: the text is empty, too long or unknown; the message says so and what is

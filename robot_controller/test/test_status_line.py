@@ -7,7 +7,7 @@ from robot_controller.status_line import Status, format_status, parse_status
 
 
 def test_line_is_key_value_pairs() -> None:
-    """The line has one decimal for the time, and blanks between the pairs."""
+    """The line has one decimal for the time, and spaces between the pairs."""
     assert format_status(Status(State.RUNNING, 12.04, 6)) == "state=running uptime_s=12.0 count=6"
     assert format_status(Status(None, 0.0, 1)) == "state=unknown uptime_s=0.0 count=1"
 

@@ -43,7 +43,7 @@ class Delivery(NamedTuple):
 
 
 def student_edition(notebook: Any) -> Any:
-    """Return a copy of a worked notebook with a comment in place of each solution, and without outputs.
+    """Return a copy of a worked notebook with a comment instead of each solution, and without outputs.
 
     Args:
         notebook: an nbformat 4 notebook; solutions stand between `### BEGIN SOLUTION` and `### END SOLUTION`.

@@ -22,7 +22,7 @@ class FileError(Exception):
     """A file cannot be shown or changed as asked; the text says what, where, and what to do."""
 
     def _render_traceback_(self) -> list[str]:
-        # IPython shows this in place of a traceback through the lab's own code.
+        # IPython shows this instead of a traceback through the lab's own code.
         return [str(self)]
 
 

@@ -10,7 +10,7 @@ class Interrupted(KeyboardInterrupt):
     """The student has interrupted a call of the lab; the text says what was stopped, and what goes on."""
 
     def _render_traceback_(self) -> list[str]:
-        # IPython shows this in place of a traceback.
+        # IPython shows this instead of a traceback.
         return [str(self)]
 
 
@@ -22,7 +22,7 @@ def interrupted_says(sentence: str) -> Iterator[None]:
         sentence: what the interrupt means here.
 
     Raises:
-        Interrupted: in place of a bare KeyboardInterrupt.
+        Interrupted: instead of a bare KeyboardInterrupt.
     """
     try:
         yield

@@ -21,7 +21,7 @@ SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
     # that is slow to be made is then missing. A lesson has few enough cells to have them all there.
     "default_setting_overrides.json": {
         "@jupyterlab/notebook-extension:tracker": {"windowingMode": "defer"},
-        # Without it a notebook that is opened without its kernel shows errors in place of widgets.
+        # Without it a notebook that is opened without its kernel shows errors instead of widgets.
         "@jupyter-widgets/jupyterlab-manager:plugin": {"saveState": True},
     },
     "page_config.json": {

@@ -32,7 +32,7 @@ def describes(text: str, package: str) -> bool:
 
 
 def _words(text: str) -> Iterator[str]:
-    """Yield the words of a text, and each letter of a script without capitals: some write no blanks between words."""
+    """Yield the words of a text, and each letter of a script without capitals: some write no spaces between words."""
     for letters in _LETTERS.findall(text.casefold()):
         if letters.upper() == letters:
             yield from letters
@@ -58,7 +58,7 @@ def fault_of(error: Exception, text: str) -> str:
 
 
 def _tags_that_differ(text: str) -> tuple[str, str] | None:
-    """Return the tag that is open, and the one that comes in place of its end; None if that is not the fault."""
+    """Return the tag that is open, and the one that comes instead of its end; None if that is not the fault."""
     opened: list[str] = []
     parser = expat.ParserCreate()
     parser.StartElementHandler = lambda name, _: opened.append(name)

@@ -306,7 +306,7 @@ def one_type_a_topic(node: Node, topic: str, wanted_type: str) -> Iterator[None]
     """Turn what DDS says of two types on one topic of one process into a sentence.
 
     Raises:
-        ValueError: in place of "invalid allocator", naming both types.
+        ValueError: instead of "invalid allocator", naming both types.
     """
     try:
         yield

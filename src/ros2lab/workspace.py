@@ -86,7 +86,7 @@ class Workspace:
         if unusable:
             raise WorkspaceError(
                 f"The path {self.path} holds {' and '.join(unusable)}, which colcon's setup.bash cannot live "
-                "with; choose a folder without it (letters, digits, blanks, - and _ are safe)."
+                "with; choose a folder without it (letters, digits, spaces, - and _ are safe)."
             )
 
     def create(self) -> Workspace:
@@ -301,7 +301,7 @@ class Workspace:
             # Neither colcon's setup.bash nor the first line of an executable can name such a Python.
             raise WorkspaceError(
                 f"This Python is at {sys.executable}, and what colcon builds cannot name a program whose "
-                f"path has a blank; move the course's folder to a path without blanks and run `{environment.INSTALL}`."
+                f"path has a space; move the course's folder to a path without spaces and run `{environment.INSTALL}`."
             )
 
     def _check_writable(self) -> None:

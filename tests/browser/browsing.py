@@ -43,7 +43,7 @@ class Lab:
     log: Path | None = None
 
     def solve(self) -> None:
-        """Put the worked notebooks in place of the student edition, as somebody would who has solved everything.
+        """Put the worked notebooks instead of the student edition, as somebody would who has solved everything.
 
         The sessions are still open: somebody is in the middle of a lesson.
         """

@@ -25,7 +25,7 @@ EXERCISES = [(lesson, name) for lesson in lessons() for name in progress.exercis
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> StudentsFolder:
-    """The student's folder, with a blank in its path."""
+    """The student's folder, with a space in its path."""
     place = tmp_path_factory.mktemp("student")
     return StudentsFolder(place / "my work", place / "kept")
 

@@ -71,4 +71,4 @@ def test_what_needs_a_look_says_why(reason: str) -> None:
 def test_nothing_to_grade_and_what_was_decided_are_looked_at() -> None:
     assert sentences(evidences.nothing(), "It is empty.")[0] == "There was nothing to grade: It is empty."
     (decided,) = sentences(replace(right(), sandbox="bubblewrap 0.8.0"), is_decided=True)
-    assert decided == "An instructor has decided: documentation.code 1 in place of 3, by I. Structor."
+    assert decided == "An instructor has decided: documentation.code 1 instead of 3, by I. Structor."

@@ -22,7 +22,7 @@ from ros2lab.classroom.judging import Judging
 COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()", "class", "grade", "submissions"]
 DASK = "from distributed.cli.{0} import main; main()"
 
-# In place of the grader: it tells who grades what, and what is called `held` is held for as long as its first worker lives.
+# Instead of the grader: it tells who grades what, and what is called `held` is held for as long as its first worker lives.
 GRADER = """
 import json, os, sys, zipfile
 path = json.loads(sys.stdin.readline())["paths"][0]

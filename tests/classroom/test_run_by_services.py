@@ -1,4 +1,4 @@
-"""The bundles' scripts, run as Gradescope and GitHub Actions run them, in a folder in place of the service's own."""
+"""The bundles' scripts, run as Gradescope and GitHub Actions run them, in a folder instead of the service's own."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from ros2lab.classroom.gradebook import Seen
 from ros2lab.classroom.one import CannotGrade
 from ros2lab.classroom.side_by_side import Done, Step, Task, grade
 
-# In place of the grader: what it does is what the submission is called.
+# Instead of the grader: what it does is what the submission is called.
 GRADER = """
 import json, os, sys, time
 name = os.path.basename(json.loads(sys.stdin.readline())["paths"][0])

@@ -24,7 +24,7 @@ def printed_by(*words: str | Path, environ: Mapping[str, str] | None = None, typ
     """Run Python, and return all that it prints.
 
     Args:
-        words: behind `python3`.
+        words: after `python3`.
         environ: its variables; None takes those of the test.
         typed: what it finds at its keyboard.
     """

@@ -41,7 +41,7 @@ FAILS = {
     # What a mend must fit: the lines around it, and what is there already.
     "elements in a loop": (
         "js = JointState()\n        for i in range(6):\n            js.position[i] = 0.5 * i",
-        "write `js.position.append(0.5 * i)` in place of `js.position[i] = 0.5 * i`",
+        "write `js.position.append(0.5 * i)` instead of `js.position[i] = 0.5 * i`",
     ),
     "a condition above others": (
         "self.call = None\n        self.look()\n\n    def look(self):\n        if self.call.data == 1:\n            pass\n        elif self.call.data == 2:\n            pass\n\n    def keep(self, msg):\n        self.call = msg",
@@ -53,7 +53,7 @@ FAILS = {
     ),
     # What somebody else owns, or holds.
     "an attribute of rclpy's": ("self._clock = 3\n        self.create_timer(1.0, self.drive)", "write self.clock or another name"),
-    "the class of another node": ("super(JointState, self).__init__('again')", "write super() in place of super(JointState, self)"),
+    "the class of another node": ("super(JointState, self).__init__('again')", "write super() instead of super(JointState, self)"),
     "a message for what it holds": ("from std_msgs.msg import Float64\n        level = Float64(data=2.0)\n        round(level)", "level.data"),
 }  # fmt: skip
 
@@ -239,7 +239,7 @@ def test_a_setup_that_was_written_for_catkin(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("there", "fix"),
-    [("", f"touch {PACKAGE}/README.md"), ("Readme.md", "write 'Readme.md' in place of 'README.md'")],
+    [("", f"touch {PACKAGE}/README.md"), ("Readme.md", "write 'Readme.md' instead of 'README.md'")],
 )
 def test_a_file_that_setup_reads_and_that_is_not_there(tmp_path: Path, there: str, fix: str) -> None:
     files = Files.right(NAME).change(
@@ -293,7 +293,7 @@ def test_a_launch_file_in_the_words_of_another_release(tmp_path: Path) -> None:
         " - AttributeError: Attribute 'exec' of type '<class 'str'>' not found in Entity 'node'\n"
         " - SyntaxError: invalid syntax (old.launch.xml, line 1)\nstudent@lab:~/ws$ \n"
     )
-    assert of_text(said, files.write(tmp_path))[0].fix == "write exec in place of type"
+    assert of_text(said, files.write(tmp_path))[0].fix == "write exec instead of type"
 
 
 TEST = "def PREFIXsum():\n    assert 0.1 + 0.2 == 0.3\n"
@@ -534,7 +534,7 @@ def test_a_loop_that_spins_nothing(tmp_path: Path, loop: str, is_fault: bool) ->
     files = Files.right(NAME).change("driver", "    rclpy.spin(node)\n", f"    {loop}\n")
     files.change("driver", "import rclpy\n", "import threading\nimport time\nimport rclpy\nrest = 1.0\n")
     fixes = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "spin-missing"]
-    assert [fix.partition(" in place")[0] for fix in fixes] == (
+    assert [fix.partition(" instead")[0] for fix in fixes] == (
         [f"write rclpy.spin_once(node, timeout_sec={'1.0' if '1.0' in loop else 'rest'})"] if is_fault else []
     )
 
@@ -550,7 +550,7 @@ def test_a_package_of_the_name_of_a_module_of_pythons_own(tmp_path: Path) -> Non
 def test_a_pattern_that_takes_no_file(tmp_path: Path) -> None:
     files = Files.right(NAME).change("setup.py", "launch/*.launch.py", "launch/*.launch.pv")
     first = first_of(files, tmp_path)
-    assert first.fix == "write '*.launch.py' in place of '*.launch.pv', and build again"
+    assert first.fix == "write '*.launch.py' instead of '*.launch.pv', and build again"
 
 
 @pytest.mark.parametrize(
@@ -615,5 +615,5 @@ def test_a_copied_line_with_the_topic_of_another_program(tmp_path: Path) -> None
     )
     files.change("listener", "import rclpy\n", "import rclpy\nfrom geometry_msgs.msg import Twist\n")
     found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "topic-near-miss"]
-    assert [one.fix for one in found] == ["write 'crane/reach' in place of 'crane/height' here"]
+    assert [one.fix for one in found] == ["write 'crane/reach' instead of 'crane/height' here"]
     assert "reach.py" in found[0].place

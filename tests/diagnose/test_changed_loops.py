@@ -38,7 +38,7 @@ def told(lines: str, folder: Path) -> list[Finding]:
 @pytest.mark.parametrize(
     ("lines", "fix"),
     [
-        ("for box in self.boxes:\n  if box == 'bad':\n    self.boxes.remove(box)", "write list(self.boxes) in place of self.boxes"),
+        ("for box in self.boxes:\n  if box == 'bad':\n    self.boxes.remove(box)", "write list(self.boxes) instead of self.boxes"),
         ("for box in self.boxes:\n  if box == 'bad':\n    self.drop(box)", "write list(self.boxes)"),
         ("for key in self.seen:\n  if self.seen[key] > 1:\n    del self.seen[key]", "write list(self.seen)"),
         ("for key, n in self.seen.items():\n  if n > 1:\n    self.seen.pop(key)", "write list(self.seen.items())"),

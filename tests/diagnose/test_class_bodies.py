@@ -44,9 +44,9 @@ TOLD = {
     "late, in a named tuple": ("class Tour(NamedTuple):\n    speed: float = 0.5\n    name: str", "name: str", "move this line above line 13"),
     "a member twice": ("class Colour(Enum):\n    RED = 1\n    GREEN = 2\n    RED = 3", "RED = 3", "give it another name"),
     "a value twice": ("@unique\nclass Colour(Enum):\n    RED = 1\n    GREEN = 1", "GREEN = 1", "give GREEN another value"),
-    "a name with _": ("class Tour(NamedTuple):\n    _speed: float", "_speed", "write speed in place of _speed"),
-    "a word of Python's": ("Tour = namedtuple('Tour', 'name class')", "Tour =", "write class_ in place of class"),
-    "an Enum of an Enum": ("class Colour(Enum):\n    RED = 1\n\n\nclass More(Colour):\n    BLUE = 2", "class More", "write Enum in place of Colour"),
+    "a name with _": ("class Tour(NamedTuple):\n    _speed: float", "_speed", "write speed instead of _speed"),
+    "a word of Python's": ("Tour = namedtuple('Tour', 'name class')", "Tour =", "write class_ instead of class"),
+    "an Enum of an Enum": ("class Colour(Enum):\n    RED = 1\n\n\nclass More(Colour):\n    BLUE = 2", "class More", "write Enum instead of Colour"),
     "frozen": ("@dataclass(frozen=True)\nclass A:\n    speed: float\n\n\n@dataclass\nclass Tour(A):\n    name: str", "@dataclass", "write @dataclass(frozen=True) above the class Tour"),
     "slots": ("class Tour:\n    __slots__ = ('name', 'speed')\n    speed = 1", "speed = 1", "set self.speed in __init__"),
 }  # fmt: skip

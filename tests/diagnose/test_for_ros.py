@@ -186,4 +186,4 @@ def test_a_folder_is_quoted_as_it_stands_in_its_line(written: str, quoted: str, 
     assert finding.code == "installed-elsewhere"
     number = int(finding.place.rpartition(":")[2])
     assert quoted in text.splitlines()[number - 1]
-    assert f"in place of {quoted}, " in finding.fix
+    assert f"instead of {quoted}, " in finding.fix

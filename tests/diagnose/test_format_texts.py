@@ -1,4 +1,4 @@
-"""Errors that come out of a format text: told is where it is written, and what is written there in place of what."""
+"""Errors that come out of a format text: told is where it is written, and what is written there instead of what."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ WRONG = {
     "no colon": ("'flow {0.1f} l'", "FORMAT.format(self.flow)", "{0:.1f}"),
     "no colon, by name": ("'flow {flow.2f} l'", "FORMAT.format(flow=self.flow)", "{flow:.2f}"),
     "a comma for the point": ("'flow {:,1f} l'", "FORMAT.format(self.flow)", "{:.1f}"),
-    "the point behind": ("'flow {:1f.} l'", "FORMAT.format(self.flow)", "{:.1f}"),
+    "the point after": ("'flow {:1f.} l'", "FORMAT.format(self.flow)", "{:.1f}"),
     "letter and digits exchanged": ("'flow {:f.2} l'", "FORMAT.format(self.flow)", "{:.2f}"),
     "a percent sign in braces": ("'flow {:%.1f} l'", "FORMAT.format(self.flow)", "{:.1f}"),
     "another name": ("'flow {folw} l'", "FORMAT.format(flow=self.flow)", "{flow}"),
@@ -63,7 +63,7 @@ WRONG = {
     "percent, without its letter": ("'flow %.1'", "FORMAT % self.flow", "%.1f"),
     "percent, a lone sign": ("'%s: 50 % open'", "FORMAT % self.word", "%%"),
     "percent, another name": ("'flow %(folw)s'", "FORMAT % {'flow': self.flow}", "%(flow)s"),
-    "an f-string, the point behind": ("''", "f'flow {self.flow:1f.} l'", ":.1f"),
+    "an f-string, the point after": ("''", "f'flow {self.flow:1f.} l'", ":.1f"),
     "an f-string, a whole number of a float": ("''", "f'flow {self.flow:d} l'", ":.0f"),
     "an f-string, a number of a text": ("''", "f'valve {self.word:.2f}'", ""),
 }  # fmt: skip
@@ -94,7 +94,7 @@ def run(file: Path) -> str:
 @pytest.mark.parametrize(("constant", "tick", "meant"), WRONG.values(), ids=WRONG)
 def test_the_text_is_written_as_is_told(tmp_path: Path, constant: str, tick: str, meant: str) -> None:
     finding, error = told(tmp_path, constant, tick)
-    match = re.match(r"write `(?P<new>.*?)` in place of `(?P<old>.+?)`", finding.fix)
+    match = re.match(r"write `(?P<new>.*?)` instead of `(?P<old>.+?)`", finding.fix)
     assert match, (finding, error)
     assert meant in match["new"]
     name, _, number = finding.place.rpartition(":")

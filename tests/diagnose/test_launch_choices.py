@@ -41,7 +41,7 @@ def told(text: str) -> str:
 def test_what_is_told_chooses_when_launch_runs(name: str) -> None:
     text, outcomes = CHOICES[name]
     fix = told(text)
-    written = fix.removeprefix("write ").partition(" in place of ")[0].strip("`").removeprefix("gap = ")
+    written = fix.removeprefix("write ").partition(" instead of ")[0].strip("`").removeprefix("gap = ")
     scope: dict[str, Any] = {}
     exec(f"{HEAD}\ngap = {written}", scope)
     for given, expected in outcomes.items():

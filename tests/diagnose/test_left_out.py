@@ -1,4 +1,4 @@
-"""A value that was left out, so that those behind it have slid: it is put in, and none of them is exchanged."""
+"""A value that was left out, so that those after it have slid: it is put in, and none of them is exchanged."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def told(lines: str, folder: Path) -> list[Finding]:
 def test_the_line_end_is_told(tmp_path: Path, lines: str, text: str) -> None:
     (found,) = told(lines, tmp_path)
     assert found.code == "never-equal"
-    assert f"write {text}.strip() in place of {text}" in found.fix
+    assert f"write {text}.strip() instead of {text}" in found.fix
 
 
 @pytest.mark.parametrize(

@@ -71,4 +71,4 @@ def test_what_launch_does_not_show_is_told_as_it_is_to_be_written(tmp_path: Path
     if more:
         assert not found
     else:
-        assert found[0].fix.startswith("write `self.get_logger().info(f'drive {1}')` in place of")
+        assert found[0].fix.startswith("write `self.get_logger().info(f'drive {1}')` instead of")

@@ -66,8 +66,8 @@ def test_what_is_made_otherwise_than_meant(name: str, tmp_path: Path) -> None:
     text = PROGRAM.replace("BEGIN", begin).replace("LINES", lines)
     first = of_text(said_by(tmp_path, text), tmp_path)[0]
     assert first.code == "made-wrong"
-    assert first.fix.startswith(f"write {new} in place of ")
-    old = first.fix.partition(" in place of ")[2]
+    assert first.fix.startswith(f"write {new} instead of ")
+    old = first.fix.partition(" instead of ")[2]
     assert said_by(tmp_path, text.replace(old, new)) == ""
 
 
@@ -88,8 +88,8 @@ RIGHT = """{
 """
 READER = "import json\nfrom pathlib import Path\n\njson.loads((Path(__file__).parent.parent / 'config' / 'rooms.json').read_text())\n"
 FAULTY = {
-    "a comma behind the last element": ('"seconds": 0.5}\n', '"seconds": 0.5},\n', 6),
-    "a comma behind the last member": ('"guide": null', '"guide": null,', 8),
+    "a comma after the last element": ('"seconds": 0.5}\n', '"seconds": 0.5},\n', 6),
+    "a comma after the last member": ('"guide": null', '"guide": null,', 8),
     "a comma too few between elements": ("1.5},", "1.5}", 5),
     "a comma too few between members": ('"Old",', '"Old"', 2),
     "single quotes": ('"Rome"', "'Rome'", 6),

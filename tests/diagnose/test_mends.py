@@ -52,13 +52,13 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "node",
         "self.get_parameter('period').value,",
         "self.get_parameter('period').value(),",
-        "take the parentheses behind self.get_parameter('period').value away",
+        "take the parentheses after self.get_parameter('period').value away",
     ),
     "functions that are called where they are kept": (
         "driver",
         "self.speed = 0.5",
         "self.words = {'go': self.go(), 'halt': self.go()}\n        self.words['go']()\n\n    def go(self):\n        self.get_logger().info('go')",
-        "write self.go in place of self.go(), self.go in place of self.go()",
+        "write self.go instead of self.go(), self.go instead of self.go()",
     ),
     "pairs for parameters": (
         "driver",
@@ -70,7 +70,7 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "driver",
         "msg.linear.x = 1.0",
         "msg.linear['x'] = 1.0",
-        "write msg.linear.x in place of msg.linear['x']",
+        "write msg.linear.x instead of msg.linear['x']",
     ),
     "nothing to publish": (
         "driver",
@@ -88,13 +88,13 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "driver",
         "    rclpy.spin(node)\n",
         "    node.destroy()\n",
-        "write destroy_node in place of destroy",
+        "write destroy_node instead of destroy",
     ),
     "the class for its object": (
         "driver",
         "rclpy.spin(node)",
         "rclpy.spin(Driver)",
-        "write node in place of Driver",
+        "write node instead of Driver",
     ),
     "a module for its class": (
         "driver",
@@ -112,7 +112,7 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "node",
         "self.get_parameter('period').value,",
         "1 / self.get_parameter('period').get_parameter_value().integer_value,",
-        "write .double_value in place of .integer_value",
+        "write .double_value instead of .integer_value",
     ),
 }
 
@@ -160,7 +160,7 @@ def test_what_fails_is_mended_by_what_is_told(tmp_path: Path, what: str) -> None
         ("install_requires=['setuptools']", "install_requires=['setuptools>>3']", "write install_requires=['setuptools']"),
         ("zip_safe=True", "zip_safe=True, python_requires='three'", "take python_requires away"),
         pytest.param("license='Apache-2.0'", "license=['Apache-2.0']", "write license='Apache-2.0'", marks=pytest.mark.thorough),
-        ("zip_safe=True", "zip_save=True", "write zip_safe in place of zip_save"),
+        ("zip_safe=True", "zip_save=True", "write zip_safe instead of zip_save"),
         ("find_packages(exclude=['test'])", "[package_name, 'nodes']", f"write packages=['{NAME.package}']"),
         ("'console_scripts': [", "'console_scripts' = [", "write `'console_scripts' : [`"),
     ],
@@ -217,7 +217,7 @@ def test_a_path_without_its_slash(tmp_path: Path) -> None:
     old = "os.path.join(get_package_share_directory('PACKAGE'), 'config', 'robot.yaml')"
     new = "get_package_share_directory('PACKAGE') + 'config/robot.yaml'"
     first = silent(Files.right(NAME).change("launch/robot.launch.py", old, new), tmp_path)
-    assert first.fix == "write '/config/robot.yaml' in place of 'config/robot.yaml'"
+    assert first.fix == "write '/config/robot.yaml' instead of 'config/robot.yaml'"
 
 
 def test_what_is_sent_before_anybody_can_hear_it(tmp_path: Path) -> None:
@@ -277,7 +277,7 @@ def test_what_pytest_wrote_is_read(tmp_path: Path) -> None:
     written.write_text(
         f'<testsuites><testsuite><testcase><error message="collection failure">{error}</error></testcase></testsuite></testsuites>'
     )
-    assert of_text(said, root)[0].fix.startswith("write my_bot.talker in place of talker")
+    assert of_text(said, root)[0].fix.startswith("write my_bot.talker instead of talker")
     bomb = "".join(f"<!ENTITY a{n} '{f'&a{n - 1};' * 10}'>" for n in range(1, 12))
     written.write_text(f"<!DOCTYPE t [<!ENTITY a0 'ha'>{bomb}]><t><error>&a11;</error></t>")
     assert of_text(said, root) == []

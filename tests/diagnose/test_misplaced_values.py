@@ -18,7 +18,7 @@ def told(keywords: str) -> list[str]:
 @pytest.mark.parametrize(
     ("keywords", "fix"),
     [
-        ("params=[{'size': 4.5}]", "write parameters=[{'size': 4.5}] in place of params=[{'size': 4.5}]"),
+        ("params=[{'size': 4.5}]", "write parameters=[{'size': 4.5}] instead of params=[{'size': 4.5}]"),
         ("params={'size': 4.5}", "write parameters=[{'size': 4.5}]"),
         ("remaps=[('/a', '/b')]", "write remappings=[('/a', '/b')]"),
         ("arguments=[{'size': 4.5}]", "write parameters=[{'size': 4.5}]"),

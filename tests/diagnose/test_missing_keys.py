@@ -35,12 +35,12 @@ CSV = "with open(FILE, encoding='utf-8') as file:\n        rows = list(csv.DictR
 PLAIN = "rows = list(csv.DictReader(open(FILE)))\n    print(rows[0]['name'])"
 YAML = "config = yaml.safe_load(FILE.read_text())\n    print(config['speed'])"
 JSON = "with open(FILE) as file:\n        config = json.load(file)\n    print(config['speed'])"
-# A file, what it says, the program that reads it, what is said of the key, and what is written in place of what.
+# A file, what it says, the program that reads it, what is said of the key, and what is written instead of what.
 FILES = {
     "a mark at the beginning": ("fields.csv", "\ufeffname;x\na;1\n", CSV, "byte order mark", "encoding='utf-8-sig'", "encoding='utf-8'"),
     "a mark, and no encoding": ("fields.csv", "\ufeffname,x\na,1\n", PLAIN, "byte order mark", "open(FILE, encoding='utf-8-sig')", "open(FILE)"),
     "a capital": ("fields.csv", "Name;x\na;1\n", CSV, "it is 'Name'", "'Name'", "'name'"),
-    "a blank": ("fields.csv", "x; name\n1;a\n", CSV, "blanks beside it", "' name'", "'name'"),
+    "a space": ("fields.csv", "x; name\n1;a\n", CSV, "spaces beside it", "' name'", "'name'"),
     "another separator": ("fields.csv", "name,x\na,1\n", CSV, "separates its columns with ','", "delimiter=','", "delimiter=';'"),
     "no separator given": ("fields.csv", "name;x\na;1\n", PLAIN, "separates its columns with ';'", "csv.DictReader(open(FILE), delimiter=';')", "csv.DictReader(open(FILE))"),
     "a deeper key": ("robot.yaml", "robot:\n  speed: 1.0\n", YAML, "stands below 'robot'", "config['robot']['speed']", "config['speed']"),
@@ -84,9 +84,9 @@ def test_a_key_is_compared_with_those_of_the_file(tmp_path: Path, case: tuple[st
     text = file.read_text()
     number = int(finding.place.rpartition(":")[2])
     if "delimiter" in finding.fix and "csv" in finding.fix:
-        new, old = finding.fix.removeprefix("write ").split(" in place of ")
+        new, old = finding.fix.removeprefix("write ").split(" instead of ")
     else:
-        assert finding.fix == f"write {new} in place of {old}"
+        assert finding.fix == f"write {new} instead of {old}"
     mended = text.splitlines()
     assert old in mended[number - 1]
     mended[number - 1] = mended[number - 1].replace(old, new)
@@ -115,12 +115,12 @@ def test_an_installed_file_that_was_not_built_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("lines", "fix"),
     [
-        ("speeds = {'slow': 1, 'fast': 2}\n    print(speeds['quick'])", "ask for one of these in place of 'quick'"),
-        ("speeds = {'slow': 1, 'fast': 2}\n    print(speeds['Slow'])", "write 'slow' in place of 'Slow'"),
+        ("speeds = {'slow': 1, 'fast': 2}\n    print(speeds['quick'])", "ask for one of these instead of 'quick'"),
+        ("speeds = {'slow': 1, 'fast': 2}\n    print(speeds['Slow'])", "write 'slow' instead of 'Slow'"),
         ("words = dict(zip('ab', 'cd'))\n    print(words['c'])", "print words in the line above"),
         ("word, speeds = os.sep, {'slow': 1}\n    print(speeds[word])", "write these two lines above line 14: `if word not in speeds:`, and indented below it `return`"),
         ("speeds = {'a': 1}\n    for word in 'ab':\n        print(speeds[word])", "write these two lines above line 15: `if word not in speeds:`, and indented below it `continue`"),
-        ("word, speeds = os.sep, {'slow': 1}\n    return speeds[word]", "write speeds.get(word, ...) in place of speeds[word], with a value for all other keys"),
+        ("word, speeds = os.sep, {'slow': 1}\n    return speeds[word]", "write speeds.get(word, ...) instead of speeds[word], with a value for all other keys"),
     ],
 )  # fmt: skip
 def test_a_key_of_a_dictionary_of_ones_own(tmp_path: Path, lines: str, fix: str) -> None:
@@ -138,7 +138,7 @@ TYPED = {
         "export ROBOT=anna",
     ),
     "as in another shell": ("$ set ROBOT=anna", "export ROBOT=anna"),
-    "blanks": ("$ ROBOT = anna\nROBOT: command not found", "export ROBOT=anna"),
+    "spaces": ("$ ROBOT = anna\nROBOT: command not found", "export ROBOT=anna"),
     "kept for later": ("$ echo 'export ROBOT=anna' >> ~/.bashrc", "source ~/.bashrc"),
     "taken away": ("$ export ROBOT=anna\n$ unset ROBOT", "export ROBOT=..."),
     "never set": ("$ source install/setup.bash", "export ROBOT=..."),

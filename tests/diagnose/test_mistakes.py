@@ -90,7 +90,7 @@ def test_the_right_cause_comes_first(looked: Looked, asked_of: Sequence[Mistake]
             answers.append(("text alone", mistake.bare or mistake.code, first(of_text(text))))
         asked += len(answers)
         wrong += [
-            f"{mistake.name} ({files.names.package}, {what}): {given} in place of {right}"
+            f"{mistake.name} ({files.names.package}, {what}): {given} instead of {right}"
             for what, right, given in answers
             if given != right
         ]

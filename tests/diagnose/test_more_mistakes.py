@@ -77,7 +77,7 @@ def test_an_answer_is_judged_by_its_cause_its_place_and_its_fix(
 @pytest.mark.parametrize(
     ("cause", "fix", "verdict"),
     [
-        ("Launch says: {seen}", "write executable= in place of node_executable=", "vague"),
+        ("Launch says: {seen}", "write executable= instead of node_executable=", "vague"),
         ("Launch says: {seen}. Node needs executable", "write executable=", "right"),
     ],
 )

@@ -64,7 +64,7 @@ FUNCTIONS = {
         "word = robot.pick()\n    print(word.strip())",
         "return self.table.get",
         "It has 'name'",
-        "write 'name' in place of 'Name'",
+        "write 'name' instead of 'Name'",
     ),
     "a key that is not there": (
         "return self.table.get('colour')",

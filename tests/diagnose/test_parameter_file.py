@@ -34,17 +34,17 @@ REFUSED = {
     "no value": (f"{HEAD}    p:\n", 3, "write a value"),
     "a comment for a value": (f"{HEAD}    p: #abc\n", 3, "in quotes if it begins with #"),
     "no parameters": (HEAD, 2, "each parameter"),
-    "a lone line without a blank": (f"{HEAD}    p:1\n", 3, "write p: 1"),
+    "a lone line without a space": (f"{HEAD}    p:1\n", 3, "write p: 1"),
     "an equals sign": (f"{HEAD}    p = 1\n", 3, "write p: 1"),
-    "a line without a blank above another": (f"{HEAD}    p:1\n    q: 1\n", 3, "write p: 1"),
+    "a line without a space above another": (f"{HEAD}    p:1\n    q: 1\n", 3, "write p: 1"),
     "a line without a colon": (f"{HEAD}    p 1\n    q: 2\n", 3, "write p: 1"),
-    "a line without a blank between others": (f"{HEAD}    o: a\n    p:1\n    q: 1\n", 4, "write p: 1"),
-    "lines without blanks": (
+    "a line without a space between others": (f"{HEAD}    o: a\n    p:1\n    q: 1\n", 4, "write p: 1"),
+    "lines without spaces": (
         f"{HEAD}    o: a\n    p:1\n    q:2\n    r: 3\n",
         4,
         "write p: 1, and the lines below it so",
     ),
-    "a line without a blank above a comment": (
+    "a line without a space above a comment": (
         f"{HEAD}    o: a\n    p:1\n\n    # q\n    q: 1\n",
         4,
         "write p: 1",
@@ -53,10 +53,10 @@ REFUSED = {
     "a value beside": (f"{HEAD}    p: 1\n  q: 1\n", 4, "indent it as deep"),
     "a value outside": (f"q: 1\n{HEAD}    p: 1\n", 1, "indent it as deep"),
     "deeper": (f"{HEAD}    p: 1\n     q: 1\n", 4, "indent it like the line above"),
-    "less deep": (f"{HEAD}    p: 1\n   q: 1\n", 4, "as many blanks"),
-    "a tab": ("/**:\n\tros__parameters:\n    p: 1\n", 2, "blanks in place of the tab"),
-    "an open quote": (f"{HEAD}    p: 'abc\n    q: 1\n", 3, "write ' behind the text"),
-    "an open bracket": (f"{HEAD}    p: [1, 2\n    q: 3\n", 3, "write ] behind its last value"),
+    "less deep": (f"{HEAD}    p: 1\n   q: 1\n", 4, "as many spaces"),
+    "a tab": ("/**:\n\tros__parameters:\n    p: 1\n", 2, "spaces instead of the tab"),
+    "an open quote": (f"{HEAD}    p: 'abc\n    q: 1\n", 3, "write ' after the text"),
+    "an open bracket": (f"{HEAD}    p: [1, 2\n    q: 3\n", 3, "write ] after its last value"),
     "two colons": (f"{HEAD}    p: a: b\n", 3, "put the value in quotes"),
     "a sign": (f"{HEAD}    p: @x\n", 3, "put it in quotes"),
     "an alias": (f"{HEAD}    p: *x\n", 3, "put it in quotes"),
@@ -137,7 +137,7 @@ def test_what_is_too_large_is_said_to_be(tmp_path: Path, text: str, reason: str,
     file.write_text(text)
     (found,) = [one for one in Look(root).findings if one.code == UNKNOWN]
     assert f"is not read here: it {'has' if line is None else 'is'} {reason}" in found.cause
-    assert "blanks" not in found.fix
+    assert "spaces" not in found.fix
     assert "nobody writes so much" in found.fix
 
 

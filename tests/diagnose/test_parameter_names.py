@@ -32,7 +32,7 @@ def changed(changes: Changes) -> Files:
 @pytest.mark.parametrize(
     ("changes", "line", "fix"),
     [
-        ([(FILE, "speed", "max_speed")], 3, "write speed in place of max_speed, or declare it: self.declare_parameter('max_speed', 0.3)"),
+        ([(FILE, "speed", "max_speed")], 3, "write speed instead of max_speed, or declare it: self.declare_parameter('max_speed', 0.3)"),
         ([(FILE, GIVEN, f"{GIVEN}    turn: 1.0\n")], 4, "declare it: self.declare_parameter('turn', 1.0)"),
         ([(FILE, GIVEN, f"{GIVEN}    wheel:\n      radius: 1.0\n")], 5, "'wheel.radius', 1.0"),
         ([(FILE, "velocity_publisher:", "/**:"), (FILE, GIVEN, f"{GIVEN}    turn: 1.0\n")], 4, "'turn'"),
@@ -52,7 +52,7 @@ def test_the_launch_file_gives_what_the_node_does_not_declare(tmp_path: Path) ->
     (found,) = found_in(changed([(LAUNCH, "[config]", "[config, {'max_speed': 1.0}]")]), tmp_path)
     assert "robot.launch.py" in found.place
     assert "it declares speed" in found.cause
-    assert "write speed in place of max_speed" in found.fix
+    assert "write speed instead of max_speed" in found.fix
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Texts that show the place of a value in place of the value, and such as are right."""
+"""Texts that show the place of a value instead of the value, and such as are right."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def told(line: str, folder: Path) -> list[Finding]:
     [
         ("msg.data = 'at {self.count}'", "write f before the quote"),
         ("print('{name} is here')", "write f before the quote"),
-        ("msg.data = f'at {{self.count}}'", "write {self.count} in place of {{self.count}}"),
-        ("self.get_logger().info(f'{name}: {{msg.data}}')", "write {msg.data} in place of {{msg.data}}"),
-        ("msg.data = 'at {}'", "the value's name in braces in place of {}"),
-        ("self.get_logger().info('at %d')", "in place of %d"),
-        ("print('at {:.2f} m')", "in place of {:.2f}"),
-        ("self.pub.publish(String(data='speed: %.1f'))", "in place of %.1f"),
+        ("msg.data = f'at {{self.count}}'", "write {self.count} instead of {{self.count}}"),
+        ("self.get_logger().info(f'{name}: {{msg.data}}')", "write {msg.data} instead of {{msg.data}}"),
+        ("msg.data = 'at {}'", "the value's name in braces instead of {}"),
+        ("self.get_logger().info('at %d')", "instead of %d"),
+        ("print('at {:.2f} m')", "instead of {:.2f}"),
+        ("self.pub.publish(String(data='speed: %.1f'))", "instead of %.1f"),
     ],
 )
 def test_a_place_that_nothing_fills_is_told(tmp_path: Path, line: str, fix: str) -> None:

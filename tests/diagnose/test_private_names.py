@@ -49,11 +49,11 @@ def faults(body: str, folder: Path) -> list[Finding]:
 @pytest.mark.parametrize(
     ("body", "fix"),
     [
-        ("def live(self): return self.__energy", "write _energy in place of __energy"),
-        ("def live(self):\n        if self.__energy < 3: self.eat()", "write _energy in place of __energy"),
-        ("def rest(self): self.__digest()", "write _digest in place of __digest"),
-        ("def __digest(self): print('slowly')", "write _digest in place of __digest"),
-        ("def reset(self): self.__energy = 0", "write _energy in place of __energy"),
+        ("def live(self): return self.__energy", "write _energy instead of __energy"),
+        ("def live(self):\n        if self.__energy < 3: self.eat()", "write _energy instead of __energy"),
+        ("def rest(self): self.__digest()", "write _digest instead of __digest"),
+        ("def __digest(self): print('slowly')", "write _digest instead of __digest"),
+        ("def reset(self): self.__energy = 0", "write _energy instead of __energy"),
     ],
 )  # fmt: skip
 def test_it_is_told_whose_name_it_is(tmp_path: Path, body: str, fix: str) -> None:

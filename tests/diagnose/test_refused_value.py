@@ -63,31 +63,31 @@ BYTE = "The 'data' field must be an unsigned integer in [0, 255]"
 @pytest.mark.parametrize(
     ("line", "message", "part", "fix"),
     [
-        ("msg.linear.x = speed", FLOAT, "", "write 1.0 in place of 1"),
-        ("msg.linear.x, msg.angular.z = x, z", FLOAT, "", "write float(x) in place of x"),
+        ("msg.linear.x = speed", FLOAT, "", "write 1.0 instead of 1"),
+        ("msg.linear.x, msg.angular.z = x, z", FLOAT, "", "write float(x) instead of x"),
         (
             "msg = Twist(linear=Vector3(x=speed), angular=Vector3(z=turn))",
             FLOAT,
             "Vector3(x=speed)",
-            "write 1.0 in place of 1",
+            "write 1.0 instead of 1",
         ),
         (
             "msg.linear = Vector3(x=self.number)",
             FLOAT,
             "",
-            "write float(self.number) in place of self.number",
+            "write float(self.number) instead of self.number",
         ),
         (
             "self.count.publish(UInt8(data=self.number))",
             BYTE,
             "UInt8(data=self.number)",
-            "write UInt16 in place of UInt8 everywhere, also where it is received; or keep it within them, such as with min(max(self.number, 0), 255)",
+            "write UInt16 instead of UInt8 everywhere, also where it is received; or keep it within them, such as with min(max(self.number, 0), 255)",
         ),
         (
             "self.count.publish(Int8(data=self.number))",
             "The 'data' field must be an integer in [-128, 127]",
             "",
-            "write Int16 in place of Int8 everywhere, also where it is received; or keep it within them, such as with min(max(self.number, -128), 127)",
+            "write Int16 instead of Int8 everywhere, also where it is received; or keep it within them, such as with min(max(self.number, -128), 127)",
         ),
     ],
 )

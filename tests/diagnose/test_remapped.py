@@ -27,7 +27,7 @@ def found_in(files: Files, folder: Path) -> list[Finding]:
 @pytest.mark.parametrize(
     ("pair", "fix"),
     [
-        ("('steering', '/cmd_vel')", "write ('/cmd_vel', 'steering') in place of ('steering', '/cmd_vel')"),
+        ("('steering', '/cmd_vel')", "write ('/cmd_vel', 'steering') instead of ('steering', '/cmd_vel')"),
         ("('cmd_vell', 'steering')", "write 'cmd_vel' as the first name"),
         ("('wheels', 'steering')", "write 'cmd_vel' as the first name"),
         ("('/robot/report', 'steering')", "write 'cmd_vel' as the first name"),

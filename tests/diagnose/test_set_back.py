@@ -1,4 +1,4 @@
-"""Parameters that what stands behind them sets back, and launch files that name what is not there."""
+"""Parameters that what comes after them sets back, and launch files that name what is not there."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def told(given: str, folder: Path, before: str = "") -> list[Finding]:
 )
 def test_a_value_that_stands_before_a_file_with_another_is_set_back(tmp_path: Path, given: str) -> None:
     (found,) = told(given, tmp_path)
-    assert "speed is 0.9 here, and robot.yaml, which stands behind it, makes it 0.3" in found.cause
+    assert "speed is 0.9 here, and robot.yaml, which comes after it, makes it 0.3" in found.cause
     assert "robot.yaml first" in found.fix
 
 
@@ -43,7 +43,7 @@ def test_what_stands_last_counts(tmp_path: Path, given: str) -> None:
 @pytest.mark.parametrize(
     ("before", "fix"),
     [
-        ("get_package_share_directory('my_bto')", "write my_bot in place of my_bto"),
+        ("get_package_share_directory('my_bto')", "write my_bot instead of my_bto"),
         ("get_package_share_directory('turtlebot9_bringup')", "install what has it"),
         ("import xacro_of_mine", "install what has it"),
     ],

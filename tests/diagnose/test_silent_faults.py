@@ -17,7 +17,7 @@ ROWS = [
     ("node", "create_timer(0.5", "create_timer(500", "period", "0.5"),
     ("node", "self.count += 1", "count = 7", "not-kept", "self.count"),
     ("node", "        msg = String()", "        return\n        msg = String()", "unreachable", "return"),
-    ("node", "    try:\n        rclpy.spin", "    node.destroy_node()\n    try:\n        rclpy.spin", "life-order", "behind"),
+    ("node", "    try:\n        rclpy.spin", "    node.destroy_node()\n    try:\n        rclpy.spin", "life-order", "after"),
     ("listener", "msg.data == 'start'", "msg.data.lower() == 'Start'", "no-effect", "'start'"),
     ("listener", "msg.data == 'start'", "msg.data.lower == 'start'", "no-effect", "lower()"),
     ("listener", "__init__('command_subscriber')", "__init__('status_publisher')", "name-twice", "another name"),

@@ -39,7 +39,7 @@ STARTED: list[tuple[Changes, str, str]] = [
         "launch-apart",
         "remappings",
     ),
-    ([(LAUNCH, "executable='command_subscriber'", "executable='status_publisher'")], "launch-executable", "command_subscriber in place of"),
+    ([(LAUNCH, "executable='command_subscriber'", "executable='status_publisher'")], "launch-executable", "command_subscriber instead of"),
     ([("config/robot.yaml", "    speed: 0.3\n", "    speed: 0.3\n    use_sim_time: true\n")], "period", "use_sim_time: false"),
     ([(LAUNCH, "launch_ros.actions import Node", "launch.actions import ExecuteProcess as Node")], "import-wrong", "launch_ros.actions"),
 ]  # fmt: skip

@@ -29,7 +29,7 @@ def test_a_module_of_ones_own_without_its_package(tmp_path: Path, line: str) -> 
     files.put(f"{NAME.package}/aids/__init__.py", "")
     module = line.split()[1]
     assert codes(files, tmp_path)["import-wrong"] == (
-        f"write {NAME.package}.{module} in place of {module} there, and build again"
+        f"write {NAME.package}.{module} instead of {module} there, and build again"
     )
 
 
@@ -250,7 +250,7 @@ def generate_launch_description():
     ])
 """
     fix = next(one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "launch-argument")
-    assert fix.startswith(f"write {meant} in place of {written}, with")
+    assert fix.startswith(f"write {meant} instead of {written}, with")
 
 
 def test_a_terminal_that_was_sourced_between_two_builds(tmp_path: Path) -> None:

@@ -293,9 +293,9 @@ def test_a_node_that_only_the_run_puts_beside_a_namespace(
 @pytest.mark.parametrize(
     ("rate", "period", "gap", "fix"),
     [
-        (4, "1 // rate", 0.001, "write `1 / rate` in place of `1 // rate`"),
-        (4, "int(1 / rate)", 0.001, "write `1 / rate` in place of `int(1 / rate)`"),
-        (4, "self.given.value // 1000", 0.001, "write `self.given.value / 1000` in place of `self.given.value // 1000`"),
+        (4, "1 // rate", 0.001, "write `1 / rate` instead of `1 // rate`"),
+        (4, "int(1 / rate)", 0.001, "write `1 / rate` instead of `int(1 / rate)`"),
+        (4, "self.given.value // 1000", 0.001, "write `self.given.value / 1000` instead of `self.given.value // 1000`"),
         (0, "rate", 0.001, "in seconds"),
         (100, "rate / 1000 / 1000", 0.001, "in seconds"),
         (4, "float(input())", 0.001, "in seconds"),  # not known, but far too fast

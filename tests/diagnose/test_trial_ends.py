@@ -137,7 +137,7 @@ POLLING = (
     [
         (ASKING, "client.call(", "`rclpy.spin_until_future_complete(node, future)` and `answer = future.result()`"),
         (ASKING.replace("    try:\n        rclpy.spin(node)", "    try:\n        pass"), "", "rclpy.spin_until_future_complete(node, future)"),
-        (POLLING, "time.sleep", "rclpy.spin_until_future_complete(node, future)` in place of this loop"),
+        (POLLING, "time.sleep", "rclpy.spin_until_future_complete(node, future)` instead of this loop"),
         (f"    node.came.wait()\n{TRY}", "came.wait", "threading.Thread(target=rclpy.spin, args=(node,), daemon=True)"),
         (TRY, "self.publisher_.publish", "let no constructor and no callback wait"),  # a method that does not return
         (TRY, "", "let no constructor and no callback wait"),
@@ -196,7 +196,7 @@ DEAF = "    while True:\n        try:\n            rclpy.spin_once(node)\n      
         (THREAD.replace("read)", "read, daemon=True)"), READ, TRY, ""),
         (f"{THREAD}\n        self.reader.daemon = True", READ, TRY, ""),
         (THREAD, READ.replace("True", "rclpy.ok()"), TRY, ""),
-        ("self.size = 0", READ, DEAF.replace("EXCEPT", "except:\n            pass"), "write `except Exception:` in place of `except:`"),
+        ("self.size = 0", READ, DEAF.replace("EXCEPT", "except:\n            pass"), "write `except Exception:` instead of `except:`"),
         ("self.size = 0", READ, DEAF.replace("EXCEPT", "except KeyboardInterrupt:\n            print('no')"), "write `break` in it"),
         ("self.size = 0", READ, DEAF.replace("EXCEPT", "except KeyboardInterrupt:\n            break"), ""),
         ("self.size = 0", READ, DEAF.replace("EXCEPT", "except Exception:\n            pass"), ""),

@@ -73,7 +73,7 @@ def test_a_fault_is_told_in_plain_words_and_mended(tmp_path: Path, number: int) 
     path, _, line = finding.place.rpartition(":")
     text = (tmp_path / path).read_text().splitlines()
     wrong = text[int(line) - 1]
-    if replaced := re.fullmatch(r"write (\S+) in place of (\w+)", finding.fix):
+    if replaced := re.fullmatch(r"write (\S+) instead of (\w+)", finding.fix):
         text[int(line) - 1] = re.sub(rf"\b{replaced[2]}\b", replaced[1], wrong)
     elif "without the quotes" in finding.fix:
         text[int(line) - 1] = re.sub(r"'([\d.]+)'", r"\1", wrong)

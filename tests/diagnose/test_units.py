@@ -41,8 +41,8 @@ def told(line: str, folder: Path) -> list[Finding]:
 @pytest.mark.parametrize(
     ("line", "fix"),
     [
-        ("if (now - self.start).nanoseconds < self.drive_time: return", "/ 1e9 in place of"),
-        ("late = (now - self.start).nanoseconds; print(late > LIMIT)", "write late / 1e9 in place of late"),
+        ("if (now - self.start).nanoseconds < self.drive_time: return", "/ 1e9 instead of"),
+        ("late = (now - self.start).nanoseconds; print(late > LIMIT)", "write late / 1e9 instead of late"),
         ("if time.monotonic_ns() - self.first >= 3: return", "write (time.monotonic_ns() - self.first) / 1e9"),
         ("if now.nanoseconds - self.begin > 1: return", "write now.nanoseconds / 1e9"),
         ("age = time.time() - now.nanoseconds", "write now.nanoseconds / 1e9"),

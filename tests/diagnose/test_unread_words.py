@@ -28,7 +28,7 @@ def told(folder: Path, words: list[str], *changes: tuple[str, str]) -> list[Find
 @pytest.mark.parametrize(
     ("words", "fix"),
     [
-        (["period:=0.5", "greeting:=hello"], "write parameters=[{'period': 0.5, 'greeting': 'hello'}] in place of arguments"),
+        (["period:=0.5", "greeting:=hello"], "write parameters=[{'period': 0.5, 'greeting': 'hello'}] instead of arguments"),
         (["is_loud:=true"], "write parameters=[{'is_loud': True}]"),
         (["/robot/status:=/status"], "write remappings=[('/robot/status', '/status')]"),
         (["__node:=other"], "write name='other'"),

@@ -67,7 +67,7 @@ def test_a_condition_that_an_earlier_one_takes_all_of(tmp_path: Path, chain: str
     found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "unreachable"]
     assert bool(found) is is_fault
     if found:
-        assert found[0].fix == f"ask `{chain}` first, and `x > 5` behind it"
+        assert found[0].fix == f"ask `{chain}` first, and `x > 5` after it"
 
 
 def failing(line: str, said: str, folder: Path, more: str = "") -> Finding:
@@ -100,7 +100,7 @@ def test_a_divisor_that_has_no_value_yet(tmp_path: Path) -> None:
     [
         (
             "79.5",
-            "write float(str(self.speed)) in place of int(str(self.speed)); or, for 79, int(float(str(self.speed)))",
+            "write float(str(self.speed)) instead of int(str(self.speed)); or, for 79, int(float(str(self.speed)))",
         ),
         ("ready", "write a number with a point and without a unit, or catch ValueError around it"),
     ],
@@ -169,7 +169,7 @@ def test_two_words_in_one_text_of_a_launch_file(tmp_path: Path) -> None:
         "[ERROR] [stairs-1]: process has died [pid 1, exit code 2, cmd 'stairs --side left --ros-args'].\n"
     )
     first = of_text(said, Files.right(NAME).write(tmp_path))[0]
-    assert first.fix == "write '--side', 'left' in place of '--side left' in the launch file"
+    assert first.fix == "write '--side', 'left' instead of '--side left' in the launch file"
 
 
 def test_a_dictionary_that_is_gone_through(tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ def test_a_dictionary_that_is_gone_through(tmp_path: Path) -> None:
     said = "ValueError: too many values to unpack (expected 2)"
     assert (
         failing(f"{line} pass", said, tmp_path, more).fix
-        == "write self.speeds.items() in place of self.speeds"
+        == "write self.speeds.items() instead of self.speeds"
     )
 
 
@@ -205,7 +205,7 @@ def test_each_if_of_a_chain_is_told(tmp_path: Path) -> None:
     (finding,) = (one for one in of_workspace(tmp_path) if one.code == "replaced")
     first, second = line_of(path, "count == 2"), line_of(path, "count == 3")
     assert finding.place.endswith(f":{first}")
-    assert finding.fix == f"write elif in place of if in lines {first} and {second}"
+    assert finding.fix == f"write elif instead of if in lines {first} and {second}"
 
 
 @pytest.mark.parametrize(
@@ -216,7 +216,7 @@ def test_each_if_of_a_chain_is_told(tmp_path: Path) -> None:
             "KeyError: '0'",
             "write these two lines above line 21: `if str(self.loaves) not in self.rates:`",
         ),
-        ("rate = self.rates['Stop']", "KeyError: 'Stop'", "write 'stop' in place of 'Stop'"),
+        ("rate = self.rates['Stop']", "KeyError: 'Stop'", "write 'stop' instead of 'Stop'"),
         ("humidity = self.parts[1]", "IndexError: list index out of range", "print self.text above line "),
         ("latest = self.kept[3]", "IndexError: list index out of range", "print self.kept in the line above"),
     ],
@@ -233,7 +233,7 @@ def test_a_property_that_sets_itself(tmp_path: Path) -> None:
     path = driver_with(tmp_path, getter, setter, "    def keep(self):\n        self.rate = 1")
     number = line_of(path, "self.rate = value")
     said = f'Traceback (most recent call last):\n  File "{path}", line {number}, in rate\n    self.rate = value\nRecursionError: maximum recursion depth exceeded'
-    assert of_text(said, tmp_path)[0].fix.startswith("write self._rate in place of self.rate here")
+    assert of_text(said, tmp_path)[0].fix.startswith("write self._rate instead of self.rate here")
 
 
 def test_what_a_setter_keeps_is_read_by_the_getter(tmp_path: Path) -> None:
@@ -257,7 +257,7 @@ def test_prints_in_place_of_returns(tmp_path: Path) -> None:
     )
     assert (
         of_text(said, root)[0].fix
-        == "write return in place of print: `return 0.8` in line 3, and `return 0.0` in line 5"
+        == "write return instead of print: `return 0.8` in line 3, and `return 0.0` in line 5"
     )
 
 
@@ -296,7 +296,7 @@ ROW = "('share/ament_index/resource_index/packages'"
             f"('share/{NAME.package}', ['data/way.csv']),",
             "data/way.csv",
             "installed-elsewhere",
-            f"write 'share/{NAME.package}/data' in place of 'share/{NAME.package}' in data_files, and build again",
+            f"write 'share/{NAME.package}/data' instead of 'share/{NAME.package}' in data_files, and build again",
         ),
         (
             f"('share/{NAME.package}/data', ['data/way.csv']),",
@@ -304,7 +304,7 @@ ROW = "('share/ament_index/resource_index/packages'"
             "install-stale",
             f"colcon build --packages-select {NAME.package}, and run the same command again",
         ),
-        ("", "data/ways.csv", "data-file-missing", "write way.csv in place of ways.csv"),
+        ("", "data/ways.csv", "data-file-missing", "write way.csv instead of ways.csv"),
         (
             "",
             "urdf/robot.urdf",

@@ -299,7 +299,7 @@ class Files:
         return self
 
     def launch_by(self, name: str) -> Files:
-        """Start the nodes by a launch file in YAML or in XML, as its name ends, in place of the one in Python."""
+        """Start the nodes by a launch file in YAML or in XML, as its name ends, instead of the one in Python."""
         self.remove("launch/robot.launch.py").put(name, LAUNCH_XML if name.endswith("xml") else LAUNCH_YAML)
         return self.change("setup.py", "launch/*.launch.py", "launch/*")
 

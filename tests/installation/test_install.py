@@ -54,7 +54,7 @@ with World(None) as world:
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    """A fresh copy of the project in a folder with blanks and foreign letters."""
+    """A fresh copy of the project in a folder with spaces and foreign letters."""
     project = tmp_path / "mein Kurs ü"
     shutil.copytree(ROOT, project, symlinks=True, ignore=shutil.ignore_patterns(*NOT_COPIED))
     return project

@@ -127,7 +127,7 @@ class TestOffered:
         assert "wave" not in offered("ros2 run nope ")
 
     def test_a_place_inside_the_line(self, offered: Offered, workspace: Path) -> None:
-        """What is behind the cursor does not count."""
+        """What is after the cursor does not count."""
         line = "ros2 run arm wave"
         assert offered(line, len("ros2 run arm")) == ["arm_words"]
 
@@ -199,7 +199,7 @@ class TestBash:
         ],
     )
     def test_a_word_is_completed(self, shell: pexpect.spawn, typed: str, completed: str) -> None:
-        """With a blank behind it, so that the next word can be typed; the first TAB works as well as the second."""
+        """With a blank after it, so that the next word can be typed; the first TAB works as well as the second."""
         shell.send(typed)
         shell.expect_exact(completed)
 

@@ -21,7 +21,7 @@ from ros2lab.terminal import Terminal, TerminalError
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The student's folder, with a blank and a foreign letter."""
+    """The student's folder, with a space and a foreign letter."""
     home = tmp_path / "mein Kurs ü"
     home.mkdir()
     monkeypatch.setenv("ROS2LAB_WORK", str(home))

@@ -41,7 +41,7 @@ PROJECTS = (".", "src/portable_ros2")
 
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
-    """A project in a folder with blanks and foreign letters, that has a working .venv/bin/python."""
+    """A project in a folder with spaces and foreign letters, that has a working .venv/bin/python."""
     root = tmp_path / "mein Kurs ü"
     (root / "locks").mkdir(parents=True)
     (root / "locks" / "student.txt").write_text("a==1\n")

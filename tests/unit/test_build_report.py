@@ -256,7 +256,7 @@ class TestBuildResult:
         assert "  talk    FAILED\n          error: sooner" in repr(result)
 
     def test_the_reason_behind_colcons_traceback(self) -> None:
-        """What setup.py itself says is told in place of colcon's traceback."""
+        """What setup.py itself says is told instead of colcon's traceback."""
         job = failed("talk", *COLCON_TRACEBACK.splitlines())
         assert job.is_colcon_traceback
         reasons = {"talk": "NameError: name 'os' (setup.py)"}

@@ -118,7 +118,7 @@ def test_the_guard_of_these_wheels_stays_for_a_program_and_goes_for_a_shell(tmp_
 
 
 def test_the_environment_of_an_installed_jazzy_comes_from_bash(tmp_path: Path) -> None:
-    """Its setup file is sourced, not imitated; blanks in its path do no harm."""
+    """Its setup file is sourced, not imitated; spaces in its path do no harm."""
     prefix = make_prefix(tmp_path / "my own jazzy")
     source = environment.find_ros({}, (3, 12), prefix, has_wheels=True)
     result = environment.lab_environment({"PATH": "/usr/bin:/bin", "HOME": "/root"}, source)

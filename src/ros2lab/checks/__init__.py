@@ -60,7 +60,7 @@ class CheckError(Exception):
         return f"Not yet. Expected: {_ended(self.expected)} Found: {_ended(self.found)} Hint: {hint}"
 
     def _render_traceback_(self) -> list[str]:
-        # IPython shows this in place of a traceback through the check's own code, and a notebook the card.
+        # IPython shows this instead of a traceback through the check's own code, and a notebook the card.
         if not self._is_shown:  # IPython asks twice
             self._is_shown = True
             _display_in_notebook({"text/plain": str(self), "text/html": self._repr_html_()})

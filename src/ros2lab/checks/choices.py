@@ -2,7 +2,7 @@
 
 A widget knows the answers, and the browser does not: it sends what was chosen, and shows what comes back. What was
 chosen is kept with the student's progress, and shown again when the cell is run again. Neither a thread nor ROS
-stands behind it.
+comes after it.
 """
 
 from __future__ import annotations

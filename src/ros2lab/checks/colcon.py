@@ -390,7 +390,7 @@ def _hints_for_a_test(name: str, count: int) -> tuple[str, ...]:
 
 
 def _tests_of(package: Path, function: Callable[[float], float]) -> list[TestCase]:
-    """Run a copy of the battery's tests on this function in place of the student's."""
+    """Run a copy of the battery's tests on this function instead of the student's."""
     with scratch_folder() as folder:
         copy = shutil.copytree(
             package,

@@ -69,7 +69,7 @@ PRACTICES = {
     ),
     LICENSED: (
         "license, description and maintainer in package.xml",
-        "write your own in place of TODO; MIT and Apache-2.0 are common licenses.",
+        "write your own instead of TODO; MIT and Apache-2.0 are common licenses.",
     ),
 }
 
@@ -283,7 +283,7 @@ def archive(path: Any, workspace: Workspace) -> str:
         )
     if re.search(r"\s", Path(path).name):
         raise CheckError(
-            "a name without blanks", repr(Path(path).name), "many programs stumble over a blank."
+            "a name without spaces", repr(Path(path).name), "many programs stumble over a space."
         )
     with zipfile.ZipFile(path) as zipped, folder_apart() as folder:
         root = Path(folder, _root_in([Path(name) for name in zipped.namelist() if not name.endswith("/")]))

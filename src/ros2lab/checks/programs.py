@@ -277,7 +277,7 @@ def count_tests(report: Path, *, except_of: Collection[str] = ()) -> Counter[str
 
 def _test_of(case: ET.Element) -> TestCase:
     name = case.get("name", "")
-    # A class stands behind its module, and a module that cannot be imported is a case without either.
+    # A class comes after its module, and a module that cannot be imported is a case without either.
     path = (case.get("classname") or name).split(".")
     module = next((part for part in path if part.startswith("test_")), path[-1])
     for tag, outcome in (("failure", "failed"), ("error", "failed"), ("skipped", "skipped")):

@@ -112,7 +112,7 @@ def _expect_state(
         raise CheckError(
             expected,
             "nothing",
-            "capitals, and blanks around the word, do not matter: state_after in robot_state.py takes them away, and compares what is left.",
+            "capitals, and spaces around the word, do not matter: state_after in robot_state.py takes them away, and compares what is left.",
         )
     raise CheckError(
         expected, "nothing", f"publish the state in the function that receives the command, also for {word}."
@@ -176,7 +176,7 @@ def expect_warned(
         raise CheckError(
             f"a warning that names {what}",
             f"{line!r}",
-            "put the word into the text: {message.data!r} shows it in quotes, so that blanks are seen.",
+            "put the word into the text: {message.data!r} shows it in quotes, so that spaces are seen.",
         )
     node.expect_alive(f"after {what}")
     lines = log_lines(logged, since)

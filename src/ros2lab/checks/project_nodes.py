@@ -44,7 +44,7 @@ def expect_task(node: WatchedProgram, part: Part) -> None:
         raise CheckError(
             f"the executable {part.name} {verb} {part.topic}",
             f"it {verb} {', '.join(sorted(new)) or 'no new topic'}",
-            f"look at the entry point {part.name} in setup.py: the module behind the = is to be that of {part.name}.",
+            f"look at the entry point {part.name} in setup.py: the module after the = is to be that of {part.name}.",
         ) from None
 
 

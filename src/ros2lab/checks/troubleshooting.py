@@ -55,7 +55,7 @@ CAUSES = (
             (
                 "the topic has the wrong type",
                 "the parameter `speed` should not be a `float`",
-                "a number was published in place of a message",
+                "a number was published instead of a message",
             ),
             "c",
             "publish takes a message, and was given the number.",

@@ -128,7 +128,7 @@ def _decided(looked: Looked) -> str | None:
     if not decided:
         return None
     said = "; ".join(
-        f"{one.id} {number(one.points)} in place of {number(one.override.machine)}, by {one.override.by}"
+        f"{one.id} {number(one.points)} instead of {number(one.override.machine)}, by {one.override.by}"
         for one in decided
         if one.override
     )

@@ -1,4 +1,4 @@
-"""nbgrader's autograde, with the grader in place of a kernel: nothing that was handed in runs outside of its sandbox.
+"""nbgrader's autograde, with the grader instead of a kernel: nothing that was handed in runs outside of its sandbox.
 
 A course asks for it in its nbgrader_config.py:
 

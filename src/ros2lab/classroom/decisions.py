@@ -1,4 +1,4 @@
-"""What instructors decide in place of the machine, by hand or from a CSV."""
+"""What instructors decide instead of the machine, by hand or from a CSV."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ DEFAULT_NAMES: Mapping[str, str] = {
     "feedback": "feedback",
 }
 CANVAS_COLUMNS = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
-CANVAS_POINTS = "    Points Possible"  # with the blanks by which Canvas writes it
+CANVAS_POINTS = "    Points Possible"  # with the spaces by which Canvas writes it
 MOODLE_MOST = "Maximum Grade"  # what is above it, Moodle leaves out
 MOODLE_COLUMNS = (
     "Identifier",
@@ -347,7 +347,7 @@ def _folders(rows: Sequence[Row]) -> dict[str, str]:
 def _is_folder(label: str) -> bool:
     """Return whether any system can have a folder of this name, and no terminal or spreadsheet takes it for more."""
     is_short = 0 < len(label.encode(errors="replace")) < 200
-    # Windows drops points and blanks at the end, and has devices under some names, with whatever stands after a point.
+    # Windows drops points and spaces at the end, and has devices under some names, with whatever stands after a point.
     is_kept = label.strip(" ").rstrip(". ") == label and not is_device(label)
     is_harmless = not re.search(r"[/\\<>:\"|?*`$]", label) and disarmed(visible(label)) == label
     return is_short and is_kept and is_harmless

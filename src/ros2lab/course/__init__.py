@@ -297,7 +297,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 
 
 def rename_kept(old: Path, new: Path) -> None:
-    """Give a file or folder another name, in place of a file that has it, so that the name is kept without power.
+    """Give a file or folder another name, instead of a file that has it, so that the name is kept without power.
 
     Raises:
         OSError: if that cannot be done.

@@ -21,7 +21,7 @@ _Given = ParamSpec("_Given")
 
 
 class Unjudged(Finding):
-    """What is said in place of the findings of a rule that has failed: of the code it says nothing."""
+    """What is said instead of the findings of a rule that has failed: of the code it says nothing."""
 
 
 def guarded(

@@ -55,7 +55,7 @@ class TerminalError(RuntimeError):
     folder = "~"
 
     def _render_traceback_(self) -> list[str]:
-        # IPython shows this in place of a traceback through the lab's own code.
+        # IPython shows this instead of a traceback through the lab's own code.
         return [str(self)]
 
 

@@ -162,7 +162,7 @@ def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Findin
             "axis",
             f"On {topic}, {name} is {short[name]:g}: {_ODD_AXES[name]}.",
             seen.filled(topic, name),
-            f"for a robot on the ground write {right} in place of {name}; if it really moves so, leave it",
+            f"for a robot on the ground write {right} instead of {name}; if it really moves so, leave it",
         )
     for name, limit, unit, other in (
         ("linear.x", FASTEST, "m/s", "km/h, cm/s or mm/s"),

@@ -77,11 +77,11 @@ class Period(ast.NodeTransformer):
                     whole = ast.unparse(ast.BinOp(left, ast.Div(), right))
                     return (
                         ", for // divides without a remainder",
-                        f"write `{whole}` in place of `{ast.unparse(node)}`",
+                        f"write `{whole}` instead of `{ast.unparse(node)}`",
                     )
                 case ast.Call(func=ast.Name("int" | "round" as name), args=[whole]) if self._value(node) == 0:
                     why = f", for {name}() leaves nothing of a part of a second"
-                    return why, f"write `{ast.unparse(whole)}` in place of `{ast.unparse(node)}`"
+                    return why, f"write `{ast.unparse(whole)}` instead of `{ast.unparse(node)}`"
         return "", "write more than 0 for it, in seconds: 1.0 / rate of a rate in Hz, and milliseconds / 1000"
 
     def _value(self, node: ast.expr) -> Any:

@@ -97,6 +97,6 @@ def _deaf_loops(entrance: Entrance, name: str) -> Iterator[Finding]:
                     fix = (
                         "write `break` in it"
                         if caught == "KeyboardInterrupt"
-                        else f"write `except Exception:` in place of `{text}`"
+                        else f"write `except Exception:` instead of `{text}`"
                     )
                     yield Finding("never-ends", cause, sources[id(function)].at(handler), fix)

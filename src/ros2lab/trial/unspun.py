@@ -74,7 +74,7 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
                         "not-spinning",
                         f"This loop waits until {future} is done, and that comes only while {node_name} is spun.",
                         source.at(loop),
-                        f"write `rclpy.spin_until_future_complete({node_name}, {future})` in place of this loop",
+                        f"write `rclpy.spin_until_future_complete({node_name}, {future})` instead of this loop",
                     )
     if node_name == "self":
         return None

@@ -175,7 +175,7 @@ def _begin() -> None:
 
 
 def _make_room() -> None:
-    """Let what stands behind this file on the path be a `sitecustomize`, too."""
+    """Let what comes after this file on the path be a `sitecustomize`, too."""
     home = os.path.dirname(os.path.abspath(__file__))
     sys.path[:] = [one for one in sys.path if os.path.abspath(one) != home]
     this = sys.modules.pop("sitecustomize")

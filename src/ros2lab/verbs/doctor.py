@@ -111,7 +111,7 @@ def _python(_: Machine) -> Finding:
         return Finding("python", "failed", found, f"install a Python from {oldest} to {newest}", values)
     if any(character.isspace() for character in executable):
         # Neither colcon's setup.bash nor the first line of a script can name such a Python.
-        fix = f"move the course's folder to a path without blanks, then {environment.INSTALL}"
+        fix = f"move the course's folder to a path without spaces, then {environment.INSTALL}"
         return Finding("python", "failed", f"{found}: what colcon builds cannot name it", fix, values)
     return Finding("python", "ok", found, values=values)
 

@@ -238,7 +238,7 @@ class _NobodysOutlet:
 
 
 class _NothingNew:
-    """In place of a redraw: a recording does not change."""
+    """Instead of a redraw: a recording does not change."""
 
     def add(self, *_: object, **__: object) -> None:
         pass

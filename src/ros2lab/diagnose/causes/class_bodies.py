@@ -117,7 +117,7 @@ def _mutable(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
 
 
 def _late(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
-    """Say that a field without a default stands behind one that has one."""
+    """Say that a field without a default comes after one that has one."""
     node = body.field
     if node is None:
         return None
@@ -130,7 +130,7 @@ def _late(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
             f"{body.name} has no default, and a field of the class from which this one is derived has one."
         )
         return cause, f"write {default.strip(chr(96))}"
-    cause = f"{body.name} has no default, and stands behind {_names(before[0])[0]}, which has one."
+    cause = f"{body.name} has no default, and comes after {_names(before[0])[0]}, which has one."
     return cause, f"move this line above line {before[0].lineno}, or give it a default, as in {default}"
 
 
@@ -171,7 +171,7 @@ def _bad_name(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
     new = re.sub(r"\W", "_", name).strip("_") or "value"
     new = f"{new}_" if keyword.iskeyword(new) else f"x{new}" if new[0].isdigit() else new
     cause = f"A named tuple has no field called {name!r}: it must be a name of letters, digits and _, without a _ in front, and no word of Python's."
-    return cause, f"write {new} in place of {name}, also where it is used"
+    return cause, f"write {new} instead of {name}, also where it is used"
 
 
 def _frozen(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
@@ -189,7 +189,7 @@ def _extended(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
     cause = f"{base} is an Enum that has members, and no other Enum can be derived from it."
     return (
         cause,
-        f"write Enum in place of {base} in the parentheses, and give the class all members of its own",
+        f"write Enum instead of {base} in the parentheses, and give the class all members of its own",
     )
 
 

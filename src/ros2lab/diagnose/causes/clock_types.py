@@ -55,4 +55,4 @@ def _told(operand: ast.expr, made: ast.Call, source: PythonSource, spot: Spot) -
         f"`{ast.unparse(operand)}` is a time of the system's clock, for {text} is given no other one, and the node's "
         f"times are of the ROS clock: the two are not compared or subtracted.{where}"
     )
-    return Finding("made-wrong", cause, source.at(made), f"write {new} in place of {text}")
+    return Finding("made-wrong", cause, source.at(made), f"write {new} instead of {text}")

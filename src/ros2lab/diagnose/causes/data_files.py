@@ -66,7 +66,7 @@ def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
     for repair in _repairs(text, fault.pos):
         after = repair.applied(text)
         later = _fault_of(after)
-        # What comes behind it may be another fault.
+        # What comes after it may be another fault.
         if later is None or later.pos > fault.pos + len(repair.new):
             line = text.count("\n", 0, repair.start) + 1
             cause = f"json cannot read {name}: {repair.why}."
@@ -86,9 +86,9 @@ def _repairs(text: str, at: int) -> Iterator[Repair]:
     before, here = len(text[:at].rstrip()), text[at : at + 1]
     last = text[before - 1 : before]
     if here == "," and re.match(r",\s*[}\]]", text[at:]):  # as newer Pythons name it
-        yield Repair(at, at + 1, "", "a comma stands behind the last element, where JSON allows none")
+        yield Repair(at, at + 1, "", "a comma comes after the last element, where JSON allows none")
     if last == "," and here in ("}", "]"):
-        yield Repair(before - 1, before, "", "a comma stands behind the last element, where JSON allows none")
+        yield Repair(before - 1, before, "", "a comma comes after the last element, where JSON allows none")
     if comment := re.match(r"(?:#|//).*", text[at:]):
         yield Repair(at, at + comment.end(), "", "it has a comment, and JSON has none")
     if quoted := re.match(r"'([^'\"\n]*)'", text[at:]):
@@ -102,4 +102,4 @@ def _repairs(text: str, at: int) -> Iterator[Repair]:
         yield Repair(at, at + number.end(), new, f"JSON writes the number {new} and not {number[0]}")
     if before and last not in ",:{[":
         yield Repair(before, before, ",", "a comma is missing between two elements")
-        yield Repair(before, before, ":", "a colon is missing behind a name")
+        yield Repair(before, before, ":", "a colon is missing after a name")

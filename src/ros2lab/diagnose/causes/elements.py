@@ -23,7 +23,7 @@ def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             case ast.Subscript(value=value, slice=ast.Constant(value=str() as name)) if name in fields:
                 text = ast.unparse(value)
                 cause = f"{text} is {kind_in_words(kind)}, and its fields are taken with a dot and not with brackets."
-                return cause, f"write {text}.{name} in place of {ast.unparse(node)}"
+                return cause, f"write {text}.{name} instead of {ast.unparse(node)}"
     cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has none."
     fix = (
         "take its field that is a list or a text, such as msg.data"
@@ -45,7 +45,7 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         return cause, _put(spot, asked, name)
     made = [value for value in spot.assigned(name) if isinstance(value, (ast.List, ast.Tuple))]
     count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
-    cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
+    cause = f"{name}[{index}] asks for an element after the last one of {name}{count}."
     if isinstance(asked.slice, ast.Constant):
         return _too_few(spot, name, index, cause)
     return (
@@ -80,7 +80,7 @@ def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
     text = ast.unparse(split.func).removesuffix(".split")
     sign = ast.unparse(split.args[0]) if split.args else "a space"
     cause = f"`{ast.unparse(split)}` gave fewer parts than {name}[{index}] needs: {sign} does not stand so often in the text."
-    fix = f"print {text} above line {split.lineno}, and write there the sign that really stands between its parts in place of {sign}"
+    fix = f"print {text} above line {split.lineno}, and write there the sign that really stands between its parts instead of {sign}"
     return cause, fix
 
 
@@ -100,16 +100,16 @@ def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             return cause, left_out(f"{key} not in {name}", f"{key} in {name}", key, spot)
         return (
             cause,
-            f"write {name}.get({key}, ...) in place of {name}[{key}], with a value for all other keys",
+            f"write {name}.get({key}, ...) instead of {name}[{key}], with a value for all other keys",
         )
     if near:
-        return cause, f"write {near} in place of {key}"
+        return cause, f"write {near} instead of {key}"
     if keys:
         more = f"; or put {key}: ... into the dictionary in line {dicts[0].lineno}"
-        return f"{cause} It has {', '.join(keys)}.", f"ask for one of these in place of {key}{more}"
+        return f"{cause} It has {', '.join(keys)}.", f"ask for one of these instead of {key}{more}"
     return (
         cause,
-        f"print {name} in the line above, and ask for one of the keys that it shows in place of {key}",
+        f"print {name} in the line above, and ask for one of the keys that it shows instead of {key}",
     )
 
 
@@ -124,6 +124,6 @@ def _put(spot: Spot, element: ast.Subscript, name: str) -> str:
         and ast.unparse(node.targets[0].value) == name
     }
     if any(isinstance(n, (ast.For, ast.While)) and element in ast.walk(n) for n in nodes):
-        return f"write `{name}.append({values[ast.unparse(element.slice)]})` in place of `{spot.text}`"
+        return f"write `{name}.append({values[ast.unparse(element.slice)]})` instead of `{spot.text}`"
     whole = ", ".join(value for _, value in sorted(values.items()))
-    return f"write `{name} = [{whole}]`, with all its elements, in place of {name}[...] = ..."
+    return f"write `{name} = [{whole}]`, with all its elements, instead of {name}[...] = ..."

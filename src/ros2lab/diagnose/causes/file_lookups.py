@@ -39,7 +39,7 @@ def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Findi
         there = [one.name for one in package.folder.rglob("*") if "__pycache__" not in one.parts]
         near = nearest(name, there)
         cause = f"The package {package.name} has no file {inner}{f'; there is {near}' if near else ''}."
-        fix = f"write {near} in place of {name}" if near else f"make the file {package.shown(inner)}"
+        fix = f"write {near} instead of {name}" if near else f"make the file {package.shown(inner)}"
         return Finding("data-file-missing", cause, package.shown(""), fix, (name,))
     folders = {
         to for to, files in setup.data_files if any(PurePosixPath(lies) in _and_above(f) for f in files)
@@ -52,7 +52,7 @@ def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Findi
     place = at(setup.source.shown, setup.line("data_files"))
     if folders:
         cause = f"setup.py installs {lies} into {min(folders)}, and it is looked for in {target}."
-        fix = f"write {target!r} in place of {min(folders)!r} in data_files, and build again"
+        fix = f"write {target!r} instead of {min(folders)!r} in data_files, and build again"
         return Finding("installed-elsewhere", cause, place, fix, (name,))
     cause = f"{lies} is in the package {package.name}, and setup.py does not install it, so it is not in {target}, where it is looked for."
     row = installing(package, lies, inner)
@@ -71,7 +71,7 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
         )
         if alike:
             cause = f"There is no file {path}; there is {alike}, with other capitals."
-            return Finding(SAID, cause, place, f"write {alike!r} in place of {path!r}")
+            return Finding(SAID, cause, place, f"write {alike!r} instead of {path!r}")
         cause = f"setup.py reads {path}, and there is no such file in the package."
         fix = f"touch {package.shown(path)}, and write into it what it is to say; or take the line away that reads it"
         return Finding(SAID, cause, place, fix) if is_setup(place) else None

@@ -89,7 +89,7 @@ def of_item(message: str, spot: Spot) -> Finding | None:
                     if isinstance(one, ast.Call) and kind_of_call(spot.source, one) == "NoneType"
                 ]
                 if called:
-                    texts = [f"{ast.unparse(one.func)} in place of {ast.unparse(one)}" for one in called]
+                    texts = [f"{ast.unparse(one.func)} instead of {ast.unparse(one)}" for one in called]
                     first = ast.unparse(called[0])
                     cause = f"`{first}` calls the function already here, and keeps what it returns in {ast.unparse(target)}: nothing."
                     return Finding(

@@ -42,7 +42,7 @@ def of_part(kind: str, spot: Spot) -> Finding | None:
             "made-wrong",
             cause,
             source.at(call),
-            f"write {written}.{part}{old[len(written) :]} in place of {old}",
+            f"write {written}.{part}{old[len(written) :]} instead of {old}",
         )
     return None
 

@@ -26,7 +26,7 @@ _DEEPEST = 5  # functions that hand a value on
 
 @dataclass(frozen=True)
 class _Leaf:
-    """An expression that has given None, and where it stands; None in place of it is the end of a function."""
+    """An expression that has given None, and where it stands; None instead of it is the end of a function."""
 
     node: ast.expr | None
     source: PythonSource
@@ -172,12 +172,12 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
     place = source.at(call)
     functions = [one for one in (leaf.function, spot.function) if one]
     if any(_is_called_back(source, one) for one in functions):
-        fix = f"write {name}.add_done_callback(self.answered) in place of it, and use future.result() in that method: def answered(self, future)"
+        fix = f"write {name}.add_done_callback(self.answered) instead of it, and use future.result() in that method: def answered(self, future)"
         return cause, place, fix
     node = _node_of(leaf, future, source)
     if not isinstance(future, (ast.Name, ast.Attribute)):
         lines = f"`future = {name}`, then `rclpy.spin_until_future_complete({node}, future)`"
-        return cause, place, f"write {lines} above line {call.lineno}, and future in place of {name} in it"
+        return cause, place, f"write {lines} above line {call.lineno}, and future instead of {name} in it"
     return cause, place, f"write `rclpy.spin_until_future_complete({node}, {name})` above line {call.lineno}"
 
 
@@ -231,7 +231,7 @@ def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
         f"{origin.name} is None in line {spot.line}: `{leaf.text}` gives None for a key that {owner} has not."
     )
     if near:
-        return f"{cause} It has {near}.", place, f"write {near} in place of {key}"
+        return f"{cause} It has {near}.", place, f"write {near} instead of {key}"
     use = spot.source.at(spot.line) if spot.source else place
     return cause, use, _asked_first(origin.name, spot)
 

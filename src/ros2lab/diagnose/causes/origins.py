@@ -268,7 +268,7 @@ def _object(name: str) -> Any:
 
 
 def _kind_of_object(imported: Import, name: str) -> str:
-    """Return the type of what an imported name means, further names behind dots included."""
+    """Return the type of what an imported name means, further names after dots included."""
     known = _object(".".join([imported.target, *name.split(".")[1:]]))
     return type(known).__name__ if known is not None else "?"
 
@@ -329,7 +329,7 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
     is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
     if origin.kind == "str" and (({"int", "float"} & set(kinds) and store) or (kinds == ["str"] and is_str)):
         number = ast.unparse(call.args[0]) if is_str else f"float({written})"
-        fix = f"write {store}{number}" if store else f"write {number} in place of {written}"
+        fix = f"write {store}{number}" if store else f"write {number} instead of {written}"
         return f"`{written}` is a text, and a number is needed.", origin.place, fix
     if "NoneType" not in kinds:
         return None

@@ -45,7 +45,7 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
     if kind == "TypeError" and (taken := _taken_out(message, spot)):
         name, held = taken
         cause = f"{name} is {kind_in_words(held)}, and `{spot.text}` needs the value that it holds."
-        return Finding("python-error", cause, place, f"write {held_in(name, held)} in place of {name}")
+        return Finding("python-error", cause, place, f"write {held_in(name, held)} instead of {name}")
     where = f"in `{spot.text}`" if spot.text else "at this line"
     what = (known.__doc__ or kind).splitlines()[0].rstrip(".").lower()
     return Finding(SAID, f"Python stops {where} ({what}): {message}", place, _PRINT)
@@ -67,7 +67,7 @@ def _other_class(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
             case ast.Call(func=ast.Name(id="super"), args=[given, *_]):
                 return (
                     f"super() is given {ast.unparse(given)}, and that is not the class in which it stands.",
-                    f"write super() in place of {ast.unparse(node)}",
+                    f"write super() instead of {ast.unparse(node)}",
                 )
     return cause, "write super() without anything in its parentheses"
 
@@ -115,7 +115,7 @@ def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         f": a value is assigned with =, as in {what} = {ast.unparse(fitting[0].args[0])}" if is_set else ""
     )
     cause = f"{what or 'Something in this line'} is {kind_in_words(kind)} and no function, so it cannot be called with parentheses."
-    return cause, f"take the parentheses behind {what or 'it'} away{value}"
+    return cause, f"take the parentheses after {what or 'it'} away{value}"
 
 
 def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -178,7 +178,7 @@ def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
             cause = f"{what} {own} calls the property {function.name}() itself, again and again."
             return (
                 cause,
-                f"write self._{function.name} in place of {own} here, and wherever the property keeps its value",
+                f"write self._{function.name} instead of {own} here, and wherever the property keeps its value",
             )
     cause = f"A function calls itself again and again: `{spot.text}`."
     return cause, "call another function there, or give the method another name than the one that it calls"
@@ -189,7 +189,7 @@ def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     function = spot.function
     if function and function.name != "__init__" and _runs_again(spot, function.name):
         cause = f"`{spot.text}` stands in {function.name}(), which runs again and again, and a parameter is declared once."
-        return cause, "move this line into __init__, behind super().__init__(...)"
+        return cause, "move this line into __init__, after super().__init__(...)"
     if len(re.findall(rf"declare_parameters?\(.*['\"]{re.escape(name)}['\"]", text)) == 1:
         return (
             f"The node has the parameter {name} already when `{spot.text}` is reached.",
@@ -315,7 +315,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         r"'generator' object|was never awaited|coroutine",
         _plain(
             "`{text}` makes a coroutine, which does nothing until it is awaited.",
-            "write await before it, in an async function, or def in place of async def",
+            "write await before it, in an async function, or def instead of async def",
         ),
     ),
     (
@@ -370,7 +370,7 @@ def of_function(name: str, place: str, spot: Spot) -> Finding:
     )
     if owner.rpartition(".")[2] == name:
         cause = f"{cause}: it was imported with `from {name} import {name}`, and is {owner}.{name} already."
-        return Finding(code, cause, place, f"write {owner}(...) in place of {owner}.{name}(...)")
+        return Finding(code, cause, place, f"write {owner}(...) instead of {owner}.{name}(...)")
     if module and interfaces.has_name(module, name):
         cause = (
             f"{cause}: it was imported with `from {module} import {owner}`, and {name} is in {module} itself."

@@ -42,7 +42,7 @@ def no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             cause = f"int() takes a text that holds a whole number, and {match['name']} holds another one."
             return (
                 cause,
-                f"write float({given}) in place of int({given}); or, for {whole}, int(float({given}))",
+                f"write float({given}) instead of int({given}); or, for {whole}, int(float({given}))",
             )
     cause = f"The text {match['name']} is no number, so `{spot.text}` cannot make one of it."
     return cause, "write a number with a point and without a unit, or catch ValueError around it"
@@ -59,7 +59,7 @@ def taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
                 cause = (
                     f"To go through the dictionary {name} gives its keys alone, and here each is taken apart."
                 )
-                return cause, f"write {name}.items() in place of {name}"
+                return cause, f"write {name}.items() instead of {name}"
     cause = f"`{spot.text}` has not as many names on its left as there are values on its right."
     return cause, "write as many names as there are values"
 

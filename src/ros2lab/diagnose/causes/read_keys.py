@@ -63,12 +63,12 @@ def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Findi
         cause = (
             f"{one.shown}, from which {ast.unparse(asked.value)} comes, has no key {key!r}; it has {names}."
         )
-        return Finding("python-error", cause, source.at(spot.line), f"write one of these in place of {key!r}")
+        return Finding("python-error", cause, source.at(spot.line), f"write one of these instead of {key!r}")
     return None
 
 
 def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding | None:
-    """Return what is said of a key that the file has otherwise: with a mark, blanks or capitals, or unseparated."""
+    """Return what is said of a key that the file has otherwise: with a mark, spaces or capitals, or unseparated."""
     names = [*dict.fromkeys(row[-1] for row in read.keys)]
     assert spot.source is not None
     if _MARK + key in names and key not in names:
@@ -83,15 +83,15 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
         call = ast.unparse(read.call)
         new = f"delimiter={sign!r}"
         better = call.replace(ast.unparse(given[0]), new) if given else f"{call[:-1]}, {new})"
-        return Finding("python-error", cause, spot.source.at(read.call), f"write {better} in place of {call}")
+        return Finding("python-error", cause, spot.source.at(read.call), f"write {better} instead of {call}")
     near = nearest(key, names) if key not in names else None
     if near is None:
         return None
     cause = f"{read.shown} has no key {key!r}: there it is {near!r}."
     text = ast.unparse(asked.slice)
-    fix = f"write {near!r} in place of {text}" if isinstance(asked.slice, ast.Constant) else ""
+    fix = f"write {near!r} instead of {text}" if isinstance(asked.slice, ast.Constant) else ""
     if near.strip() == key:
-        cause = f"{read.shown} has no key {key!r}: with the blanks beside it, it is {near!r}."
+        cause = f"{read.shown} has no key {key!r}: with the spaces beside it, it is {near!r}."
     return Finding(
         "python-error", cause, spot.source.at(spot.line), fix or f"write {key} for {near} in {read.shown}"
     )
@@ -110,9 +110,9 @@ def _marked(key: str, source: PythonSource, read: _Read) -> Finding:
             given = next((one for one in node.keywords if one.arg == "encoding"), None)
             text = ast.unparse(node)
             if given is not None:
-                fix = f"write encoding='utf-8-sig' in place of {ast.unparse(given)}"
+                fix = f"write encoding='utf-8-sig' instead of {ast.unparse(given)}"
             else:
-                fix = f"write {text[:-1]}{', ' * (text[-2] != '(')}encoding='utf-8-sig') in place of {text}"
+                fix = f"write {text[:-1]}{', ' * (text[-2] != '(')}encoding='utf-8-sig') instead of {text}"
             return Finding("python-error", cause, source.at(node), fix)
     return Finding(
         "python-error", cause, source.at(read.call), f"save {read.shown} without it, and build again"
@@ -129,7 +129,7 @@ def _deeper(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding 
     steps = "".join(f"[{step!r}]" for step in below[0])
     cause = f"In {read.shown} {key!r} stands below {below[0][-2]!r}."
     assert spot.source is not None
-    fix = f"write {ast.unparse(asked.value)}{steps} in place of {ast.unparse(asked)}"
+    fix = f"write {ast.unparse(asked.value)}{steps} instead of {ast.unparse(asked)}"
     return Finding("python-error", cause, spot.source.at(spot.line), fix)
 
 

@@ -50,7 +50,7 @@ def _told(value: ast.expr, written: str, spot: Spot) -> str:
     for node in spot.nodes:
         if isinstance(node, ast.Assign) and node.value is value:
             return f"write {' = '.join(map(ast.unparse, node.targets))} = {written}"
-    return f"write {written} in place of {ast.unparse(value)}"
+    return f"write {written} instead of {ast.unparse(value)}"
 
 
 def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource) -> tuple[str, str]:

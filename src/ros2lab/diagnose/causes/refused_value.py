@@ -67,7 +67,7 @@ def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[s
     larger = _larger(sent, field, least, most)
     keep = f"keep it within them, such as with min(max({ast.unparse(value)}, {least}), {most})"
     fix = (
-        f"write {larger} in place of {sent.rpartition('.')[2]} everywhere, also where it is received; or {keep}"
+        f"write {larger} instead of {sent.rpartition('.')[2]} everywhere, also where it is received; or {keep}"
         if larger
         else keep
     )
@@ -100,11 +100,11 @@ def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> F
     if (declared := _declared_as_int(source, value)) is not None:
         name, default = declared
         cause = f"The field {field} holds a float, and the parameter {name} is declared as {ast.unparse(default)}, an int. Line {line} fails because of this one."
-        fix = f"write {ast.unparse(default)}.0 in place of {ast.unparse(default)}"
+        fix = f"write {ast.unparse(default)}.0 instead of {ast.unparse(default)}"
         return Finding("int-in-float", cause, source.at(default), fix)
     cause = f"The field {field} holds a float, and `{text}` is something else here: an int, or a text."
     fix = f"write {text}.0" if text.lstrip("-").isdigit() else f"write float({text})"
-    return Finding("int-in-float", cause, source.at(value), f"{fix} in place of {text}")
+    return Finding("int-in-float", cause, source.at(value), f"{fix} instead of {text}")
 
 
 def _declared_as_int(source: PythonSource, value: ast.expr) -> tuple[str, ast.expr] | None:

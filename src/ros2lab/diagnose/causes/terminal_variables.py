@@ -62,11 +62,11 @@ def _of_line(line: str, name: str, typed: Sequence[str]) -> tuple[str, str] | No
         if match["name"] != name:
             continue
         command = f"export {name}={match['value']}"
-        behind = typed[len(typed) - 1 - [*reversed(typed)].index(line) :]
+        after = typed[len(typed) - 1 - [*reversed(typed)].index(line) :]
         if not match["export"]:
             cause = f"`{match[0].strip('; &')}` sets {name} for the shell alone: what it starts sees only what is exported."
             return cause, command
-        if any(_OTHER_TERMINAL.search(one) for one in behind):
+        if any(_OTHER_TERMINAL.search(one) for one in after):
             cause = f"`{command}` holds for the terminal in which it was typed, and the program was started in another one."
             return cause, command
     if (misset := _MISSET.match(line)) and misset["name"] == name:

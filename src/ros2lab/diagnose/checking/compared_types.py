@@ -147,9 +147,9 @@ def _fix(one: _Compared, families: Collection[str], wanted: str) -> str:
     sign, word = ("==", "in") if one.is_equal else ("!=", "not in")
     match (next(iter(families)), value):
         case "a function", _:
-            fix = f"write {text}() in place of {text}"
+            fix = f"write {text}() instead of {text}"
         case "an object of the class Parameter", _:
-            fix = f"write {text}.value in place of {text}"
+            fix = f"write {text}.value instead of {text}"
         case "a number", str() if _NUMBER.fullmatch(value):
             fix = f"write `{text} {sign} {value.strip()}`"
         case "a number", str():

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from ros2lab.diagnose.checking.trials import Edit
 
 _ALIKE = 0.6  # of two texts, as difflib measures it
-_IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? in place of `?(?P<old>.+?)`?(?:, with .*)?$", re.DOTALL)
+_IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? instead of `?(?P<old>.+?)`?(?:, with .*)?$", re.DOTALL)
 _WRITTEN = re.compile(r"write (?P<sign>`?)(?P<new>.+?)(?P=sign)(?:, with .*)?$")
 
 

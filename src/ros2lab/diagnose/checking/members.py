@@ -32,7 +32,7 @@ def members(owner: str, look: Look | None) -> set[str]:
 
 
 def in_place_of(name: str, owner: str, spot: Spot, look: Look | None) -> str:
-    """Return what is written in place of a member that something does not have; empty if that is not known.
+    """Return what is written instead of a member that something does not have; empty if that is not known.
 
     It may be the field of the type that the name says, the member whose name is most like it, or a method with an
     option, as `info(..., throttle_duration_sec=2.0)` for `info_throttle(2.0, ...)`.

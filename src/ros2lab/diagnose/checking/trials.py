@@ -33,11 +33,11 @@ class Edit:
         """Return the lines of a file with the other text."""
         node = self.node
         first, last = node.lineno - 1, (node.end_lineno or node.lineno) - 1
-        before, behind = lines[first][: node.col_offset], lines[last][node.end_col_offset :]
-        return [*lines[:first], before + self.text.encode() + behind, *lines[last + 1 :]]
+        before, after = lines[first][: node.col_offset], lines[last][node.end_col_offset :]
+        return [*lines[:first], before + self.text.encode() + after, *lines[last + 1 :]]
 
     def is_idle(self, source: PythonSource) -> bool:
-        """Return whether the other text means just what stood there, as `str('a')` does in place of `'a'`."""
+        """Return whether the other text means just what stood there, as `str('a')` does instead of `'a'`."""
         try:
             new = ast.parse(self.text.strip()).body
         except (SyntaxError, ValueError):
@@ -256,7 +256,7 @@ def _revealed(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, str]:
 
 
 def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
-    """Yield the type of what each callback receives, as the subscription names it, behind its parameter."""
+    """Yield the type of what each callback receives, as the subscription names it, after its parameter."""
     for package in look.packages:
         known = look.sources(package)
         for creation, function in known.callbacks() if source in package.sources.values() else ():

@@ -55,7 +55,7 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
 
     Args:
         look: the workspace.
-        known: what is known of it; nothing is said twice of a line, but in place of what is only passed on.
+        known: what is known of it; nothing is said twice of a line, but instead of what is only passed on.
         named: the lines that an error names, as their places are shown; there, everything is believed.
     """
     told = {one.place for one in known if one.code != SAID}
@@ -89,7 +89,7 @@ def _launch_files(look: Look) -> Iterator[str]:
 
 
 def _is_told_elsewhere(row: re.Match[str], said: re.Match[str], source: PythonSource | None) -> bool:
-    """Return whether another rule says more: of names in nodes, or of what is asked of a class in place of its object."""
+    """Return whether another rule says more: of names in nodes, or of what is asked of a class instead of its object."""
     if row["rule"] == "unresolved-reference":  # that rule knows exec() and globals()
         return source is not None
     groups = said.groupdict()
@@ -221,7 +221,7 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
         cause, fix = (
             f"{plain(owner)} has no {name}. Did you mean {meant}?",
-            f"write {meant} in place of {name}",
+            f"write {meant} instead of {name}",
         )
     else:
         fix = _unwrapped(said, spot) or fix
@@ -259,10 +259,10 @@ def first_that_stands(
     """
     lines = source.text.encode().splitlines(keepends=True)
     last = call.end_lineno or call.lineno
-    before, behind = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
+    before, after = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
     texts = []
     for written in ways:
-        changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
+        changed = [*lines[: call.lineno - 1], before + written.encode() + after, *lines[last:]]
         changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
         texts.append(b"".join(changed))
     for written, rows in zip(ways, checked(source, texts), strict=True):
@@ -344,7 +344,7 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
     if rule == "missing-attribute":
         if method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner):
             cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
-            return "attribute-missing", cause, f"write {method[1]}() in place of {method[1]}"
+            return "attribute-missing", cause, f"write {method[1]}() instead of {method[1]}"
         return "attribute-missing", *_no_attribute(owner, name, spot, look)
     if rule == "not-callable":
         fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
@@ -372,7 +372,7 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
         return (
             "argument-unknown",
             cause,
-            "write the base class in parentheses behind the name of the class, such as (Node)",
+            "write the base class in parentheses after the name of the class, such as (Node)",
         )
     if rule == "missing-argument":
         return (
@@ -405,7 +405,7 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, s
     if close := in_place_of(name, owner, spot, look):
         is_name = close.isidentifier()
         return (
-            (f"{cause} Did you mean {close}?", f"write {close} in place of {name}")
+            (f"{cause} Did you mean {close}?", f"write {close} instead of {name}")
             if is_name
             else (cause, f"write {close}")
         )

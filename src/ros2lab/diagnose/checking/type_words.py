@@ -18,9 +18,9 @@ def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
     )
     place = spot.source.at(spot.line)
     if made := _made_of(name, spot):
-        return cause, place, f"write {made} in place of {name}"
+        return cause, place, f"write {made} instead of {name}"
     where = f", as in node = {name}()" if name else ""
-    new = f"{name}()" if name else "() behind the name of the class"
+    new = f"{name}()" if name else "() after the name of the class"
     return cause, place, f"write {new} where the object is made{where}"
 
 

@@ -94,7 +94,7 @@ def _changes(
         )
         if whole.startswith("enumerate(") and by == "pop":
             copy = f"reversed(list({whole}))"
-        yield Finding("changed-in-loop", cause, source.at(loop), f"write {copy} in place of {whole} here")
+        yield Finding("changed-in-loop", cause, source.at(loop), f"write {copy} instead of {whole} here")
         return
 
 

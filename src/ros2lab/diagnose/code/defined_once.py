@@ -122,7 +122,7 @@ def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef
         name, value = target.id, ast.unparse(statement.value)
         cause = f"{value} is computed once, when the class {definition.name} is defined, so all its objects have the same {name}."
         if is_field:
-            fix = f"write field(default_factory=lambda: {value}) in place of {value}, and `from dataclasses import field`"
+            fix = f"write field(default_factory=lambda: {value}) instead of {value}, and `from dataclasses import field`"
             yield Finding("computed-once", cause, source.at(statement), fix)
         elif _is_made_often(sources, source, definition) and _is_read(definition, name):
             yield Finding(

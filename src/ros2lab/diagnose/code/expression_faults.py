@@ -52,7 +52,7 @@ def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
             text = ast.unparse(given.body)
             cause = f"`{ast.unparse(given)}` gives {text} back, and calls it never."
             yield Finding(
-                "no-effect", cause, source.at(given), f"write {text} in place of `{ast.unparse(given)}`"
+                "no-effect", cause, source.at(given), f"write {text} instead of `{ast.unparse(given)}`"
             )
 
 
@@ -72,8 +72,8 @@ def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterat
             and isinstance(before, _LITERALS)
         ):
             text = ast.unparse(before)
-            cause = f"Behind `{text[:60]}` a comma is missing, so Python takes what comes next for {_NEXT[type(node)]} it."
-            fix = f"write a comma behind `{text[:60]}`"
+            cause = f"After `{text[:60]}` a comma is missing, so Python takes what comes next for {_NEXT[type(node)]} it."
+            fix = f"write a comma after `{text[:60]}`"
             yield Finding(missing, cause, source.at(before.end_lineno), fix)
     yield from _tuple_faults(source)
 
@@ -183,7 +183,7 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                             "no-effect",
                             cause,
                             source.at(node),
-                            f"write {change(text)!r} in place of {text!r}",
+                            f"write {change(text)!r} instead of {text!r}",
                         )
 
 
@@ -226,7 +226,7 @@ def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
 
 
 def chain_faults(source: PythonSource) -> Iterator[Finding]:
-    """Yield ifs one behind the other about the same value, of which the last one's else undoes what others did."""
+    """Yield ifs one after the other about the same value, of which the last one's else undoes what others did."""
     for block in (getattr(node, name, []) for node in source.nodes for name in ("body", "orelse")):
         for chain in _chains(block if isinstance(block, list) else []):
             last, rest = chain[-1], chain[-1].orelse
@@ -245,7 +245,7 @@ def chain_faults(source: PythonSource) -> Iterator[Finding]:
             *others, end = (str(one.lineno) for one in chain[undone[0] + 1 :])
             where = f" in lines {', '.join(others)} and {end}" if others else ""
             yield Finding(
-                "replaced", cause, source.at(chain[undone[0] + 1]), f"write elif in place of if{where}"
+                "replaced", cause, source.at(chain[undone[0] + 1]), f"write elif instead of if{where}"
             )
 
 
@@ -314,7 +314,7 @@ def _key_again(source: PythonSource, key: object, values: list[ast.expr]) -> Fin
     )
     cause = f"The dictionary has the key {key!r} {often}, and what stands in line {last} replaces {lost}."
     away = "this entry" if is_pair else "the others"
-    fix = f"write another key in place of {key!r}, or take {away} away"
+    fix = f"write another key instead of {key!r}, or take {away} away"
     if all(isinstance(value, ast.List) for value in values):
         lists = "both lists hold" if is_pair else "all of these lists hold"
         fix = f"put what {lists} into the one of line {others[0]}, and take {away} away"

@@ -152,7 +152,7 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
             )
             yield Finding(
                 "unreachable",
-                f"Nothing behind `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, such as `{ast.unparse(after).splitlines()[0]}`.",
+                f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, such as `{ast.unparse(after).splitlines()[0]}`.",
                 source.at(after),
                 f"move the {type(before).__name__.lower()} to the end, or below the condition for which it is meant",
             )
@@ -172,7 +172,7 @@ def _never_true(source: PythonSource) -> Iterator[Finding]:
                     f"Whatever meets `{ast.unparse(later.test)}` meets `{ast.unparse(taken.test)}` in line "
                     f"{taken.lineno}, too, so this is never reached."
                 )
-                fix = f"ask `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` behind it"
+                fix = f"ask `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` after it"
                 yield Finding("unreachable", cause, source.at(later), fix)
 
 
@@ -210,13 +210,13 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
                 "life-order",
                 f"`{ast.unparse(block[number])}` stands before the spin, which then has nothing left to spin.",
                 source.at(block[number]),
-                "move it behind rclpy.spin(node), to the end of main",
+                "move it after rclpy.spin(node), to the end of main",
             )
         made = last in _CREATES or (isinstance(block[number], ast.Assign) and last in _CREATES)
         if number > first and made:
             yield Finding(
                 "life-order",
-                f"`{ast.unparse(block[number])}` stands behind the spin, which goes on until Ctrl-C: it is not reached before.",
+                f"`{ast.unparse(block[number])}` comes after the spin, which goes on until Ctrl-C: it is not reached before.",
                 source.at(block[number]),
                 "move it before rclpy.spin(node)",
             )

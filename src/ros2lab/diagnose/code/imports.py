@@ -138,7 +138,7 @@ def bare_import(whole: str, name: str, place: str) -> Finding:
         "import-wrong",
         f"{name} is a module of the package {whole.removesuffix(f'.{name}')}, and is imported by its whole name.",
         place,
-        f"write {whole} in place of {name} there, and build again",
+        f"write {whole} instead of {name} there, and build again",
     )
 
 
@@ -163,7 +163,7 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
         return Finding("name-undefined", f"Python has no {name}; it writes {meant}.", place, f"write {meant}")
     close = nearest(name, here) or nearest(name, dir(builtins), 0.85)
     if close:
-        cause, fix = f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+        cause, fix = f"{cause} Did you mean {close}?", f"write {close} instead of {name}"
     elif function := _hands_on(source, name, node):
         first = source.text.splitlines()[function.lineno - 1].strip()
         cause = f"{name} is handed on here, and {function.name}() has no parameter of that name."
@@ -226,7 +226,7 @@ def _own_module(source: PythonSource, one: Import, own_modules: Collection[str])
             "module-missing",
             f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
             source.at(one.line),
-            f"write {close} in place of {module}" if close else "fix the name, or make the file",
+            f"write {close} instead of {module}" if close else "fix the name, or make the file",
         )
 
 

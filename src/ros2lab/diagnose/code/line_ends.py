@@ -44,7 +44,7 @@ def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
                         "never-equal",
                         cause,
                         source.at(node),
-                        f"write {text}.strip() in place of {text}, in each comparison of it",
+                        f"write {text}.strip() instead of {text}, in each comparison of it",
                     )
 
 

@@ -51,7 +51,7 @@ class _Held:
     lock: str
 
     def taken_again(self, node: ast.AST, seen: frozenset[int] = frozenset()) -> list[ast.AST]:
-        """Return what takes the lock in a function or a statement, behind the calls that lead there; nothing if none does."""
+        """Return what takes the lock in a function or a statement, after the calls that lead there; nothing if none does."""
         for inner in own_nodes(node):
             if self._takes(inner):
                 return [inner]
@@ -74,10 +74,10 @@ class _Held:
         if isinstance(first, ast.Call) and len(way) > 1:
             name = ast.unparse(first.func)
             cause = f"{name}() is called while {self.lock} is held (line {node.lineno}), and {line} takes {self.lock} again, so it waits for ever."
-            fix = f"call {name}() behind the with, or write threading.RLock() in place of threading.Lock()"
+            fix = f"call {name}() after the with, or write threading.RLock() instead of threading.Lock()"
         else:
             cause = f"{self.lock} is taken again in {line} while it is held (line {node.lineno}), so it waits for ever."
-            fix = f"take the lock only in line {node.lineno}, or write threading.RLock() in place of threading.Lock()"
+            fix = f"take the lock only in line {node.lineno}, or write threading.RLock() instead of threading.Lock()"
         return Finding("lock-held", cause, self.source.at(first), fix)
 
     def _takes(self, node: ast.AST) -> bool:

@@ -24,7 +24,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
             texts = [one.value for one in node.values if isinstance(one, ast.Constant)]
             for name in _known(source, "".join(map(str, texts))):
                 cause = f"In an f-string, doubled braces stand for braces, so {{{name}}} is shown as it is, and no value is filled in."
-                fix = f"write {{{name}}} in place of {{{{{name}}}}}"
+                fix = f"write {{{name}}} instead of {{{{{name}}}}}"
                 yield Finding("text-not-filled", cause, source.at(node), fix)
                 break
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
@@ -40,7 +40,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
     for text in _shown(source.nodes):
         if (found := _EMPTY.search(str(text.value))) and id(text) not in filled:
             cause = f"{found[0]} stands in the text as it is: nothing says which value belongs there."
-            fix = f"write f before the quote, and the value's name in braces in place of {found[0]}"
+            fix = f"write f before the quote, and the value's name in braces instead of {found[0]}"
             yield Finding("text-not-filled", cause, source.at(text), fix)
 
 

@@ -36,7 +36,7 @@ def _finding(owner: NodeClass, base: NodeClass, name: str, node: ast.AST, then: 
         f"A name with two underscores in front belongs to the class in which it is written: in {short}, {name} stands for "
         f"_{short.lstrip('_')}{name}, and {then}, _{base.definition.name.lstrip('_')}{name}."
     )
-    fix = f"write {name[1:]} in place of {name}, here and in {base.source.shown}"
+    fix = f"write {name[1:]} instead of {name}, here and in {base.source.shown}"
     return Finding("private-name", cause, owner.source.at(node), fix)
 
 

@@ -165,7 +165,7 @@ def _lost_locals(
             continue
         said = f"{function.name}() sets {name}, which is a local name of its own; "
         if name in kept:
-            fix = f"write self.{name} in place of {name}"
+            fix = f"write self.{name} instead of {name}"
             yield Finding("not-kept", f"{said}self.{name} stays as it was.", source.at(node), fix)
             return
         if name in source.assigned and name in read_elsewhere:
@@ -218,12 +218,12 @@ def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
         else:
             if pending is not None and sent is not None:
                 last = ast.unparse(sent).splitlines()[0]
-                cause = f"`{ast.unparse(pending).splitlines()[0]}` stands behind `{last}`, so what was sent does not hold it."
+                cause = f"`{ast.unparse(pending).splitlines()[0]}` comes after `{last}`, so what was sent does not hold it."
                 yield Finding(
                     "filling-lost",
                     cause,
                     source.at(pending),
-                    f"move `{last}` behind the lines that fill {name}",
+                    f"move `{last}` after the lines that fill {name}",
                 )
 
 
@@ -285,7 +285,7 @@ def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: F
             return
     users = [node for node in source.nodes if _uses_value(node, function.name, owner is not None)]
     if is_computed and users and sum(_defines(node, function.name) for node in source.nodes) == 1:
-        cause = f"{function.name}() returns nothing, so `{ast.unparse(users[0]).splitlines()[0]}` uses None in place of {last}."
+        cause = f"{function.name}() returns nothing, so `{ast.unparse(users[0]).splitlines()[0]}` uses None instead of {last}."
         fix = return_in_place(function) or f"write `return {last}` as the last line of {function.name}()"
         yield Finding("value-none", cause, source.at(function.body[-1]), fix)
 
@@ -295,7 +295,7 @@ def return_in_place(function: Function) -> str:
     printed = shown_last(function.body)
     returns = [f"`return {ast.unparse(one.args[0])}` in line {one.lineno}" for one in printed]
     joined = f"{', '.join(returns[:-1])}, and {returns[-1]}" if len(returns) > 1 else "".join(returns)
-    return f"write return in place of print: {joined}" if printed else ""
+    return f"write return instead of print: {joined}" if printed else ""
 
 
 def shown_last(body: list[ast.stmt]) -> list[ast.Call]:

@@ -83,7 +83,7 @@ def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
                 f"{kept.holder} gets the object {name} itself, not a copy, and {_line(changed)} changes it later, "
                 "so what was kept changes with it."
             )
-            fix = f"write copy.deepcopy({name}) in place of {name} here, and `import copy` at the top of the file"
+            fix = f"write copy.deepcopy({name}) instead of {name} here, and `import copy` at the top of the file"
             yield Finding("one-object", cause, owner.source.at(kept.node), fix)
 
 

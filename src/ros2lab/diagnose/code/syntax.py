@@ -70,8 +70,8 @@ def explained(
 
 
 def _step(repair: Repair) -> str:
-    if re.search(r"blanks (?:more|are)|begins with \d", repair.why) and not repair.new.endswith(" pass"):
-        return f"let line {repair.line} begin with {len(repair.new) - len(repair.new.lstrip())} blanks and no tab"
+    if re.search(r"spaces (?:more|are)|begins with \d", repair.why) and not repair.new.endswith(" pass"):
+        return f"let line {repair.line} begin with {len(repair.new) - len(repair.new.lstrip())} spaces and no tab"
     return f"write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else "take the line away"
 
 
@@ -115,7 +115,7 @@ class _Reader:
 
 
 def _repair(lines: list[str], number: int, reader: _Reader) -> Repair | None:
-    """Return the first change of a line, or of the one above, after which Python reads on behind it."""
+    """Return the first change of a line, or of the one above, after which Python reads on after it."""
     said, place = reader.said, min(number, len(lines))
     above = next((n for n in range(place - 1, 0, -1) if lines[n - 1].strip()), 0)
     ways = itertools.chain(
@@ -154,7 +154,7 @@ def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator
     before = len(lines[above - 1]) - len(lines[above - 1].lstrip())
     deeper = before + 4
     if "expected an indented block" in said:
-        why = f"what belongs to `{lines[above - 1].strip()}` must be indented by some blanks more than it"
+        why = f"what belongs to `{lines[above - 1].strip()}` must be indented by some spaces more than it"
         if re.match(r"(def|class|@|else|elif|except|finally)\b", code):
             yield Repair(
                 above, f"{lines[above - 1]} pass", f"nothing stands below `{lines[above - 1].strip()}`"
@@ -163,8 +163,8 @@ def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator
     depths = {len(one) - len(one.lstrip()) for one in lines[: place - 1] if one.strip()}
     now = len(line) - len(line.lstrip())
     for depth in sorted(depths, key=lambda depth: abs(depth - now)):
-        why = f"`{code[:_SHOWN]}` begins with {now} blanks, and the lines to which it belongs with {depth}"
-        why = "tabs and blanks are mixed in the indentation" if "\t" in line else why
+        why = f"`{code[:_SHOWN]}` begins with {now} spaces, and the lines to which it belongs with {depth}"
+        why = "tabs and spaces are mixed in the indentation" if "\t" in line else why
         yield Repair(place, " " * depth + code, why)
 
 
@@ -329,7 +329,7 @@ def _ended(number: int, line: str) -> Iterator[Repair]:
 
 
 def _split(line: str) -> tuple[str, str]:
-    """Return a line's code and the comment behind it."""
+    """Return a line's code and the comment after it."""
     found = re.search(r"\s*#[^'\"]*$", line)
     return (line[: found.start()], line[found.start() :]) if found else (line.rstrip(), "")
 
@@ -348,7 +348,7 @@ def _quoted(number: int, line: str) -> Iterator[Repair]:
                 yield Repair(number, f"{line[:first]}{other}{inner}{other}{line[last + 1 :]}", why)
                 yield Repair(number, f"{line[: first + 1]}{inner.replace(quote, other)}{line[last:]}", why)
         if count % 2:
-            why = f"the quote {quote} behind the text is missing"
+            why = f"the quote {quote} after the text is missing"
             end = len(line.rstrip()) - len(re.search(r"[)\]},:]*\s*$", line)[0].rstrip())  # type: ignore[index]
             for cut in range(end, len(line.rstrip()) + 1):
                 yield Repair(number, f"{line[:cut]}{quote}{line[cut:]}", why)
@@ -395,7 +395,7 @@ _SIGNS = {":": "a colon", ",": "a comma", "=": "a single =", ".": "a dot"}
 
 
 def _exchanged(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with another sign in place of one of its signs."""
+    """Yield a line with another sign instead of one of its signs."""
     code, comment = _split(line)
     for found in re.finditer(r"(?<![=!<>:+*/-])[=:;.,](?!=)", code):
         for sign, name in _SIGNS.items():
@@ -410,7 +410,7 @@ def _said(fault: SyntaxError) -> str:
     """Say in plain words what Python says of a syntax error."""
     said = fault.msg or "invalid syntax"
     if isinstance(fault, TabError):
-        return "tabs and blanks are mixed in the indentation"
+        return "tabs and spaces are mixed in the indentation"
     if isinstance(fault, IndentationError):
         return f"the indentation is wrong ({said})"
     if "codec" in said:
@@ -426,7 +426,7 @@ def _a(kind: str) -> str:
 def _fix(fault: SyntaxError, source: PythonSource | None) -> str:
     """Say what to do about a syntax error of which no change of the line is known."""
     if isinstance(fault, IndentationError):
-        return "indent with four blanks everywhere, and never with tabs"
+        return "indent with four spaces everywhere, and never with tabs"
     if "codec" in (fault.msg or ""):
         return "save the file anew with the encoding UTF-8"
     if "never closed" in (fault.msg or "") or "EOF" in (fault.msg or ""):

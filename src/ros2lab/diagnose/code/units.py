@@ -69,7 +69,7 @@ class _Times:
             "unit-mixed",
             cause,
             self._source.at(node),
-            f"write {_in_parentheses(text)} / {factor} in place of {text}",
+            f"write {_in_parentheses(text)} / {factor} instead of {text}",
         )
 
     def too_short(self, call: ast.Call) -> Iterator[Finding]:

@@ -24,7 +24,7 @@ _FAILED = re.compile(
     r"^E +(?:(?:AssertionError: )?assert (?P<left>.+?) == (?P<right>.+)|At index \d+ diff: (?P<one>.+?) != (?P<other>.+))$",
     re.MULTILINE,
 )
-# Behind the lines of code, or before them.
+# After the lines of code, or before them.
 _PLACE = re.compile(r"^(\S+\.py):(\d+): (?:AssertionError|in )", re.MULTILINE)
 
 

@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
-# What stands where behind each verb of ros2; what follows is not looked at.
+# What stands where after each verb of ros2; what follows is not looked at.
 _PLACES = {
     "run": ("package", "executable"),
     "launch": ("package", "launch file"),
@@ -99,7 +99,7 @@ def _of_colcon(line: str, words: list[str], look: Look) -> Corrected | None:
     names = {package.name for package in look.packages}
     for before, word in itertools.pairwise(words[1:]):
         if word in names and not before.startswith("-"):
-            why = f"colcon {words[1]} takes the names of packages only behind an option."
+            why = f"colcon {words[1]} takes the names of packages only after an option."
             return Corrected(line.replace(f" {word}", f" --packages-select {word}", 1), why)
         if before.startswith("--packages") and word not in names and (near := nearest(word, names, 0.6)):
             return Corrected(line.replace(word, near), f"No package here is called {word}; there is {near}.")
@@ -231,7 +231,7 @@ class _Command:
                 and others[0] in names
                 and (first in names or first in (look.executables.get(package.name) or ()))
             ):
-                why = f"{first} is no package: behind `ros2 {self.verb}` the package's name comes first."
+                why = f"{first} is no package: after `ros2 {self.verb}` the package's name comes first."
                 yield Corrected(self.line.replace(f" {first}", f" {package.name}", 1), why)
             elif first in names and not (look.root / first).exists():
                 why = f"`ros2 {self.verb}` wants two names: the package's, and then {first}."
@@ -294,7 +294,7 @@ class _Command:
             blank = re.search(r"\w+:(?=[^\s/:])", word)
             why = f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
             if blank:
-                why = f"Behind the colon of {blank[0]!r} a blank is missing, without which YAML takes it for one word."
+                why = f"After the colon of {blank[0]!r} a space is missing, without which YAML takes it for one word."
             elif taken := read_as(word, fields):
                 why = f"YAML reads {taken[0]} as {taken[1]!r}, and no text: a text that could be something else stands in quotes."
             yield Corrected(self._with(word, text), why)
@@ -350,7 +350,7 @@ class _Command:
                 why = f"A namespace is given whole, with a slash at its beginning, and not as {word!r}."
                 yield Corrected(self._with(word, word.replace(":=", ":=/", 1)), why)
             if before in ("-r", "--remap") and "--ros-args" in self.rest and re.match(r"[^:=]+=[^:=]", word):
-                why = f"The rule {word!r} behind {before} has no `:=` between the two names."
+                why = f"The rule {word!r} after {before} has no `:=` between the two names."
                 yield Corrected(self._with(word, word.replace("=", ":=", 1)), why)
             if before == "--params-file" and not word.startswith(("/", "~")):
                 yield from self._file(word)
@@ -358,18 +358,18 @@ class _Command:
                 name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
                 default = self.known.default(name)
                 value = value or (str(default) if default is not UNKNOWN else "1.0")
-                why = f"The rule {word!r} behind {before} has no `:=` between the name and the value."
+                why = f"The rule {word!r} after {before} has no `:=` between the name and the value."
                 yield Corrected(self._with(word, f"{name}:={value}"), why)
 
     def _without_option(self) -> Iterator[Corrected]:
-        """Yield a parameter or a rule behind --ros-args that no option announces."""
-        behind = self.rest[self.rest.index("--ros-args") :] if "--ros-args" in self.rest else []
-        for before, word in itertools.pairwise(behind):
+        """Yield a parameter or a rule after --ros-args that no option announces."""
+        after = self.rest[self.rest.index("--ros-args") :] if "--ros-args" in self.rest else []
+        for before, word in itertools.pairwise(after):
             name, sign, _ = word.partition(":=")
             if sign and (before == "--ros-args" or not before.startswith("-")):
                 is_rule = name.startswith(("__", "/")) or name in self.known.types
                 option = "-r" if is_rule else "-p"
-                why = f"Behind --ros-args each setting needs its option: {option} before {word}."
+                why = f"After --ros-args each setting needs its option: {option} before {word}."
                 yield Corrected(self.line.replace(f" {word}", f" {option} {word}", 1), why)
 
     def _file(self, word: str) -> Iterator[Corrected]:

@@ -116,7 +116,7 @@ def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
         fields = [one for one in getattr(target, "elts", ()) if getattr(one, "attr", "") == groups["name"]]
         if kind and fields:
             new = set_field(fields[0], kind, ast.Constant(0)).partition(" = ")[0]
-            return f"{new} in place of {ast.unparse(fields[0])}, and so for what stands beside it"
+            return f"{new} instead of {ast.unparse(fields[0])}, and so for what stands beside it"
     return ""
 
 

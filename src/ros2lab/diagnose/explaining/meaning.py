@@ -25,5 +25,5 @@ class Meaning:
 
 
 def meaning(pattern: str, codes: str, cause: str = "", fix: str | Callable[..., str] = "") -> Meaning:
-    """Return a meaning of the words that a regular expression finds; the codes stand in one text, with blanks between."""
+    """Return a meaning of the words that a regular expression finds; the codes stand in one text, with spaces between."""
     return Meaning(re.compile(pattern), tuple(codes.split()), cause, fix)

@@ -19,7 +19,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"Unknown distribution option: 'tests_require'",
         "setuptools-too-new",
         "This setuptools no longer knows tests_require, by which colcon chooses pytest: `colcon test` runs none of the package's tests.",
-        "write extras_require={{'test': ['pytest']}} in place of tests_require=['pytest'] in setup.py, and build again",
+        "write extras_require={{'test': ['pytest']}} instead of tests_require=['pytest'] in setup.py, and build again",
     ),
     meaning(
         r"was created with the layout '(?P<name>\w+)'",

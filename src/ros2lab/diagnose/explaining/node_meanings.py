@@ -59,8 +59,8 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"'(?:float|int)' object has no attribute 'self'",
         "dot-for-comma",
-        "Behind a number a dot stands where a comma belongs, as in create_timer(2.0.self.callback).",
-        "write a comma and a blank in place of the dot",
+        "After a number a dot stands where a comma belongs, as in create_timer(2.0.self.callback).",
+        "write a comma and a space instead of the dot",
     ),
     meaning(
         r"'(?:float|int)' object has no attribute '(?P<name>\w+)'",
@@ -90,13 +90,13 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         r"InvalidNodeNameException|[Ii]nvalid node name",
         "node-name-invalid",
         "A node's name may hold letters, digits and _ only.",
-        "write _ in place of other characters",
+        "write _ instead of other characters",
     ),
     meaning(
         r"validating node name or namespace for .*namespace=(?!None)(?P<name>[^']*)'",
         "node-name-invalid",
         "The namespace {name!r} is not valid: between its slashes, letters, digits and _ may stand, and no digit first.",
-        "write _ in place of other characters",
+        "write _ instead of other characters",
     ),
     meaning(
         r"Logger severity cannot be changed between calls",
@@ -107,14 +107,14 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"UnknownROSArgsError: (?P<name>\[.*\])",
         "typed-wrong",
-        "Behind --ros-args stands {name}, which ROS does not know.",
-        "put a value that holds a blank in quotes, or write _ for the blank, and what the node itself is to read before --ros-args",
+        "After --ros-args stands {name}, which ROS does not know.",
+        "put a value that holds a space in quotes, or write _ for the space, and what the node itself is to read before --ros-args",
     ),
     meaning(
         r"InvalidTopicNameException|InvalidServiceNameException|[Ii]nvalid topic name",
         "topic-name-invalid",
         "Between its slashes, a topic's name may hold letters, digits and _ only, and no digit first.",
-        "write _ in place of other characters",
+        "write _ instead of other characters",
     ),
     meaning(
         r"NotInitializedException|rclpy\.init\(\) has not been called",
@@ -137,14 +137,14 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"object does not support the context manager protocol|AttributeError: __enter__",
         "context-manager",
-        "What stands behind `with` is not made for it; in ROS 2 Jazzy neither rclpy.init() nor a node is.",
+        "What comes after `with` is not made for it; in ROS 2 Jazzy neither rclpy.init() nor a node is.",
         "write rclpy.init(args=args) as the first line of main, and rclpy.try_shutdown() as its last",
     ),
     meaning(
         r"rcl_shutdown already called",
         "shutdown-twice",
         "Ctrl-C had already shut rclpy down, and the program does it once more: it is harmless.",
-        "write rclpy.try_shutdown() in place of rclpy.shutdown()",
+        "write rclpy.try_shutdown() instead of rclpy.shutdown()",
     ),
     meaning(
         r"ParameterNotDeclaredException|undeclared parameter\(s\): (?P<name>\w*)",
@@ -168,7 +168,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         r"yaml\.\w+Error|parse[rd]? .*ya?ml|Couldn't parse params file",
         "parameter-file-syntax parameter-file-node",
         "The parameter file cannot be read.",
-        "indent with blanks, and write the node's name, then ros__parameters:, then the parameters",
+        "indent with spaces, and write the node's name, then ros__parameters:, then the parameters",
     ),
     # Messages
     meaning(
@@ -188,7 +188,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"has no (?:field|attribute) '(?P<name>\w+):(?P<value>[^' ]+)'",
         "message-field",
-        "YAML wants a blank after a colon; without one {name}:{value} is a name.",
+        "YAML wants a space after a colon; without one {name}:{value} is a name.",
         "write {name}: {value}",
     ),
     meaning(
@@ -237,7 +237,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         r"'property' object has no attribute '(?P<name>\w+)'",
         "attribute-unknown",
         "Here .{name} is asked of a field of a class, and not of an object of that class.",
-        "make an object first, with parentheses behind the class: twist = Twist()",
+        "make an object first, with parentheses after the class: twist = Twist()",
     ),
     meaning(
         r"'(?P<owner>\w+)' object has no attribute '(?P<name>\w+)'",

@@ -114,7 +114,7 @@ def _unknown_package(name: str, look: Look | None) -> Finding:
     )
     near = nearest(name, names)
     do = "look at the name, build the workspace, and source install/setup.bash in this terminal"
-    return Finding("package-not-found", cause, "", f"write {near} in place of {name}" if near else do)
+    return Finding("package-not-found", cause, "", f"write {near} instead of {name}" if near else do)
 
 
 def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Finding:

@@ -119,14 +119,14 @@ def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
 
 def _no_command(tool: str, name: str) -> Finding:
     if name == "source":
-        fix = "write a dot in place of source (. install/setup.bash), or type bash first"
+        fix = "write a dot instead of source (. install/setup.bash), or type bash first"
         return Finding(SAID, f"{tool} has no command source; that is bash's.", "", fix)
     if name in _ROS_1:
         fix = f"write {_ROS_1[name]} in its place"
         return Finding(SAID, f"{name} is a command of ROS 1; in ROS 2 it is {_ROS_1[name]}.", "", fix)
     if not re.search(r"\w", name):
         cause = f"{name} is the prompt, which a terminal prints itself, and no part of the command."
-        return Finding(SAID, cause, "", f"type what stands behind {name} only")
+        return Finding(SAID, cause, "", f"type what comes after {name} only")
     folders = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
     commands = [one.name for folder in folders if folder.is_dir() for one in folder.iterdir()]
     close = nearest(name, [one for one in commands if abs(len(one) - len(name)) < 2])
@@ -159,12 +159,12 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
         wrong = match[1].split()[0]
         if re.search(r"[}\]]", match[1]) and not wrong.startswith("-"):
             fix = "put the whole value in quotes: '{data: hello}'"
-            return Finding(SAID, f"{tool} takes the value for several words, because of its blanks.", "", fix)
+            return Finding(SAID, f"{tool} takes the value for several words, because of its spaces.", "", fix)
         if " " in match[1] and "[ERROR]" in error.text:
             # Two arguments that a terminal gives one by one stand in one text.
             pieces = ", ".join(map(repr, shlex.split(match[1])))
             cause = f"{tool} is given {match[1]!r} as one word, and it is {len(shlex.split(match[1]))}."
-            return Finding(SAID, cause, "", f"write {pieces} in place of {match[1]!r} in the launch file")
+            return Finding(SAID, cause, "", f"write {pieces} instead of {match[1]!r} in the launch file")
         options = re.findall(r"--[\w-]+", error.text.replace(match[0], ""))
         close = nearest(wrong, options) or (wrong.replace("_", "-") if "_" in wrong else None)
         cause = f"{tool} does not know {match[1]}.{did_you_mean(wrong, options)}"
@@ -290,7 +290,7 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
     close = nearest(said.split()[0], choices, 0.5)
     place = launch_line(error, look)
     fix = (
-        f"write {close} in place of {said.split()[0]}"
+        f"write {close} instead of {said.split()[0]}"
         if close
         else _other_substitution(said)
         or "compare the tag and its attributes with those of a launch file that is read"
@@ -314,7 +314,7 @@ def _other_substitution(said: str) -> str:
     Parser.load_launch_extensions()
     known = sorted(expose.substitution_parse_methods)
     if near := _RENAMED.get(unknown[1]) or nearest(unknown[1], known):
-        return f"write $({near} ...) in place of $({unknown[1]} ...)"
+        return f"write $({near} ...) instead of $({unknown[1]} ...)"
     return f"write one that launch has: {', '.join(f'$({one} ...)' for one in known)}"
 
 

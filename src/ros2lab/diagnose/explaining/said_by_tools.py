@@ -36,7 +36,7 @@ def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
 def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
     """Return what an exception says of a line of the student's, or a warning that was printed in its form."""
     place = place_of(own_frames(report.frames), look)
-    # It stands behind its place, as Python warns; an exception begins its line.
+    # It comes after its place, as Python warns; an exception begins its line.
     if report.kind.endswith("Warning") and f": {report.line}" in error.text:
         frame = report.frames[-1] if report.frames else None
         said = of_warning(f"{frame.file}:{frame.line}: {report.line}", error.text, look) if frame else None

@@ -22,7 +22,7 @@ from ros2lab.diagnose.sources.spelling import nearest, plain_signs
 _VALUED = frozenset(
     ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
 )
-# What ROS reads only behind --ros-args.
+# What ROS reads only after --ros-args.
 _OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
 # What keeps a node from being met, or from saying anything.
 _SILENCE = frozenset(
@@ -119,7 +119,7 @@ def _respawned(look: Look) -> str:
     return ""
 
 
-# A ! in double quotes, or in none, with a sign behind it that bash takes for an earlier command.
+# A ! in double quotes, or in none, with a sign after it that bash takes for an earlier command.
 _HISTORY = re.compile(r"^(?:[^'\"]|'[^']*')*(?:\"[^\"]*![^\s=\"(]|(?<!^)![^\s=\"'(])")
 
 
@@ -182,7 +182,7 @@ def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) ->
     if absolute := _without_namespace(topic, there):
         return absolute
     if parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
-        cause = f"A topic's name has no field behind it: {parts[1]} is a field of what {parts[0]} carries."
+        cause = f"A topic's name has no field after it: {parts[1]} is a field of what {parts[0]} carries."
         fix = f"type `{step.command.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
         return Finding("topic-near-miss", cause, "", fix)
     if not _NO_ONE.search(step.text) or step.is_answered or not there:
@@ -194,7 +194,7 @@ def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) ->
         written = there[wanted].topic
         cause = f"~ stands for the node's own name, so {written!r} is {wanted}, and not {topic}."
         return Finding(
-            "topic-near-miss", cause, there[wanted].place, f"write {topic!r} in place of {written!r}"
+            "topic-near-miss", cause, there[wanted].place, f"write {topic!r} instead of {written!r}"
         )
     cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
     fix = f"type `{step.command.replace(topic, wanted)}`" if wanted else "write one of these names"
@@ -262,9 +262,9 @@ def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
         if isinstance(text, str) and text != word and text.strip().lower() == word.lower():
             yield Finding(
                 "word-unanswered",
-                f"The command sends {word!r}, and the code compares with {text!r}: capitals and blanks count.",
+                f"The command sends {word!r}, and the code compares with {text!r}: capitals and spaces count.",
                 end.creation.source.at(node),
-                f"write {word!r} in place of {text!r}, or compare msg.data.strip().lower()",
+                f"write {word!r} instead of {text!r}, or compare msg.data.strip().lower()",
             )
 
 

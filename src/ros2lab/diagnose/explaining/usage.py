@@ -52,7 +52,7 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
     yield from _other_verb(words, parser, depth)
     actions = {name: action for action in parser._actions for name in action.option_strings}
     for number, word in enumerate(words):
-        before, behind = words[:number], words[number + 1 :]
+        before, after = words[:number], words[number + 1 :]
         name, sign, given = word.partition("=")
         if not word.startswith("-") or word == "--ros-args":
             continue
@@ -60,27 +60,27 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
         if action is None:
             yield from _unknown_option(words, number, actions)
         elif action.nargs in ("+", "*"):
-            taken = list(itertools.takewhile(lambda each: not each.startswith("-"), behind))
+            taken = list(itertools.takewhile(lambda each: not each.startswith("-"), after))
             for value in reversed(taken):
-                rest = [each for each in behind if each is not value]
+                rest = [each for each in after if each is not value]
                 yield (
                     [*before, value, name, *rest],
-                    f"{name} takes all words behind it, and {value!r} with them.",
+                    f"{name} takes all words after it, and {value!r} with them.",
                 )
-        elif action.nargs != 0 and (given or behind):
-            value, rest = (given, behind) if sign else (behind[0], behind[1:])
+        elif action.nargs != 0 and (given or after):
+            value, rest = (given, after) if sign else (after[0], after[1:])
             for right in _values_for(action, value):
                 kept = [*before, name, right, value, *rest]
-                why = f"{name} takes {_kind(action)}, and so takes {value!r} away from what stands behind it."
+                why = f"{name} takes {_kind(action)}, and so takes {value!r} away from what comes after it."
                 is_other = not sign and (action.choices or not _NUMBER.match(value))
                 yield from [(kept, why)] if is_other else []
                 yield (
                     [*before, name, right, *rest],
-                    f"Behind {name} belongs {_kind(action)}, and not {value!r}.",
+                    f"After {name} comes {_kind(action)}, and not {value!r}.",
                 )
         elif action.nargs != 0:
             for right in _values_for(action, ""):
-                yield [*words, right], f"Behind {name} belongs {_kind(action)}."
+                yield [*words, right], f"After {name} comes {_kind(action)}."
     yield from _in_another_order(words)
     yield from _parted(words, depth)
     for number in range(depth + 1, len(words) - 1):
@@ -96,7 +96,7 @@ def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
             name, sign, value = words[number].rpartition("/")
         if name and sign and value:
             parted = [*words[:number], name, value, *words[number + 1 :]]
-            yield parted, f"{name} and {value} are two words here, with a blank between them and no {sign}."
+            yield parted, f"{name} and {value} are two words here, with a space between them and no {sign}."
 
 
 def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
@@ -108,7 +108,7 @@ def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
         moved = [*words[:start], *words[end:], *words[start:end]]
         yield (
             moved,
-            "--ros-args and what follows it stand behind the names of the package and the executable.",
+            "--ros-args and what follows it come after the names of the package and the executable.",
         )
 
 
@@ -117,15 +117,15 @@ def _unknown_option(
 ) -> Iterator[tuple[list[str], str]]:
     """Yield words in which an option that there is not is another one, or an argument of a launch file or a node."""
     name, sign, given = words[number].partition("=")
-    before, behind = words[:number], words[number + 1 :]
+    before, after = words[:number], words[number + 1 :]
     if near := nearest(name, actions, 0.7):
-        yield [*before, f"{near}{sign}{given}", *behind], f"There is no option {name}; there is {near}."
-    value, rest = (given.lstrip("="), behind) if sign else (behind[0] if behind else "", behind[1:])
+        yield [*before, f"{near}{sign}{given}", *after], f"There is no option {name}; there is {near}."
+    value, rest = (given.lstrip("="), after) if sign else (after[0] if after else "", after[1:])
     bare = name.lstrip("-").rstrip(":")
     if words[1:2] == ["launch"] and value:
         why = f"{name} is no option of ros2 launch: an argument of a launch file is written {bare}:={value}."
         yield [*before, *rest, f"{bare}:={value}"], why
-    yield [*before, *behind], f"There is no option {name} here."
+    yield [*before, *after], f"There is no option {name} here."
 
 
 def _other_verb(

@@ -114,7 +114,7 @@ def _fix(said: str, places: Sequence[str], look: Look | None) -> tuple[str, str]
                 f"; and so in line{'s' * (len(others) > 1)} {', '.join(map(str, others))}" if others else ""
             )
             return f"write `{_replaced(old, new, text)}`{more}", first
-        return f"write {new} in place of {old}", place
+        return f"write {new} instead of {old}", place
     hint = _SENTENCE.search(_SEE.sub("", said))
     fix = hint["hint"].strip() if hint else ""
     return f"{fix[:1].lower()}{fix[1:]}", place

@@ -25,13 +25,13 @@ def choice_when_it_runs(source: PythonSource, node: ast.AST, early: Collection[s
         ):
             if isinstance(choice, ast.IfExp):
                 made = _written(_chosen(choice, choice.body, choice.orelse, early))
-                return f"write {made} in place of {ast.unparse(choice)}, {_IMPORT}" if made else ""
+                return f"write {made} instead of {ast.unparse(choice)}, {_IMPORT}" if made else ""
             made_of = {
                 name: _written(_of_statement(choice, name, source, early)) for name in _assigned(choice)
             }
             rows = [f"{name} = {made}" for name, made in made_of.items()]
             is_known = bool(rows) and all(made_of.values())
-            return f"write `{'`, and `'.join(rows)}` in place of the whole if, {_IMPORT}" if is_known else ""
+            return f"write `{'`, and `'.join(rows)}` instead of the whole if, {_IMPORT}" if is_known else ""
     return ""
 
 

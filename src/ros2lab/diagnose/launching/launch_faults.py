@@ -39,7 +39,7 @@ def launch_faults(
                     "launch-package",
                     f"The launch file starts a node of the package {node.package}, and the package is called {wanted}.",
                     node.place,
-                    f"write {wanted} in place of {node.package}",
+                    f"write {wanted} instead of {node.package}",
                 )
         elif isinstance(node.package, str) and isinstance(node.executable, str):
             there = executables.get(node.package)
@@ -49,7 +49,7 @@ def launch_faults(
                     f"The launch file starts {node.executable}, and {node.package} has no such executable: "
                     f"it has {', '.join(sorted(there)) or 'none'}.{did_you_mean(node.executable, there)}",
                     node.place,
-                    f"write {near} in place of {node.executable}"
+                    f"write {near} instead of {node.executable}"
                     if (near := nearest(node.executable, there, 0.6))
                     else "write the executable's name as it stands in the entry points of setup.py",
                 )
@@ -73,7 +73,7 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
                 f"The launch file gives the parameter file {path} of {package}, and there is no such file"
                 + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
                 node.place,
-                f"write {wanted} in place of {path.rpartition('/')[2]} in the launch file"
+                f"write {wanted} instead of {path.rpartition('/')[2]} in the launch file"
                 if wanted
                 else f"make the file {path}, and add it to data_files in setup.py",
             )
@@ -92,7 +92,7 @@ def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
     ]
     if source and prints and not any(getattr(one.func, "attr", "") == "get_logger" for one in calls):
         logged = as_logged(prints[0], source)
-        whole = f"write `{logged}` in place of `{ast.unparse(prints[0])}`" if logged else ""
+        whole = f"write `{logged}` instead of `{ast.unparse(prints[0])}`" if logged else ""
         others = ", and the other prints so" if whole and len(prints) > 1 else ""
         fix = f"{whole}{others}{'; or ' if whole else ''}{'' if whole else 'write '}output='screen' in its Node(...) of the launch file"
         yield Finding(

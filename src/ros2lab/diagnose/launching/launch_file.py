@@ -91,7 +91,7 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
         place = next((n for n in source.nodes if isinstance(n, ast.FunctionDef) and n.name == near), 1)
         cause = f"{shown} has no function generate_launch_description, which ros2 launch calls."
         fix = "write def generate_launch_description(): and return LaunchDescription([...])"
-        fix = f"write generate_launch_description in place of {near}" if near else fix
+        fix = f"write generate_launch_description instead of {near}" if near else fix
         faults.append(Finding("launch-function", cause, source.at(place), fix))
     faults += _without_return(source)
     faults += [*used_too_early(source), *declared_late(source)]

@@ -177,7 +177,7 @@ def _torn(
                 for node, text in texts if is_meant else ():
                     if text and given.endswith(text) and not given.endswith(f"/{text}") and text[0] != "/":
                         cause = f"A / is missing in the path {package.name}{text} of the parameter file, so it is not found and the nodes keep their defaults."
-                        fix = f"write {'/' + text!r} in place of {text!r}"
+                        fix = f"write {'/' + text!r} instead of {text!r}"
                         yield Finding("parameter-file-missing", cause, source.at(node), fix)
 
 
@@ -194,7 +194,7 @@ def _from_here(
         if home:
             cause = f"The parameter file {text} is searched in the folder where `ros2 launch` is typed, and it is in the package {home.name}: the nodes keep their defaults."
             parts = "".join(f", {part!r}" for part in text.split("/"))
-            fix = f"write PathJoinSubstitution([FindPackageShare({home.name!r}){parts}]) in place of {text!r}"
+            fix = f"write PathJoinSubstitution([FindPackageShare({home.name!r}){parts}]) instead of {text!r}"
             yield Finding("parameter-file-missing", cause, source.at(node), fix)
 
 
@@ -242,7 +242,7 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
         lacks = f"{tag} needs {' and '.join(missing)}" if missing else f"launch takes {tag}"
         has = f", and does not know {' and '.join(strange)}" if strange else ", which is not there"
         fix = f"write {missing[0]} here" if missing else f"take {' and '.join(strange)} away"
-        fix = f"write {missing[0]} in place of {strange[0]}" if len(missing) == len(strange) == 1 else fix
+        fix = f"write {missing[0]} instead of {strange[0]}" if len(missing) == len(strange) == 1 else fix
         yield Finding("launch-argument", f"{lacks}{has}.", at(file.shown, _line(path, strange or [tag])), fix)
     error = told["error"]
     if error and not tags:
@@ -261,7 +261,7 @@ def _lacking(
     near = nearest(name, own, 0.6)
     place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
     cause = f"launch cannot load this file here: there is no {name}, neither in this workspace nor installed."
-    fix = f"write {near} in place of {name}" if near else f"correct the name {name}, or install what has it"
+    fix = f"write {near} instead of {name}" if near else f"correct the name {name}, or install what has it"
     yield Finding("launch-package", cause, place, fix, (name,))
 
 

@@ -1,4 +1,4 @@
-"""Parameters that a launch file gives a node, and that what it gives behind them sets back."""
+"""Parameters that a launch file gives a node, and that what it gives after them sets back."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def set_back(started: list[Started]) -> Iterator[Finding]:
             for name, value in _given_by(Path(given), node):
                 if name in known and known[name] != value:
                     shown = Path(given).name
-                    cause = f"{name} is {known[name]} here, and {shown}, which stands behind it, makes it {value}: what stands last counts."
-                    fix = f"write {shown} first in parameters=[...], and what is to count behind it"
+                    cause = f"{name} is {known[name]} here, and {shown}, which comes after it, makes it {value}: what stands last counts."
+                    fix = f"write {shown} first in parameters=[...], and what is to count after it"
                     yield Finding("launch-argument", cause, node.launched.place, fix, (name,))
 
 

@@ -32,7 +32,7 @@ def used_too_early(source: PythonSource) -> Iterator[Finding]:
 
 
 def declared_late(source: PythonSource) -> Iterator[Finding]:
-    """Yield an argument that stands in the list behind the first action that asks for it."""
+    """Yield an argument that stands in the list after the first action that asks for it."""
     lists = (node.elts for node in source.nodes if isinstance(node, ast.List))
     for actions in lists:
         asked: set[str] = set()
@@ -98,11 +98,11 @@ def _when_it_runs(
             return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
         case ast.BinOp() | ast.Call() if (whole := _calculation(source, node, early)) is not None:
             made = f"PythonExpression([{', '.join(_parts(whole, early))}])"
-            return f"write {made} in place of {ast.unparse(whole)}, with `from launch.substitutions import PythonExpression`"
+            return f"write {made} instead of {ast.unparse(whole)}, with `from launch.substitutions import PythonExpression`"
         case ast.FormattedValue():
             text = next(n for n in source.nodes if isinstance(n, ast.JoinedStr) and node in n.values)
             parts = [one.value if isinstance(one, ast.FormattedValue) else one for one in text.values]
-            return f"write [{', '.join(map(ast.unparse, parts))}] in place of {ast.unparse(text)}"
+            return f"write [{', '.join(map(ast.unparse, parts))}] instead of {ast.unparse(text)}"
     return f"give {ast.unparse(early[0])} itself to the action, or a list of texts and substitutions, which launch joins"
 
 

@@ -42,7 +42,7 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
                     "launch-argument",
                     cause,
                     source.at(keyword.value),
-                    f"write {new} in place of {name}={ast.unparse(keyword.value)}",
+                    f"write {new} instead of {name}={ast.unparse(keyword.value)}",
                 )
 
 

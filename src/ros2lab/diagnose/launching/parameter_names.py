@@ -136,7 +136,7 @@ def _fault(giver: str, name: str, value: Any, takers: Collection[_Home], place: 
             "parameter-name",
             cause,
             place,
-            f"write {close} in place of {name}, or declare it: {declare}"
+            f"write {close} instead of {name}, or declare it: {declare}"
             if close
             else f"declare it: {declare}",
         )

@@ -211,7 +211,7 @@ def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
     wanted = nearest(topic.lstrip("/"), own, 0.6) or (min(own) if len(own) == 1 else "")
     fix = f"write one of these as the first name of the remapping: {there}"
     fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
-    fix = f"write ({new!r}, {topic!r}) in place of ({topic!r}, {new!r})" if is_turned else fix
+    fix = f"write ({new!r}, {topic!r}) instead of ({topic!r}, {new!r})" if is_turned else fix
     return Finding("remap-unknown", cause, node.launched.place, fix)
 
 
@@ -229,7 +229,7 @@ def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
             name = node.launched.executable
             cause = f"The launch file starts {name} twice under one name, and {left[0]} never."
             yield Finding(
-                "launch-executable", cause, node.launched.place, f"write {left[0]} in place of {name} here"
+                "launch-executable", cause, node.launched.place, f"write {left[0]} instead of {name} here"
             )
 
 
@@ -302,7 +302,7 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
                 f"parameters to {key}: the node keeps its defaults."
             )
             number = line_of(key, text)
-            fix = f"write {meant.full_name}: in place of {key}:, or /**: for every node"
+            fix = f"write {meant.full_name}: instead of {key}:, or /**: for every node"
             yield Finding("parameter-file-node", cause, at(shown, number), fix)
 
 

@@ -47,18 +47,16 @@ def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
     if len(pairs) == len(words):
         if all(old in _NAMES for old, _ in pairs):
             return (
-                "write "
-                + ", ".join(f"{_NAMES[old]}={new!r}" for old, new in pairs)
-                + " in place of arguments"
+                "write " + ", ".join(f"{_NAMES[old]}={new!r}" for old, new in pairs) + " instead of arguments"
             )
         if any(old.startswith(("/", "~")) for old, _ in pairs):
-            return f"write remappings={pairs!r} in place of arguments"
+            return f"write remappings={pairs!r} instead of arguments"
         values = {old: _value(new) for old, new in pairs}
-        return f"write parameters=[{values!r}] in place of arguments"
+        return f"write parameters=[{values!r}] instead of arguments"
     if all(word.endswith((".yaml", ".yml")) for word in words):
-        return f"write parameters={[*words]!r} in place of arguments"
+        return f"write parameters={[*words]!r} instead of arguments"
     known = next(iter(declared), "name")
-    return f"declare what the program should be given as a parameter, and write parameters=[{{{known!r}: ...}}] in place of arguments"
+    return f"declare what the program should be given as a parameter, and write parameters=[{{{known!r}: ...}}] instead of arguments"
 
 
 def _value(text: str) -> object:
@@ -83,7 +81,7 @@ def _reads_words(source: PythonSource) -> bool:
     )
     taken = [one.arg for one in main.args.args] if main else []
     nodes = own_nodes(main) if main else ()
-    # Who hands its arguments to rclpy.init() reads only what stands behind --ros-args.
+    # Who hands its arguments to rclpy.init() reads only what comes after --ros-args.
     handed = {
         id(given)
         for node in nodes

@@ -137,7 +137,7 @@ def _first_of(node: ast.expr) -> ast.expr:
 
 
 def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator[Change]:
-    """Yield another member of the same, the member of something else, and an item in place of a member."""
+    """Yield another member of the same, the member of something else, and an item instead of a member."""
     if not isinstance(node, ast.Attribute):
         return
     before = ast.unparse(node.value)
@@ -172,7 +172,7 @@ def _of_the_same(
 
 
 def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
-    """Yield what a value holds in place of the value."""
+    """Yield what a value holds instead of the value."""
     text = ast.unparse(node)
     kind = trial.kind(text)
     name = _class_name(kind)

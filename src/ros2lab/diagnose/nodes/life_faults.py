@@ -194,7 +194,7 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
             if name == "rclpy.spin":
                 yield Finding(
                     "spin-inside",
-                    f"{what[0].upper()}{what[1:]} spins, so it never ends, and nothing behind it is reached.",
+                    f"{what[0].upper()}{what[1:]} spins, so it never ends, and nothing after it is reached.",
                     source.at(node),
                     "take it away here, and write rclpy.spin(node) in main, after the node is made",
                 )
@@ -210,7 +210,7 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
                     "callback-waits",
                     f"{what[0].upper()}{what[1:]} waits in {name}(), and until it goes on no other callback is called.",
                     source.at(node),
-                    "let create_timer(period, self.callback) call the next step in place of waiting"
+                    "let create_timer(period, self.callback) call the next step instead of waiting"
                     if name == "time.sleep"
                     else "ask in a thread of its own, and let the callback only use what it has got",
                 )

@@ -198,7 +198,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             "message-field",
             f"{_short(str(message))} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
-            f"write {' or '.join(f'{one}.{name}' for one in inner)} in place of {name}"
+            f"write {' or '.join(f'{one}.{name}' for one in inner)} instead of {name}"
             if inner
             else f"write one of: {', '.join(fields)}"
             if fields

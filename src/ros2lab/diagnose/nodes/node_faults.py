@@ -170,7 +170,7 @@ def _no_such_member(one: NodeClass, node: ast.Attribute, what: str, members: Col
 
 
 def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
-    """Say where a missing name is defined in place of its class, and what to do about it."""
+    """Say where a missing name is defined instead of its class, and what to do about it."""
     for node in one.source.nodes:
         if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
             continue
@@ -184,7 +184,7 @@ def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
         if holder is one.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
             return (
                 f": {name} is a function outside the class ({line}).",
-                f"write {name} in place of self.{name}",
+                f"write {name} instead of self.{name}",
             )
         inside = (
             f"inside {holder.name}()"

@@ -77,7 +77,7 @@ def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Itera
                     if right != field:
                         cause = f"The parameter {name} is declared with {default!r}, and so stands in {right}; {field} of it is always 0 or empty."
                         yield Finding(
-                            "parameter-type", cause, source.at(node), f"write .{right} in place of .{field}"
+                            "parameter-type", cause, source.at(node), f"write .{right} instead of .{field}"
                         )
 
 
@@ -167,7 +167,7 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
         "parameter-file-syntax",
         f"{shown} cannot be read as parameters: {said}.",
         place,
-        "indent with blanks, write a blank behind each colon, and the node's name, then ros__parameters:, above the values",
+        "indent with spaces, write a space after each colon, and the node's name, then ros__parameters:, above the values",
     )
 
 
@@ -243,7 +243,7 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
                 "parameter-file-node",
                 cause,
                 lines_of.at(near),
-                f"write {BELOW}: (two underscores) in place of {near}:",
+                f"write {BELOW}: (two underscores) instead of {near}:",
             )
         elif isinstance(content, Mapping) and any(is_node(str(key), names) for key in content):
             yield Finding(
@@ -272,7 +272,7 @@ class _Lines:
         return at(self.shown, self._number(key))
 
     def written(self, key: str) -> str:
-        """Return what stands behind a key in its line."""
+        """Return what comes after a key in its line."""
         line = self.lines[(self._number(key) or 1) - 1] if self.lines else ""
         return re.split(r"\s#", line.partition(":")[2])[0].strip()
 
@@ -299,7 +299,7 @@ def _content_faults(
                 f"The file gives parameters to a node {short}, and the nodes here are called {', '.join(own)}: "
                 "they keep their defaults, and nothing says so.",
                 lines.at(key.rpartition("/")[2] if not key.startswith("/") else key),
-                f"write {likely} in place of {short}",
+                f"write {likely} instead of {short}",
             )
     for values in sections.values():
         for name, value in values.items():
@@ -321,7 +321,7 @@ def _content_faults(
                         "parameter-name",
                         f"The file gives the parameter {name}, and the node declares {near}: it keeps its default.",
                         lines.at(name),
-                        f"write {near} in place of {name}",
+                        f"write {near} instead of {name}",
                     )
 
 

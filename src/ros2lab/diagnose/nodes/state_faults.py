@@ -144,7 +144,7 @@ def _never_read(state: State) -> Iterator[Finding]:
         near = next((one for one in sorted(own & state.read) if is_near_miss(name, one)), None)
         if near:
             cause = f"{method.name}() sets self.{name}, which nothing reads; what is read is self.{near}."
-            fix = f"write self.{near} in place of self.{name}"
+            fix = f"write self.{near} instead of self.{name}"
             yield Finding("never-read", cause, state.at(node), fix)
             continue
         for target, other in filled(method):
@@ -182,12 +182,12 @@ def _never_equal(state: State) -> Iterator[Finding]:
             near = nearest(text, unused, 0.6)
             cause = f"{name} is compared with {text!r}, and is only ever set to {known}."
             place = state.at(given[near] if near else node)
-            fix = f"write {text!r} in place of {near!r} here" if near else f"compare with one of {known}"
+            fix = f"write {text!r} instead of {near!r} here" if near else f"compare with one of {known}"
             yield Finding("never-equal", cause, place, fix)
 
 
 def _never_passed(state: State) -> Iterator[Finding]:
-    """Yield a condition that is never met otherwise than at first: what changes it lies behind it, or nothing does."""
+    """Yield a condition that is never met otherwise than at first: what changes it lies after it, or nothing does."""
     publishes = [
         node
         for method in state.owner.methods.values()
@@ -222,7 +222,7 @@ def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If
     test, place = ast.unparse(statement.test), state.at(statement)
     name = next(ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node))
     if not hidden:
-        cause = f"{name} is {value.value!r} at first, and is changed only behind `if {test}:`, which it never passes."
+        cause = f"{name} is {value.value!r} at first, and is changed only under `if {test}:`, which it never passes."
         return Finding(
             "never-passed", cause, place, f"change {name} before this line, or ask for something else"
         )
@@ -381,7 +381,7 @@ def _never_published(state: State) -> Iterator[Finding]:
             continue
         kept = name if name.startswith("self.") else f"self.{name}"
         fix = f"write {kept}.publish(msg) in the callback that has the message"
-        fix = fix if kept == name else f"write {kept} in place of {name}, and {fix.removeprefix('write ')}"
+        fix = fix if kept == name else f"write {kept} instead of {name}, and {fix.removeprefix('write ')}"
         cause = f"{name} is a publisher, and nothing publishes with it."
         yield Finding("never-sent", cause, state.at(creation.call), fix)
 
@@ -395,7 +395,7 @@ def _never_shown(state: State) -> Iterator[Finding]:
         cause = (
             "What is logged with debug() is not shown: a terminal shows what is logged with info() or above."
         )
-        fix = "write info in place of debug; or start the node with --ros-args --log-level debug"
+        fix = "write info instead of debug; or start the node with --ros-args --log-level debug"
         yield Finding("never-shown", cause, state.at(logs[0]), fix)
 
 

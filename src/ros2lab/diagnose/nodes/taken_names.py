@@ -37,7 +37,7 @@ def _same_modules(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
 
 
 def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
-    """Yield an installed package of the name of one of Python's own modules, which everything then imports in place of it."""
+    """Yield an installed package of the name of one of Python's own modules, which everything then imports instead of it."""
     for package in packages:
         for name in sorted(
             {one.partition(".")[0] for one in package.packages or ()}

@@ -61,7 +61,7 @@ class End:
 
 
 def _named(written: str, creation: Creation, sources: NodeSources) -> str:
-    """Return a name without its first slash, and with that of its node in place of `~`; empty if that is not known."""
+    """Return a name without its first slash, and with that of its node instead of `~`; empty if that is not known."""
     if not written.startswith("~"):
         return written.lstrip("/")
     node = sources.node_name(creation)
@@ -227,7 +227,7 @@ def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
             if len(files) > 1 and len(named) == 1:
                 cause = f"Two programs publish on {other!r}, and none on {topic!r}, to which {there[0].creation.source.shown} subscribes."
                 yield Finding(
-                    "topic-near-miss", cause, named[0].place, f"write {topic!r} in place of {other!r} here"
+                    "topic-near-miss", cause, named[0].place, f"write {topic!r} instead of {other!r} here"
                 )
 
 

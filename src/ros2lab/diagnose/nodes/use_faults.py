@@ -60,7 +60,7 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
         if made is None and not spun.startswith("rclpy."):
             continue
         fix = (
-            f"write `{name}()` in place of `{ast.unparse(made)}`"
+            f"write `{name}()` instead of `{ast.unparse(made)}`"
             if made
             else f"write `node = {name}()` in main, and `rclpy.spin(node)` below it"
         )

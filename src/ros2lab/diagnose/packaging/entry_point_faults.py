@@ -194,12 +194,12 @@ def _missing_function(
     homes = [name for name, one in sources.items() if not one.fault and _has(one, point.function)]
     if (below := _below_guard(source)) is not None:
         cause = f"{calls} that file runs its code only below `if __name__ == '__main__':`, which `ros2 run` never does."
-        fix = f"write `def {point.function}(args=None):` in place of that line, and at the end of the file that line with `{point.function}()` below it"
+        fix = f"write `def {point.function}(args=None):` instead of that line, and at the end of the file that line with `{point.function}()` below it"
         return Finding("entry-point-function", cause, source.at(below), fix)
     if inner := _indented(source, point.function):
         holder, line = inner
         cause = f"{calls} `def {point.function}` in line {line} is indented, so it belongs to {holder} and not to the module."
-        fix = f"take the blanks before `def {point.function}` and as many before each line below it away"
+        fix = f"take the spaces before `def {point.function}` and as many before each line below it away"
         return Finding("entry-point-function", cause, source.at(line), fix)
     if homes:
         meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
@@ -292,7 +292,7 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
             place,
             f"write {', '.join(map(repr, parts))}"
             if len(parts) > 1
-            else "put a comma behind each entry point",
+            else "put a comma after each entry point",
         )
     if meant := _of_its_parts(package, point):
         return _put_in_order(package, point, meant, place)

@@ -205,7 +205,7 @@ def _dependency_faults(
                 "dependency-unknown",
                 f"package.xml declares {name}, and there is no such package; the name is {wanted}.",
                 place,
-                f"write {wanted} in place of {name}",
+                f"write {wanted} instead of {name}",
                 (name,),
             )
     yield from _undeclared(package, set(declared), known - {*plain})

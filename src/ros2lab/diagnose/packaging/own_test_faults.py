@@ -77,7 +77,7 @@ def _called_otherwise(source: PythonSource) -> Iterator[Finding]:
             "never-called",
             cause,
             source.shown,
-            f"write test_{names[0].removeprefix('check_')} in place of {names[0]}",
+            f"write test_{names[0].removeprefix('check_')} instead of {names[0]}",
         )
 
 

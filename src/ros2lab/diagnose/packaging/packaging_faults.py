@@ -150,7 +150,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
                 place,
                 f"write {name!r} into the list of packages in setup.py"
                 if names
-                else f"write packages={[name]!r} in place of what stands there",
+                else f"write packages={[name]!r} instead of what stands there",
             )
 
 
@@ -213,7 +213,7 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
                 "installed-elsewhere",
                 f"{relative} is installed into {target}, and ROS looks for it in {share}.",
                 at(setup.source.shown, line),
-                f"write '{share}/{folder}' in place of {written}, and build again",
+                f"write '{share}/{folder}' instead of {written}, and build again",
                 (path.name,),
             )
         is_copy = path in package.launch_files and path.name in found
@@ -244,7 +244,7 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
         if pattern.lower() != meant.lower() and is_near_miss(pattern, meant):
             cause = f"The pattern {pattern!r} in setup.py takes no file, and {relative} is called otherwise: it is not installed."
             place = at(setup.source.shown, _line_with(setup.source, pattern, 1))
-            fix = f"write {meant!r} in place of {pattern!r}, and build again"
+            fix = f"write {meant!r} instead of {pattern!r}, and build again"
             return Finding("not-in-data-files", cause, place, fix, (path.name,))
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
     only = f" (which takes {' and '.join(patterns)})" if patterns else ""
@@ -295,7 +295,7 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
                 "setup-cfg-dashes",
                 f"setup.cfg writes {dashed}, and setuptools wants {key} with an underscore.",
                 at(shown, _cfg_line(package, dashed)),
-                f"write {key} in place of {dashed}",
+                f"write {key} instead of {dashed}",
             )
         elif value is None and section == "install":
             yield Finding(

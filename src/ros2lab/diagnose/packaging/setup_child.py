@@ -15,7 +15,7 @@ from typing import Any
 
 
 def refusals(given: Mapping[str, Any]) -> dict[str, tuple[str, Any]]:
-    """Return what setuptools says of each value that it refuses, and the value that it takes in place of it, or None.
+    """Return what setuptools says of each value that it refuses, and the value that it takes instead of it, or None.
 
     Of an option that it does not know, what it says is empty, and the value is all that it knows.
     """

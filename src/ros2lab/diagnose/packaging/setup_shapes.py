@@ -90,7 +90,7 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
             "package-name",
             f"setup.py gives the package the name {name}, and package.xml calls it {given}.",
             at(setup.source.shown, line),
-            f"write {given} in place of {name}",
+            f"write {given} instead of {name}",
         )
 
 
@@ -112,7 +112,7 @@ def _keywords(setup: SetupScript) -> Iterator[Finding]:
         elif keyword not in _FORMER:
             wanted = nearest(keyword, better, 0.6)
             cause = f"setup() knows no {keyword}, and passes over what it is given there"
-            fix = f"write {wanted} in place of {keyword}" if wanted else f"take {keyword} away"
+            fix = f"write {wanted} instead of {keyword}" if wanted else f"take {keyword} away"
             yield _value(setup, keyword, cause, fix)
 
 
@@ -220,7 +220,7 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
                         setup,
                         "data_files",
                         cause,
-                        f"write ( in place of the [ before {entry[0]!r}, and ) in place of its ]",
+                        f"write ( instead of the [ before {entry[0]!r}, and ) instead of its ]",
                     )
 
 
@@ -233,7 +233,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
                 setup,
                 "data_files",
                 cause,
-                f"write glob('{file.rstrip('/')}/*') in place of ['{file}'], with `from glob import glob` at the top",
+                f"write glob('{file.rstrip('/')}/*') instead of ['{file}'], with `from glob import glob` at the top",
             )
         elif not path.exists() and (close := like(path)):
             shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)

@@ -104,7 +104,7 @@ class ErrorText:
         text: the text, without colours.
         reports: its exceptions, those of the first traceback first.
         decisive: the line that says best what went wrong; empty if the text is.
-        steps: the commands behind prompts, in their order, each with what it has printed.
+        steps: the commands after prompts, in their order, each with what it has printed.
         is_clear: whether that line says by its words that something went wrong.
         command: the last `ros2 run` or `ros2 launch` in it, as (verb, package, executable or file).
     """
@@ -136,7 +136,7 @@ def read_printed(stream: BinaryIO) -> str:
 
 
 def commands_with_output(text: str) -> list[tuple[str, list[str]]]:
-    """Return each command that was typed behind a prompt, with the lines printed up to the next prompt."""
+    """Return each command that was typed after a prompt, with the lines printed up to the next prompt."""
     steps = steps_of(_with_whole_quotes(_ESCAPES.sub("", text[-MOST_READ:]).splitlines()))
     return [(step.command, [*step.lines]) for step in steps if step.command]
 
@@ -252,7 +252,7 @@ def _of_one_process_each(lines: Sequence[str]) -> list[str]:
 
 
 def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
-    """Yield each exception, with the line behind it."""
+    """Yield each exception, with the line after it."""
     frames: list[Frame] = []
     is_traceback = False
     package = ""

@@ -15,7 +15,7 @@ _PROMPT = re.compile(rf"{_NAMED}|{_PLAIN.pattern}")
 _PROMPT_OF_ROOT = re.compile(rf"{_NAMED}|^# (?=[a-z./])")
 AT_REST = re.compile(
     r"^(?:(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*)?\$\s*$"
-)  # a prompt behind which nothing was typed
+)  # a prompt after which nothing was typed
 # What the operating system says, with its number.
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
 TELLING = re.compile(

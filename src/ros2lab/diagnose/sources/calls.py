@@ -123,7 +123,7 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
     elif len(new) > len(old) and new[-len(old) :] == old:
         fix = f"write `{', '.join(right)}` in front of what stands in its parentheses"
     elif right and wrong:
-        fix = f"write `{', '.join(right)}` in place of `{', '.join(wrong)[:_LONGEST]}`"
+        fix = f"write `{', '.join(right)}` instead of `{', '.join(wrong)[:_LONGEST]}`"
     else:
         fix = (
             f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
@@ -384,7 +384,7 @@ def one_each(call: ast.Call) -> list[str]:
 
 
 def joined(values: Sequence[ast.expr]) -> str:
-    """Return the f-string of several values, with a blank between two, as print writes them."""
+    """Return the f-string of several values, with a space between two, as print writes them."""
     parts: list[ast.expr] = []
     for value in values:
         before = parts[-1].value if parts and isinstance(parts[-1], ast.Constant) else None

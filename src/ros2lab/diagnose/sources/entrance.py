@@ -122,7 +122,7 @@ def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
         if one.name in ("rclpy.init", "rclpy.create_node") and _is_behind_with(one.call, one.function):
             yield Finding(
                 "context-manager",
-                f"In ROS 2 Jazzy {one.name}() cannot stand behind `with`; later releases allow it.",
+                f"In ROS 2 Jazzy {one.name}() cannot come after `with`; later releases allow it.",
                 one.source.at(one.call),
                 "call it on a line of its own, and rclpy.try_shutdown() at the end of main",
             )
@@ -191,7 +191,7 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
     for inner, later in _in_a_row(entrance):
         yield Finding(
             "spin-missing",
-            "A spin goes on until Ctrl-C, so a second one behind it is not reached, and no callback of its node is called.",
+            "A spin goes on until Ctrl-C, so a second one after it is not reached, and no callback of its node is called.",
             inner.at(later),
             "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
         )
@@ -222,7 +222,7 @@ def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
             "spin-missing",
             f"This loop sleeps and spins nothing, so no callback of {name} is ever called.",
             one.source.at(one.call),
-            f"write rclpy.spin_once({name}, timeout_sec={length}) in place of {ast.unparse(one.call)}",
+            f"write rclpy.spin_once({name}, timeout_sec={length}) instead of {ast.unparse(one.call)}",
         )
 
 
@@ -235,7 +235,7 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
         cause = (
             f"spin_once() calls one callback at most, and {name} calls it in no loop: then the program ends."
         )
-        fix = f"write rclpy.spin({given}) in place of {ast.unparse(once[-1].call)}"
+        fix = f"write rclpy.spin({given}) instead of {ast.unparse(once[-1].call)}"
         yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
 
 
@@ -252,7 +252,7 @@ def _rests(entrance: Entrance) -> Iterator[Finding]:
                     "callback-waits",
                     f"spin_once() calls one callback, and then this loop sleeps {length:g} s: callbacks are called that seldom, and their messages pile up.",
                     one.source.at(one.call),
-                    f"write rclpy.spin({given}) in place of the loop, and let a timer do what it does besides",
+                    f"write rclpy.spin({given}) instead of the loop, and let a timer do what it does besides",
                 )
 
 
@@ -333,7 +333,7 @@ def _left_out(entrance: Entrance) -> Iterator[Finding]:
 
 
 def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
-    """Yield the first spin that stands behind another one in the same block."""
+    """Yield the first spin that comes after another one in the same block."""
     spinning = {id(one.call): one.source for one in entrance.spins if one.is_lasting}
     for function in entrance.functions:
         for node in walk(function):

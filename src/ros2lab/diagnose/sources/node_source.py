@@ -298,7 +298,7 @@ class NodeSources:
         return names.pop() if len(names) == 1 else ""
 
     def _whole_name(self, source: PythonSource, call: ast.Call) -> str:
-        """Return the name that a call gives a node, behind its namespace; empty if one of them is not known."""
+        """Return the name that a call gives a node, after its namespace; empty if one of them is not known."""
         given = {keyword.arg: keyword.value for keyword in call.keywords}
         name = self.value(source, given.get("node_name") or next(iter(call.args), None))
         space = self.value(source, given["namespace"]) if "namespace" in given else ""

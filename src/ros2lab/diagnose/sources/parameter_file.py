@@ -35,7 +35,7 @@ class ParameterFileError(ValueError):
     def __init__(self, reason: str, line: int | None, fix: str = "") -> None:
         super().__init__(reason)
         self.line = line
-        self.fix = fix or "indent with blanks and never with tabs, and write a blank behind each colon"
+        self.fix = fix or "indent with spaces and never with tabs, and write a space after each colon"
 
 
 class UnreadParameterFileError(ParameterFileError):
@@ -132,11 +132,11 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
                 raise _error(
                     key,
                     f"no name of a node stands above {BELOW}:",
-                    f"write the node's name and a colon above it, and indent {BELOW}: and all below it by two blanks more",
+                    f"write the node's name and a colon above it, and indent {BELOW}: and all below it by two spaces more",
                 )
             if not isinstance(value, yaml.MappingNode):
                 written = str(value.value).split("\n")[0]
-                entry = _entry(written) or "each parameter below it, with a colon and a blank behind its name"
+                entry = _entry(written) or "each parameter below it, with a colon and a space after its name"
                 reason = f"below {BELOW}: stands no `name: value`"
                 raise _error(value if written else key, reason, f"write {entry}")
             _expect_parameters(value)
@@ -145,7 +145,7 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
         elif BELOW in str(value.value):
             raise _error(
                 value,
-                f"behind {BELOW} a colon is missing",
+                f"after {BELOW} a colon is missing",
                 f"write {BELOW}:, and the parameters below it, indented deeper",
             )
         else:
@@ -165,8 +165,8 @@ def _expect_parameters(node: yaml.Node) -> None:
         elif not value.value and value.style is None:
             raise _error(
                 key,
-                f"nothing stands behind {key.value}:",
-                "write a value behind the colon, in quotes if it begins with #, or remove the line",
+                f"nothing comes after {key.value}:",
+                "write a value after the colon, in quotes if it begins with #, or remove the line",
             )
 
 
@@ -209,26 +209,26 @@ _IN_OTHER_WORDS = (
         "quoted scalar",
         True,
         "the quote {sign} is opened here and never closed",
-        "write {sign} behind the text, too",
+        "write {sign} after the text, too",
     ),
-    ("flow sequence", True, "the bracket [ is opened here and never closed", "write ] behind its last value"),
+    ("flow sequence", True, "the bracket [ is opened here and never closed", "write ] after its last value"),
     (
         "flow mapping",
         True,
         "the bracket {{ is opened here and never closed",
-        "write }} behind its last value",
+        "write }} after its last value",
     ),
     (
         r"'\\t'",
         False,
-        "a tab stands here, and YAML is indented with blanks",
-        "write blanks in place of the tab",
+        "a tab stands here, and YAML is indented with spaces",
+        "write spaces instead of the tab",
     ),
     (
         "<block end>",
         False,
         "this line is not indented like those that it belongs to",
-        "indent it by as many blanks as they are",
+        "indent it by as many spaces as they are",
     ),
     (
         "alias|anchor|cannot start any token",
@@ -259,7 +259,7 @@ def _reason(error: yaml.MarkedYAMLError, text: str) -> ParameterFileError:
 
 
 def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFileError | None:
-    """Say which line lacks a colon and a blank, where YAML notices it only behind it; None if none does so alone."""
+    """Say which line lacks a colon and a space, where YAML notices it only after it; None if none does so alone."""
     first, last = error.context_mark, error.problem_mark
     if first is None or last is None:
         return None
@@ -274,12 +274,12 @@ def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFi
     number, entry = next(iter(meant.items()))
     more = ", and the lines below it so" if len(meant) > 1 else ""
     return ParameterFileError(
-        "behind the name a colon and a blank are missing", number + 1, f"write {entry}{more}"
+        "after the name a colon and a space are missing", number + 1, f"write {entry}{more}"
     )
 
 
 def _is_read_beyond(text: str, line: int) -> bool:
-    """Return whether YAML takes a text as far as a line, counted from 0: what comes behind it may be another fault."""
+    """Return whether YAML takes a text as far as a line, counted from 0: what comes after it may be another fault."""
     try:
         yaml.compose(text, Loader=yaml.BaseLoader)
     except yaml.MarkedYAMLError as error:
@@ -296,7 +296,7 @@ def _second_colon(lines: list[str], mark: yaml.Mark) -> ParameterFileError:
         return ParameterFileError("this line has two colons", mark.line + 1, "put the value in quotes")
     above = next((n for n in range(mark.line - 1, -1, -1) if lines[n].split("#")[0].strip()), 0)
     if entry := _entry(lines[above]):
-        reason = "behind the name a colon and a blank are missing"
+        reason = "after the name a colon and a space are missing"
         return ParameterFileError(reason, above + 1, f"write {entry}")
     reason = "this line is indented deeper than the one above, which has a value already"
     return ParameterFileError(reason, mark.line + 1, "indent it like the line above")

@@ -25,7 +25,7 @@ def nearest(name: object, known: Iterable[object], cutoff: float = 0.7) -> str |
 
 
 def did_you_mean(name: object, known: Iterable[object]) -> str:
-    """Return a sentence, or nothing, to put behind another one."""
+    """Return a sentence, or nothing, to put after another one."""
     close = nearest(name, known)
     return f" Did you mean {close}?" if close else ""
 
@@ -34,7 +34,7 @@ def is_near_miss(name: object, wanted: object) -> bool:
     """Return whether `name` looks like `wanted` written wrongly, and not like another name.
 
     One letter too few, too many or wrong, two that changed places, other case, other separators, or a number
-    behind it: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, nor is what is no text.
+    after it: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, nor is what is no text.
     """
     return isinstance(name, str) and isinstance(wanted, str) and _is_near_miss(name, wanted)
 
@@ -68,7 +68,7 @@ def _is_one_edit(one: str, other: str) -> bool:
 
 
 def plain_signs(text: str) -> str:
-    """Return a text with the signs of a keyboard in place of those of a web page or a text program."""
+    """Return a text with the signs of a keyboard instead of those of a web page or a text program."""
     signs = {"\u2018": "'", "\u2019": "'", "\u201c": '"', "\u201d": '"', "\u201e": '"', "\u00b4": "'"}
     signs |= {"\u2013": "-", "\u2014": "-", "\u2212": "-", "\u200b": "", "\ufeff": ""}
     # Letters with an accent stay; what only looks like a sign of Python's becomes that sign.

@@ -56,7 +56,7 @@ class ExecuteProcess(ExecuteLocal):
 
     @property
     def env(self) -> Any:
-        """All its environment variables once they are known, else those that are given in place of the launch's."""
+        """All its environment variables once they are known, else those that are given instead of the launch's."""
         return self.process_description.final_env or self.process_description.env
 
     @property

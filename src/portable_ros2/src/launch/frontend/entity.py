@@ -26,7 +26,7 @@ class Entity:
             data_type: bool, int, float, str, a list such as `list[int]`, None for any of these, or
                 `list[Entity]` for the tags of this name.
             optional: return None if it is not there.
-            can_be_str: also accept a text in place of another type: it may become one while launching.
+            can_be_str: also accept a text instead of another type: it may become one while launching.
 
         Raises:
             AttributeError: if it is not there.
