@@ -6,7 +6,7 @@ import ast
 import itertools
 import re
 import shlex
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ros2lab.diagnose.explaining.typed_message import as_message, read_as
@@ -321,23 +321,29 @@ class _Command:
             )
 
     def _launch_arguments(self, words: list[str]) -> Iterator[Corrected]:
-        path = next(
-            (p for k in self.known.look.packages for p in k.launch_files if p.name == self.plain[1]), None
-        )
-        declared = (
-            re.findall(r"DeclareLaunchArgument\(\s*(?:name=)?['\"](\w+)", read_text(path)) if path else []
-        )
+        declared = self._declared()
         for word in words:
             name, sign, value = re.match(r"([\w.]*)\s*(:=|=:|=|:)?(.*)", word).groups()  # type: ignore[union-attr]
             if sign != ":=" and sign:
                 why = f"An argument of a launch file is written with :=, and not as {word!r}."
                 yield Corrected(self._with(word, f"{name}:={value}"), why)
-            elif name not in declared and path and "IncludeLaunch" not in read_text(path):
+            elif declared is not None and name not in declared:
                 near = nearest(name, declared, 0.6)
                 known = f"it has {', '.join(declared)}" if declared else "it has none"
-                why = f"{path.name} has no argument {name}; {known}."
+                why = f"{self.plain[1]} has no argument {name}; {known}."
                 better = self._with(word, f"{near}:={value}") if near else self.line.replace(f" {word}", "")
                 yield Corrected(better, why)
+
+    def _declared(self) -> Collection[str] | None:
+        """Return the arguments of the launch file: as launch loads it, or as Python has them; None if neither tells."""
+        look = self.known.look
+        for file, path in zip(look.launch_files, look.launch_paths, strict=True):
+            if len(self.plain) > 1 and path.name == self.plain[1]:
+                text = read_text(path)
+                is_whole = path.suffix == ".py" and "IncludeLaunchDescription(" not in text
+                read = re.findall(r"DeclareLaunchArgument\(\s*(?:name=)?['\"](\w+)", text)
+                return file.arguments if file.arguments is not None else read if is_whole else None
+        return None
 
     def _options(self) -> Iterator[Corrected]:
         yield from self._without_option()

@@ -110,6 +110,7 @@ class _Loading:
         self.nodes: list[dict[str, Any]] = []
         self.reached: set[int] = set()
         self.faults: list[dict[str, Any]] = []
+        self.arguments: set[str] = set()
 
     def result(self, refused: list[str]) -> dict[str, Any]:
         """Return what it would start, or why launch cannot load it; nothing of what lacks or is refused something here."""
@@ -129,7 +130,13 @@ class _Loading:
         lost = [line for action, _, line in self.made if id(action) not in self.reached and line]
         if refused:
             return {}
-        return {"nodes": self.nodes, "lost": [] if error else lost, "faults": self.faults, "error": error}
+        return {
+            "nodes": self.nodes,
+            "arguments": sorted(self.arguments),
+            "lost": [] if error else lost,
+            "faults": self.faults,
+            "error": error,
+        }
 
     def _line_of(self, problem: BaseException) -> int | None:
         frames = reversed(traceback.extract_tb(problem.__traceback__))
@@ -162,7 +169,11 @@ class _Loading:
                 self._visit(one, context)
 
     def _reach(self, entity: Any, inner: list[Any]) -> None:
+        from launch.actions import DeclareLaunchArgument
+
         self.reached.add(id(entity))
+        if isinstance(entity, DeclareLaunchArgument):
+            self.arguments.add(entity.name)
         for one in inner:
             conditional: list[tuple[str, list[Any]]] = getattr(
                 one, "describe_conditional_sub_entities", list

@@ -66,6 +66,7 @@ class LaunchFile:
     Attributes:
         is_loaded: whether launch itself has said what it starts; else that is only read.
         lacks: what it names that is not on this machine, for which launch could not load it.
+        arguments: the names of those that may be given on the command line; None where that is not known.
     """
 
     shown: str
@@ -73,6 +74,7 @@ class LaunchFile:
     faults: tuple[Finding, ...] = ()
     is_loaded: bool = False
     lacks: tuple[Finding, ...] = ()
+    arguments: tuple[str, ...] | None = None
 
 
 def read_launch_file(path: Path, shown: str) -> LaunchFile:

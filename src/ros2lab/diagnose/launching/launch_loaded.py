@@ -135,7 +135,7 @@ def _joined(
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
     faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
     faults += (*_from_here(path, file, told["nodes"], packages),)
-    return LaunchFile(file.shown, nodes, faults, is_loaded=True)
+    return LaunchFile(file.shown, nodes, faults, is_loaded=True, arguments=tuple(told["arguments"]))
 
 
 def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
