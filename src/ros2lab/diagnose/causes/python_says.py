@@ -14,7 +14,7 @@ from ros2lab.diagnose.code.hidden_names import fix_of, known_names
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.python_source import is_property, own_nodes
 
 _PRINT = "print what stands in this line just before it, and see which value is not the one that you expected"
 
@@ -168,9 +168,7 @@ def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Say what calls itself: a function by its name, or a property by the attribute that it is."""
     function = spot.function
-    if function is not None and any(
-        "property" in one or ".setter" in one for one in map(ast.unparse, function.decorator_list)
-    ):
+    if function is not None and is_property(function):
         own = f"self.{function.name}"
         used = {ast.unparse(n): n for n in spot.nodes if isinstance(n, ast.Attribute)}
         if own in used:

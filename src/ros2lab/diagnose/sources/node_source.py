@@ -9,7 +9,14 @@ from functools import cached_property
 from typing import Any, TypeGuard
 
 from ros2lab.diagnose.sources.interfaces import members_of
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    children,
+    is_property,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import UNKNOWN, evaluate
 
 NODE_CLASSES = frozenset(
@@ -170,9 +177,10 @@ class NodeSources:
         return frozenset(name for inner in self.lineage(one)[0] for name in inner.attributes)
 
     def method(self, owner: NodeClass | None, name: str) -> Function | None:
-        """Return a method of a class or of its bases."""
+        """Return a method of a class or of its bases; a property is none, for its name means its value."""
         chain = self.lineage(owner)[0] if owner else []
-        return next((one.methods[name] for one in chain if name in one.methods), None)
+        found = next((one.methods[name] for one in chain if name in one.methods), None)
+        return None if found is None or is_property(found) else found
 
     def members(self, one: NodeClass) -> frozenset[str] | None:
         """Return everything that `self.` may be followed by; None if that cannot be told."""

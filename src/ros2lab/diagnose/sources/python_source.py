@@ -270,6 +270,12 @@ def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     return [*function.args.posonlyargs, *function.args.args]
 
 
+def is_property(function: Function) -> bool:
+    """Return whether an attribute has a function's value and not the function: `@property`, `@cached_property`, a setter."""
+    names = [ast.unparse(one).rpartition(".")[2] for one in function.decorator_list]
+    return any("property" in name or name in ("getter", "setter", "deleter") for name in names)
+
+
 def children(node: ast.AST) -> tuple[ast.AST, ...]:
     """Return what is directly below a node; rules ask again and again, and a tree that was read never changes."""
     found: tuple[ast.AST, ...] | None = node.__dict__.get("_children")
