@@ -182,3 +182,13 @@ def test_the_real_text_of_a_run_is_explained(workspace: Path, old: str, new: str
             code,
             f"src/robot_controller/robot_controller/status_publisher.py:{line}",
         )
+
+
+def test_dashes_that_setuptools_takes_are_no_fault_once_it_is_built(tmp_path: Path) -> None:
+    files = Files.right(NAMES[0])
+    for name in ("script_dir", "install_scripts"):
+        files.change("setup.cfg", name, name.replace("_", "-"))
+    root = files.write(tmp_path)
+    assert {one.code for one in of_workspace(root)} == {"setup-cfg-dashes"}
+    (root / "install" / NAMES[0].package / "lib" / NAMES[0].package).mkdir(parents=True)
+    assert "setup-cfg-dashes" not in {one.code for one in of_workspace(root)}

@@ -94,10 +94,9 @@ MEANINGS: tuple[Meaning, ...] = (
         "make the folder {name} with an empty __init__.py, and put the nodes into it",
     ),
     meaning(
-        r"Invalid dash-separated key '(?P<key>[\w-]+)'.*use the underscore name '(?P<name>\w+)'"
-        r"|Usage of dash-separated '(?P<key2>[\w-]+)'",
+        r"Invalid dash-separated key '(?P<key>[\w-]+)'.*use the underscore name '(?P<name>\w+)'",
         "setup-cfg-dashes",
-        "setup.cfg writes {key}{key2} with a dash, and setuptools wants an underscore.",
+        "setup.cfg writes {key} with a dash, and setuptools wants an underscore.",
         "write it with an underscore",
     ),
     meaning(

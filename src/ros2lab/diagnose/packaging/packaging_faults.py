@@ -291,6 +291,8 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
         dashed = key.replace("_", "-")
         value = config.get(section, key, fallback=None)
         if value is None and config.has_option(section, dashed):
+            if package.root and (package.root / "install" / package.name / wanted).is_dir():
+                continue  # this setuptools only warns, and installs there nevertheless
             yield Finding(
                 "setup-cfg-dashes",
                 f"setup.cfg writes {dashed}, and setuptools wants {key} with an underscore.",
