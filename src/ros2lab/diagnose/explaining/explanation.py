@@ -20,7 +20,7 @@ from ros2lab.diagnose.explaining.needed import of_needed
 from ros2lab.diagnose.explaining.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.explaining.older_nodes import of_older_node
 from ros2lab.diagnose.explaining.outdated import of_earlier
-from ros2lab.diagnose.explaining.own_warnings import without_own_warnings
+from ros2lab.diagnose.explaining.own_words import own_words, without_own_warnings
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.said import launch_line, of_launch
@@ -392,7 +392,7 @@ def _asked_for(
 
 
 def _unknown(error: ErrorText, look: Look | None) -> Finding:
-    return Finding(
+    return own_words(error.decisive, look) or Finding(
         UNKNOWN,
         f"This error is not known here; its decisive line is: {error.decisive}",
         place_of(own_frames(error.frames), look),

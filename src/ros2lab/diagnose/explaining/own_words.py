@@ -1,4 +1,4 @@
-"""Warnings that the student's own code gives: they are meant so, and no tool has said them."""
+"""What the student's own code says: its warnings and its refusals are meant so, and no tool has said them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import Frame, own_frames
 from ros2lab.diagnose.printed.transcript import WARNING
@@ -14,6 +15,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 
 _GIVES_ONE = re.compile(r"\s*(?:warnings\.)?warn\(")
 _SHORTEST = 8  # characters of a text that is known again
+_VALUE = re.compile(r"%[-+ 0#]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")  # the place of one in a format text
 
 
 def without_own_warnings(text: str, look: Look | None) -> str:
@@ -31,6 +33,26 @@ def without_own_warnings(text: str, look: Look | None) -> str:
     return text if len(left) == len(lines) else "\n".join(left)
 
 
+def own_words(line: str, look: Look | None) -> Finding | None:
+    """Return where the words of a line come from that the student's own code has said; None if it has not."""
+    said = [
+        (text, source.at(node))
+        for package in (look.packages if look else ())
+        for source in package.sources.values()
+        for text, node in _texts(source)
+        if text in line
+    ]
+    if not said:
+        return None
+    text, place = max(said, key=lambda one: len(one[0]))
+    return Finding(
+        SAID,
+        f"Your own code says this, {text!r}, so it is no error of ROS or Python.",
+        place,
+        "if it should not say so here, look at the condition above this line, and at the value that it is given",
+    )
+
+
 def _is_own(warning: re.Match[str], below: str, look: Look | None) -> bool:
     if not own_frames([Frame(warning["file"], int(warning["line"]))]):
         return False
@@ -38,7 +60,7 @@ def _is_own(warning: re.Match[str], below: str, look: Look | None) -> bool:
         return True
     # With a stacklevel it names the line that called what gives it.
     return any(
-        text in warning["message"] for source in _files(warning["file"], look) for text in _texts(source)
+        text in warning["message"] for source in _files(warning["file"], look) for text, _ in _texts(source)
     )
 
 
@@ -50,14 +72,12 @@ def _files(file: str, look: Look | None) -> Iterator[PythonSource]:
         yield from package.sources.values()
 
 
-def _texts(source: PythonSource) -> Iterator[str]:
-    """Yield the longer texts of a file, of an f-string what stands between its values."""
+def _texts(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
+    """Yield the longer texts of a file with their places; of one with values in it, what stands between these."""
     if source.tree is None or source.fault:
         return
     for node in source.nodes:
-        if (
-            isinstance(node, ast.Constant)
-            and isinstance(node.value, str)
-            and len(node.value.strip()) >= _SHORTEST
-        ):
-            yield node.value.strip()
+        whole = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+        for text in map(str.strip, _VALUE.split(whole)):
+            if len(text) >= _SHORTEST:
+                yield text, node
