@@ -415,6 +415,25 @@ def test_two_ros_nodes_of_one_world_hear_one_another(make_world: Callable[..., W
 # What a program can see and change.
 
 
+def test_a_node_does_not_import_what_generates_messages(make_world: Callable[..., World]) -> None:
+    """That takes a seventh of its start; messages have their C side all the same."""
+    pytest.importorskip("rclpy")
+    from ros2lab import environment
+    from ros2lab.grading.build import underlay
+
+    world = make_world(shown=[environment.DDS_PROFILE])
+    code = (
+        "import sys\n"
+        "from rosidl_generator_py import import_type_support\n"
+        "from std_msgs.msg import String\n"
+        "String.__import_type_support__()\n"
+        "print('rosidl_parser.parser' in sys.modules, import_type_support('std_msgs') is not None)\n"
+        "import rosidl_parser.parser\n"
+    )
+    box = world.run([sys.executable, "-c", code], environ=underlay())
+    assert (box.code, box.output.splitlines()) == (0, ["False True"])
+
+
 def test_files_of_the_host_are_not_there(make_world: Callable[..., World], tmp_path: Path) -> None:
     key = tmp_path / "key"
     key.write_text("secret")
