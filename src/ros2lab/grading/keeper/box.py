@@ -129,9 +129,10 @@ class Box:
         if not self._has_started():
             return None
         with contextlib.suppress(OSError):  # it has just ended
-            if self._cpu_s() > limit["cpu_s"]:
+            processes = self._processes()
+            if self._cpu_s(processes) > limit["cpu_s"]:
                 return LIMITS["cpu"].format(limit["cpu_s"])
-            if self._is_over_memory(sockets, adrift):
+            if self._is_over_memory(processes, sockets, adrift):
                 return LIMITS["memory"].format(limit["memory_bytes"] / 1e6)
             folders = (f"{self.root}/tmp", f"{self.root}/dev/shm", FILES)  # noqa: S108 -- the box's own
             if any(map(counted.has_too_many_files, folders)):
@@ -146,22 +147,22 @@ class Box:
         except OSError:
             return False
 
-    def _cpu_s(self) -> float:
+    def _cpu_s(self, processes: Collection[str]) -> float:
         """Return the CPU seconds of all its processes.
 
         Those of one that has ended are its parent's if that has waited for it, which a parent may leave. Then they count
         as they were last seen.
         """
-        seen = {key: seconds for process in self._processes() for key, seconds in counted.cpu_s(process)}
+        seen = {key: seconds for process in processes for key, seconds in counted.cpu_s(process)}
         self.cpu_of_gone += sum(own for key, (own, _) in self.cpu_of.items() if key not in seen)
         self.cpu_of = seen
         own, waited_for = map(sum, zip(*seen.values(), strict=True)) if seen else (0.0, 0.0)
         return own + max(waited_for, self.cpu_of_gone)
 
-    def _is_over_memory(self, sockets: int, adrift: Callable[[], int]) -> bool:
+    def _is_over_memory(self, processes: Collection[str], sockets: int, adrift: Callable[[], int]) -> bool:
         """Return whether all of its processes hold too much; what takes long is counted only where that may decide it."""
         most = self.limits["memory_bytes"]
-        held = {process: counted.memory(process) for process in self._processes()}
+        held = {process: counted.memory(process) for process in processes}
         memory, slots, pages = map(sum, zip(*held.values(), strict=True)) if held else (0, 0, 0)
         self.memory, self.slots = memory, slots
         of_a_map = BYTES_PER_MAP + BYTES_PER_COPY * len(held)
