@@ -7,9 +7,9 @@ be done, by its result. What may come with a message is followed by names: throu
 from __future__ import annotations
 
 import ast
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator
-from functools import cached_property
+from functools import cache, cached_property
 
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource
@@ -47,6 +47,11 @@ class _Flow:
             _name(node) for node in code if isinstance(getattr(node, "ctx", None), ast.Load)
         )
         self._has_callbacks = "create_subscription" in self._called
+        self._own_names = cache(_own_names)
+        self._named = defaultdict[str, list[ast.AST]](list)  # functions
+        for node in code:
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                self._named[node.name].append(node)
 
     def tells_apart(self, node: ast.AST) -> bool:
         """Return whether something depends on a comparison of what may come with a message, or on where it is looked up."""
@@ -154,9 +159,8 @@ class _Flow:
     def _received(self, function: ast.expr) -> Iterator[Name]:
         """Yield the names that get what a call is given: the parameters of what is called, or what keeps it."""
         name = _name(function)
-        for one in self.code:
-            if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef)) and one.name in (name, "__init__"):
-                yield from ((one, given) for given in _given(one))
+        for one in (*self._named[name], *self._named["__init__"]):
+            yield from ((one, given) for given in _given(one))
         if isinstance(function, ast.Attribute) and _name(function.value) not in ("", "self"):
             yield self._key(function.value)
 
@@ -170,7 +174,7 @@ class _Flow:
         if isinstance(node, ast.Attribute):
             return (None, f".{name}")
         function = self._above(node, *_FUNCTIONS)
-        while function is not None and not _binds(function, name):
+        while function is not None and name not in self._own_names(function):
             function = self._above(function, *_FUNCTIONS)
         return (function, name)
 
@@ -222,19 +226,18 @@ def _targets(node: ast.AST | None) -> list[ast.AST]:
     return []
 
 
-def _binds(function: ast.AST, name: str) -> bool:
-    """Return whether a name is a function's own."""
-    if name in _given(function):
-        return True
+def _own_names(function: ast.AST) -> frozenset[str]:
+    """Return the names that are a function's own: what it is given, and what it gives a value."""
+    names = {*_given(function)}
     inner: list[ast.AST] = [function]
     while inner:
         for node in ast.iter_child_nodes(inner.pop()):
             is_given = not isinstance(getattr(node, "ctx", None), (ast.Load, type(None)))
-            if _name(node) == name and (is_given or isinstance(node, (ast.MatchAs, ast.MatchStar))):
-                return True
+            if is_given or isinstance(node, (ast.MatchAs, ast.MatchStar)):
+                names.add(_name(node))
             if not isinstance(node, (*_FUNCTIONS, ast.ClassDef)):
                 inner.append(node)
-    return False
+    return frozenset(names)
 
 
 def _is_look_up(node: ast.AST) -> bool:
