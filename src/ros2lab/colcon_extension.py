@@ -8,6 +8,7 @@ Every colcon on this Python imports this module: it needs nothing but the standa
 
 from __future__ import annotations
 
+import ast
 import functools
 import json
 import logging
@@ -76,7 +77,46 @@ def recorder() -> Recorder | None:
         colcon_logger.warning(_unwritable(path, error))
         return None
     colcon_logger.addHandler(result)
+    _spare_the_listing()
     return result
+
+
+def _spare_the_listing() -> None:
+    """Start no setup.py only to list its commands, where it imports setuptools: that takes as long as the build.
+
+    colcon looks for `develop` and `egg_info` among them. It has run setup.py before, to learn what it defines.
+    """
+    from colcon_core.task.python.build import PythonBuildTask  # noqa: PLC0415 -- only where something is recorded
+
+    listed = PythonBuildTask._get_available_commands
+
+    async def available(task: PythonBuildTask, path: str, env: dict[str, str]) -> set[str]:
+        if _imports_setuptools(Path(path, "setup.py")):
+            return {"develop", "egg_info"}
+        return set(await listed(task, path, env))
+
+    PythonBuildTask._get_available_commands = available
+
+
+def _imports_setuptools(script: Path) -> bool:
+    """Return whether a script imports setuptools in any case, by whose commands distutils then has, too."""
+    try:
+        statements = ast.parse(script.read_bytes()).body
+    except (OSError, SyntaxError, ValueError):
+        return False
+    tried = [inner for one in statements if isinstance(one, ast.Try) for inner in one.body]
+    modules = [
+        name
+        for one in (*statements, *tried)
+        for name in (
+            [alias.name for alias in one.names]
+            if isinstance(one, ast.Import)
+            else [one.module or ""]
+            if isinstance(one, ast.ImportFrom)
+            else []
+        )
+    ]
+    return any(name.partition(".")[0] == "setuptools" for name in modules)
 
 
 class RecordedEvents(EventHandlerExtensionPoint):

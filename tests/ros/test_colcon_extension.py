@@ -82,3 +82,38 @@ class TestExtension:
         path = tmp_path / "record"
         self.colcon(tmp_path, "build", **{colcon_record.VARIABLE: str(path)})
         assert read_record(path.read_text()).jobs["pk"].returncode == 0
+
+    @pytest.mark.parametrize(
+        ("imports", "spared"),
+        [
+            ("from setuptools import setup", 1),
+            ("import setuptools\nsetup = setuptools.setup", 1),
+            (
+                "try:\n    from setuptools import setup\nexcept ImportError:\n    from distutils.core import setup",
+                1,
+            ),
+            ("# setuptools has it, too\nfrom distutils.core import setup", 0),
+        ],
+    )
+    def test_a_setup_script_is_not_started_to_list_what_is_known(
+        self, tmp_path: Path, imports: str, spared: int
+    ) -> None:
+        """What colcon learns and builds is the same; only where nobody knows which commands there are, they are listed."""
+        (tmp_path / "pk").mkdir()
+        count = f"open({str(tmp_path / 'starts')!r}, 'a').write('x')\n"
+        (tmp_path / "pk" / "setup.py").write_text(
+            f"{imports}\n{count}setup(name='pk', version='1', py_modules=['one'])\n"
+        )
+        (tmp_path / "pk" / "one.py").touch()
+        installed, starts = [], []
+        for variables in ({}, {colcon_record.VARIABLE: str(tmp_path / "record")}):
+            bases = [f"--{base}-base={tmp_path / base}{len(installed)}" for base in ("build", "install")]
+            (tmp_path / "starts").unlink(missing_ok=True)
+            self.colcon(tmp_path, "--log-base", os.devnull, "build", *bases, **variables)
+            root = tmp_path / f"install{len(installed)}"
+            names = {str(path.relative_to(root)) for path in root.rglob("*") if "egg" not in path.suffix}
+            installed.append(sorted(names))
+            starts.append(len((tmp_path / "starts").read_text()))
+        assert "pk/lib" in installed[0]
+        assert installed[0] == installed[1]
+        assert starts[0] - starts[1] == spared
