@@ -13,8 +13,8 @@ from ros2lab.diagnose.launching.launch_file import read_launch_file
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss
-from ros2lab.grading.files import launch_files, shares_named
 from ros2lab.grading.graded_package import Package
+from ros2lab.grading.launch_files import launch_files, shares_named
 
 MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
 MOST_PLACES = 20

@@ -19,8 +19,8 @@ from ros2lab.grading.absent import (
     named_places,
 )
 from ros2lab.grading.clean_copy import shown
-from ros2lab.grading.files import around, launching
 from ros2lab.grading.graded_package import Package
+from ros2lab.grading.launch_files import around, launching
 from ros2lab.grading.modules import Module, module_of, modules_of
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission

@@ -20,7 +20,6 @@ from ros2lab import assignments
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import net
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.launching.launch_file import read_launch_file
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed
@@ -32,22 +31,25 @@ from ros2lab.grading.dependence import depended_on
 from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package, has_code
+from ros2lab.grading.launch_files import (
+    around,
+    launch_files,
+    launching,
+    packages_named,
+    uncommented,
+    without_comments,
+)
 from ros2lab.grading.launch_order import programs_named, programs_of, those_that_start_most_first
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
-from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.grading.submission import Submission
 from ros2lab.grading.unread import read_all, told
 from ros2lab.grading.written_ends import ends_elsewhere, written_ends
 from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
-# What a launch file may look up the share folder of a package with, in Python, XML or YAML.
-_SHARE_OF = re.compile(
-    r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
-)
 _GIVEN = re.compile(r"\b([a-z_]\w*):=")
-_COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
@@ -106,7 +108,7 @@ class _PackageReader:
             "launch_files": lambda: self._shown(self.launches),
             "launch_lacks": lambda: _lacks(root, texts, self.launches),
             "launched_packages": lambda: {
-                str(path.relative_to(root)): sorted(_packages_named(path, text, names))
+                str(path.relative_to(root)): sorted(packages_named(path, text, names))
                 for path, text in self.launches.items()
             },
             "launched_programs": lambda: {
@@ -146,7 +148,7 @@ class _PackageReader:
 
     @cached_property
     def launches(self) -> dict[Path, str]:
-        texts = _uncommented([*self.packages, *around(self.package, self.root)])
+        texts = uncommented([*self.packages, *around(self.package, self.root)])
         return those_that_start_most_first(texts, programs_named(texts, programs_of(self.graded)))
 
     @cached_property
@@ -196,18 +198,6 @@ def _loose(
     }
     facts, unread = read_all(readers)
     return Files(**facts, readme=texts, notes=told(unread), unread=unread)
-
-
-def launching(root: Path, submission: Submission) -> list[FoundPackage]:
-    """Return the other packages whose launch files name the assignment's, such as a `robot_bringup`."""
-    own = Package(root / submission.package.folder, root).name if submission.package else ""
-    is_named = re.compile(rf"\b{re.escape(own)}\b").search
-    return [
-        one
-        for one in submission.packages
-        if own and one.name not in (None, own)
-        if any(map(is_named, _uncommented([Package(root / one.folder, root)]).values()))
-    ]
 
 
 def _paths(root: Path) -> list[PurePosixPath]:
@@ -315,17 +305,6 @@ def _is_about(source: PythonSource, package: Package) -> bool:
     return not names.isdisjoint(word for text in texts for word in re.findall(r"\w+", text))
 
 
-def around(package: Package, root: Path) -> list[Package]:
-    """Return the folders around a package, such as the workspace, in which launch files may lie that nothing installs."""
-    around = [folder for folder in package.folder.parents if folder == root or root in folder.parents]
-    return [Package(folder, root) for folder in around]
-
-
-def launch_files(packages: Iterable[Package]) -> list[Path]:
-    """Return the launch files of packages."""
-    return [*dict.fromkeys(path for package in packages for path in package.launch_files)]
-
-
 def _lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, list[str]]:
     """Return by launch file that includes no other one what a README gives by `name:=` and it does not name."""
     given = sorted({*_GIVEN.findall(readme)})[:MOST_DECLARED]
@@ -334,26 +313,6 @@ def _lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, l
         for path, text in launches.items()
         if "include" not in text.lower()
     }
-
-
-def _packages_named(path: Path, text: str, own: Iterable[str]) -> set[str]:
-    """Return the packages that a launch file names: of a node, for a share folder, or, of one's own, anywhere."""
-    nodes = read_launch_file(path, path.name).nodes
-    return {
-        *(node.package for node in nodes if isinstance(node.package, str)),
-        *shares_named(text),
-        *(name for name in own if re.search(rf"\b{re.escape(name)}\b", text)),
-    }
-
-
-def shares_named(text: str) -> list[str]:
-    """Return the packages whose share folders a launch file asks for."""
-    return ["".join(names) for names in _SHARE_OF.findall(text)]
-
-
-def _uncommented(packages: Iterable[Package]) -> dict[Path, str]:
-    """Return the texts of launch files without their comments."""
-    return {path: _COMMENT.sub("", read_text(path)) for path in launch_files(packages)}
 
 
 def _parameter_files(packages: Iterable[Package]) -> list[Path]:
@@ -369,10 +328,10 @@ def _parameter_files(packages: Iterable[Package]) -> list[Path]:
 
 def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, list[str]]:
     """Return for each parameter file the launch files that name it, and the modules that do and read YAML."""
-    texts = {str(path.relative_to(root)): text for path, text in _uncommented(packages).items()}
+    texts = {str(path.relative_to(root)): text for path, text in uncommented(packages).items()}
     for source in packages[0].own_sources:
         if any(one.target.partition(".")[0] == "yaml" for one in source.imports):
-            texts[source.shown] = _COMMENT.sub("", source.text)
+            texts[source.shown] = without_comments(source.text)
     return {
         str(path.relative_to(root)): [name for name, text in texts.items() if path.name in text]
         for path in _parameter_files(packages)
@@ -381,7 +340,7 @@ def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, 
 
 def _hard_coded(packages: Iterable[Package]) -> list[str]:
     """Return the paths of files that launch files give from the root on."""
-    texts = _uncommented(packages).values()
+    texts = uncommented(packages).values()
     return sorted({path for text in texts for path in _FROM_ROOT.findall(text)})[:MOST_DECLARED]
 
 

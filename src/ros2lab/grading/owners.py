@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable
 from pathlib import PurePosixPath
 
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.grade import Fault, Judgement
-from ros2lab.grading.player import is_near
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.nodes import CODES as NODE_CODES
 from ros2lab.grading.questions.nodes import missing
@@ -57,7 +57,7 @@ def _makers(case: Case, name: str) -> set[str]:
     topics = {part.topic, *(player.topic for player in players)}
     ends = [end for end in case.evidence.files.ends if end.module and end.is_publisher is part.is_publisher]
     right = {end.module for end in ends if end.topic in topics}
-    made = right or {end.module for end in ends if end.topic and is_near(end.topic, part.topic)}
+    made = right or {end.module for end in ends if end.topic and is_near_topic(end.topic, part.topic)}
     of_program = _programs(case, name) | _imported(case, name)
     return made & of_program if made & of_program else _programs(case, name) or made
 

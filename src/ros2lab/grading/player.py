@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ros2lab.assignments import Part
-from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import (
     GIVEN,
     CommandSeen,
@@ -80,11 +79,6 @@ def finds_no_keyboard(said: str) -> bool:
 def lacked(said: str) -> list[str]:
     """Return what the machine on which it is graded lacks, as the error tells with which a program ended."""
     return [what for what, error in _LACKED.items() if error.search(said)]
-
-
-def is_near(topic: str, wanted: str) -> bool:
-    """Return whether a topic is likely to be meant for another one."""
-    return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
 
 
 def stamped(type_name: str) -> str:

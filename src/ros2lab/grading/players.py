@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
+from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.deeds import PUBLISHES, READS
 from ros2lab.grading.evidence import (
     Evidence,
@@ -22,7 +23,6 @@ from ros2lab.grading.player import (
     Player,
     is_done,
     is_for_want,
-    is_near,
     lacked,
     stamped,
     without_given,
@@ -38,7 +38,7 @@ MOST_PLAYERS = 10  # nodes that are looked at for one part
 def _may_end(end: WrittenEnd, part: Part) -> bool:
     """Return whether an end that the code makes may be that of a part."""
     types = ("", part.type_name, stamped(part.type_name))
-    is_like = end.type_name in types or is_near(end.topic, part.topic)
+    is_like = end.type_name in types or is_near_topic(end.topic, part.topic)
     return end.is_publisher is part.is_publisher and (is_like or end.topic == part.topic)
 
 
@@ -250,7 +250,7 @@ class Case:
         """
         ends = [end for end in self.evidence.files.ends if end.is_publisher is part.is_publisher]
         right = [end for end in ends if end.topic == part.topic]
-        near = [end for end in ends if is_near(end.topic, part.topic)]
+        near = [end for end in ends if is_near_topic(end.topic, part.topic)]
         alike = [end for end in ends if end.type_name == part.type_name and self.assignment.is_only(part)]
         return next(iter((*right, *near, *alike)), None)
 
@@ -376,7 +376,8 @@ class Case:
                     for part in parts:
                         match = self._match(part, topic, types, run, node=node, program=program)
                         is_free = not any(
-                            topic == wanted or is_near(topic, wanted) for wanted in self.assignment.topics
+                            topic == wanted or is_near_topic(topic, wanted)
+                            for wanted in self.assignment.topics
                         )
                         if part is by_type and is_free and part.type_name in types:
                             is_alike = self._is_alike(part, topic, node, run, is_lost=is_lost)
@@ -389,9 +390,9 @@ class Case:
     ) -> Match | None:
         if topic in self.assignment.topics:  # one of the others is no misspelt one
             return "right" if topic == part.topic else None
-        if is_near(topic, part.topic):
+        if is_near_topic(topic, part.topic):
             return "near"
-        if any(is_near(topic, wanted) for wanted in self.assignment.topics):
+        if any(is_near_topic(topic, wanted) for wanted in self.assignment.topics):
             return None
         subject = part.topic.rpartition("/")[2]
         if self.assignment.is_only(part):

@@ -17,9 +17,9 @@ from std_msgs.msg import String
 from portable_ros2.messages import fill
 from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
+from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading import ends
 from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
-from ros2lab.grading.player import is_near
 from ros2lab.observed_domain import LATCHED, UNTOLD, ObservedDomain
 from ros2lab.topics import find_type
 
@@ -210,7 +210,7 @@ class Watch(ObservedDomain):
         ]
         taken = {other.topic for other in self._services if other is not part}
         others = [name for name in fitting if name not in taken]
-        others.sort(key=lambda name: (name != part.topic, not is_near(name, part.topic)))
+        others.sort(key=lambda name: (name != part.topic, not is_near_topic(name, part.topic)))
         return others[0] if others else ""
 
     def call(self, part: Part, name: str, request: Mapping[str, Any]) -> tuple[dict[str, Any] | None, float]:
@@ -274,7 +274,7 @@ class Watch(ObservedDomain):
             ),
             key=lambda topic: (
                 topic in self.publishes,
-                not is_near(topic, part.topic),
+                not is_near_topic(topic, part.topic),
                 not part.is_meant(taken[topic]),
             ),
             default="",

@@ -7,8 +7,6 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from itertools import islice
 
-from catkin_pkg.package import InvalidPackage, parse_package_string
-
 from ros2lab.manifest_words import NOT_TAKEN
 
 _MOST = 20_000  # characters of a manifest that is looked at
@@ -70,6 +68,9 @@ def _changes(line: str) -> Iterator[str]:
 
 
 def _is_read(text: str) -> bool:
+    # Late, as in `package`: few manifests need a repair.
+    from catkin_pkg.package import InvalidPackage, parse_package_string
+
     try:
         ET.fromstring(text.encode())  # noqa: S314 -- as above
         parse_package_string(text)

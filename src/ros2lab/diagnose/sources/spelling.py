@@ -39,6 +39,11 @@ def is_near_miss(name: object, wanted: object) -> bool:
     return isinstance(name, str) and isinstance(wanted, str) and _is_near_miss(name, wanted)
 
 
+def is_near_topic(topic: str, wanted: str) -> bool:
+    """Return whether a topic is likely to be meant for another one."""
+    return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
+
+
 @functools.lru_cache(maxsize=10_000)  # the same names come in each submission of a class
 def _is_near_miss(name: str, wanted: str) -> bool:
     if name == wanted:

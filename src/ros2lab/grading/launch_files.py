@@ -1,0 +1,66 @@
+"""The launch files of packages, and which packages they name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from ros2lab.diagnose.launching.launch_file import read_launch_file
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.grading.graded_package import Package
+from ros2lab.grading.submission import FoundPackage, Submission
+
+# What a launch file may look up the share folder of a package with, in Python, XML or YAML.
+_SHARE_OF = re.compile(
+    r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
+)
+_COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")
+
+
+def launching(root: Path, submission: Submission) -> list[FoundPackage]:
+    """Return the other packages whose launch files name the assignment's, such as a `robot_bringup`."""
+    own = Package(root / submission.package.folder, root).name if submission.package else ""
+    is_named = re.compile(rf"\b{re.escape(own)}\b").search
+    return [
+        one
+        for one in submission.packages
+        if own and one.name not in (None, own)
+        if any(map(is_named, uncommented([Package(root / one.folder, root)]).values()))
+    ]
+
+
+def around(package: Package, root: Path) -> list[Package]:
+    """Return the folders around a package, such as the workspace, in which launch files may lie that nothing installs."""
+    around = [folder for folder in package.folder.parents if folder == root or root in folder.parents]
+    return [Package(folder, root) for folder in around]
+
+
+def launch_files(packages: Iterable[Package]) -> list[Path]:
+    """Return the launch files of packages."""
+    return [*dict.fromkeys(path for package in packages for path in package.launch_files)]
+
+
+def packages_named(path: Path, text: str, own: Iterable[str]) -> set[str]:
+    """Return the packages that a launch file names: of a node, for a share folder, or, of one's own, anywhere."""
+    nodes = read_launch_file(path, path.name).nodes
+    return {
+        *(node.package for node in nodes if isinstance(node.package, str)),
+        *shares_named(text),
+        *(name for name in own if re.search(rf"\b{re.escape(name)}\b", text)),
+    }
+
+
+def shares_named(text: str) -> list[str]:
+    """Return the packages whose share folders a launch file asks for."""
+    return ["".join(names) for names in _SHARE_OF.findall(text)]
+
+
+def uncommented(packages: Iterable[Package]) -> dict[Path, str]:
+    """Return the texts of launch files without their comments."""
+    return {path: without_comments(read_text(path)) for path in launch_files(packages)}
+
+
+def without_comments(text: str) -> str:
+    """Return a text in Python, YAML or XML without its comments."""
+    return _COMMENT.sub("", text)
