@@ -23,7 +23,6 @@ from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.exceptions import InvalidServiceNameException
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
@@ -33,6 +32,7 @@ from std_msgs.msg import String
 
 from ros2lab import environment, every_node
 from ros2lab.domain_lease import discovery, leased
+from ros2lab.listener import Listener
 from ros2lab.node_process import NodeProcess
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.scratch import scratch_folder
@@ -87,9 +87,8 @@ class ObservedDomain:
                 self._context.init(args=["--ros-args", "--disable-stdout-logs"], domain_id=self.number)
             self.node = Node("observer", context=self._context, start_parameter_services=False)
             stack.callback(self.node.destroy_node)
-            self._executor = SingleThreadedExecutor(context=self._context)
-            stack.callback(self._executor.shutdown)
-            self._executor.add_node(self.node)
+            self._listener = Listener(self.node, self._context)
+            stack.callback(self._listener.close)
             self._open = stack.pop_all()
         self.patience = LEAST_PATIENCE
         self.simulated = 0.0
@@ -131,7 +130,7 @@ class ObservedDomain:
             if left < 0:
                 return False
             begin = time.monotonic()
-            self._executor.spin_once(timeout_sec=TURN)
+            self._listener.listen(TURN)
             left -= min(time.monotonic() - begin, TURN)
         return True
 
@@ -314,8 +313,10 @@ class ObservedDomain:
 
     def _take_answers(self, clients: dict[str, Any], timeout: float, times: int) -> None:
         """Ask nodes, and take away the clients of those that answer."""
+        # All but the last answers tell only that they come, and an empty one is least work for the node.
+        before = [GetParameters.Request()] * (times - 1)
         answers = {
-            name: [client.call_async(self.request(name)) for _ in range(times)]
+            name: [client.call_async(request) for request in (*before, self.request(name))]
             for name, client in clients.items()
         }
         self.wait(lambda: self.has_lost() or _all_done(answers.values()), timeout)

@@ -104,7 +104,7 @@ def test_a_domain_is_as_patient_as_its_programs_were_slow_to_start() -> None:
         assert domain.patience >= 2 * least
 
 
-@pytest.mark.parametrize("part", ["Context", "Node", "SingleThreadedExecutor"])
+@pytest.mark.parametrize("part", ["Context", "Node", "Listener"])
 def test_nothing_is_kept_when_it_cannot_be_made(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, part: str
 ) -> None:
@@ -164,11 +164,11 @@ def test_time_without_a_turn_does_not_count(monkeypatch: pytest.MonkeyPatch) -> 
     with ObservedDomain() as domain:
         turns: list[float] = []
 
-        def spin_late(timeout_sec: float) -> None:
-            turns.append(timeout_sec)
+        def listen_late(seconds: float) -> None:
+            turns.append(seconds)
             time.sleep(0.1)
 
-        monkeypatch.setattr(domain._executor, "spin_once", spin_late)
+        monkeypatch.setattr(domain._listener, "listen", listen_late)
         assert domain.wait(lambda: len(turns) == 5, 0.1)
         assert not domain.wait(lambda: False, 0.1)
 

@@ -52,13 +52,8 @@ class Ear:
         if len(self._kept) < KEPT:
             self._times.append(self._watch.time_of(info["received_timestamp"]))
             self._kept.append(raw if len(raw) <= LARGEST else b"")
-
-    @property
-    def is_excessive(self) -> bool:
-        """Whether more was heard than is borne, and it is still open."""
-        return not self.is_closed and (
-            self.total > TOPIC_COUNT or self._bytes > TOPIC_BYTES or len(self.last) > MESSAGE_BYTES
-        )
+        if self.total > TOPIC_COUNT or self._bytes > TOPIC_BYTES or len(raw) > MESSAGE_BYTES:
+            self._watch.excessive.add(self)
 
     def plain(self, raw: bytes) -> Any:
         """Return a message as plain data; None if it is too long or none."""

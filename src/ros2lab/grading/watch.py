@@ -64,6 +64,7 @@ class Watch(ObservedDomain):
         self._alive_before = alive()
         self._start = time.time()
         self.ears: dict[str, Ear] = {}
+        self.excessive: set[Ear] = set()  # that are still open
         self.logged: list[list[str]] = []
         self.publishes: dict[str, dict[str, list[str]]] = {}
         self.subscribes: dict[str, dict[str, list[str]]] = {}
@@ -118,7 +119,8 @@ class Watch(ObservedDomain):
         """Wait as any observer does, and close the topics on which more comes than is borne."""
 
         def is_met() -> bool:
-            for ear in filter(lambda ear: ear.is_excessive, [self._rosout, *self.ears.values()]):
+            while self.excessive:
+                ear = self.excessive.pop()
                 ear.close()
                 self.notes.add(f"{ear.topic} was cut: too many messages, or too large ones.")
             return bool(condition())
