@@ -415,8 +415,8 @@ def test_two_ros_nodes_of_one_world_hear_one_another(make_world: Callable[..., W
 # What a program can see and change.
 
 
-def test_a_node_does_not_import_what_generates_messages(make_world: Callable[..., World]) -> None:
-    """That takes a seventh of its start; messages have their C side all the same."""
+def test_a_node_does_not_import_what_it_does_not_need(make_world: Callable[..., World]) -> None:
+    """What generates messages takes a seventh of its start; messages have their C side all the same, and numpy works."""
     pytest.importorskip("rclpy")
     from ros2lab import environment
     from ros2lab.grading.build import underlay
@@ -429,9 +429,11 @@ def test_a_node_does_not_import_what_generates_messages(make_world: Callable[...
         "String.__import_type_support__()\n"
         "print('rosidl_parser.parser' in sys.modules, import_type_support('std_msgs') is not None)\n"
         "import rosidl_parser.parser\n"
+        "import numpy, numpy.fft, numpy.linalg, numpy.ma, numpy.polynomial, numpy.random\n"
+        "print(numpy.ma.masked_equal([1, 2], 2).sum(), numpy.array.__doc__)\n"
     )
     box = world.run([sys.executable, "-c", code], environ=underlay())
-    assert (box.code, box.output.splitlines()) == (0, ["False True"])
+    assert (box.code, box.output.splitlines()) == (0, ["False True", "1 None"])
 
 
 def test_files_of_the_host_are_not_there(make_world: Callable[..., World], tmp_path: Path) -> None:

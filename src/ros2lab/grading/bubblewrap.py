@@ -19,6 +19,13 @@ OWN = "/tmp/own"  # noqa: S108 -- where further folders of a box lie
 PACKAGE = Path(__file__).parents[1]
 HIDDEN = sorted({PACKAGE, (PACKAGE / "course/robot_project_ws").resolve().parent})
 
+_EMPTY = PACKAGE / "py.typed"
+_UNUSED = (
+    ("rosidl_generator_py", "generate_py_impl.py"),
+    ("numpy", "_core/_add_newdocs.py"),
+    ("numpy", "_core/_add_newdocs_scalars.py"),
+)
+
 _SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
 _TAKEN = frozenset((*_SYSTEM, "etc", "proc", "dev", "sys", "tmp", "run", "opt", "submission"))  # below /
 # What an installation of Python writes below its folder; whatever else lies there is somebody's own.
@@ -71,14 +78,19 @@ def shown(paths: Iterable[Path]) -> list[Path]:
     return sorted({*filter(Path.exists, parts), *paths, *([ros] if ros.is_dir() else [])})
 
 
-def unneeded() -> list[Path]:
-    """Return the modules that are imported where they are there, and needed by nobody who runs a node.
+def emptied() -> list[str]:
+    """Return bubblewrap's words that show modules empty which take long to import, and which no program that runs needs.
 
-    The messages of ROS import what generates messages, which is a seventh of a node's start, and do without.
+    The messages of ROS import what generates messages, which is a seventh of a node's start, where it can be imported.
+    numpy, which they import too, gives each of its functions its documentation.
     """
-    spec = importlib.util.find_spec("rosidl_generator_py")
-    path = Path(spec.origin).with_name("generate_py_impl.py") if spec and spec.origin else None
-    return [path] if path and path.is_file() else []
+    words = []
+    for package, name in _UNUSED:
+        spec = importlib.util.find_spec(package)
+        path = Path(spec.origin).parent / name if spec and spec.origin else None
+        if path and path.is_file():
+            words += ["--ro-bind", str(_EMPTY), str(path)]
+    return words
 
 
 def bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]:

@@ -241,8 +241,7 @@ class World:
         program = f"import sys; sys.path.append('{keeper.FOLDER}'); from keeper.main import main; main()"
         python = [sys.executable, "-I", "-S", "-B", "-c", program, str(os.getpid())]
         shown = bubblewrap.bound([self._bubblewrap, *sorted({bubblewrap.PACKAGE, *self._shown})])
-        for module in bubblewrap.unneeded():
-            shown += ["--ro-bind", os.devnull, str(module)]
+        shown += bubblewrap.emptied()
         # Only whoever may set up the network can say how much TCP keeps; the keeper itself may not.
         settings = [f"echo {sizes} >/proc/sys/net/ipv4/{name}" for name, sizes in keeper.TCP_BUFFERS.items()]
         start = f'{{ {"; ".join(settings)}; }} 2>/dev/null; exec setpriv --ambient-caps -all "$@"'
