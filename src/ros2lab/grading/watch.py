@@ -85,8 +85,8 @@ class Watch(ObservedDomain):
         self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
         own = f"/observer_{secrets.token_hex(8)}"
         self._mark = self.node.create_publisher(String, own, 1, event_callbacks=UNTOLD)
-        self.wait(lambda: self.node.get_publishers_info_by_topic(own))
-        self._prefix = ends.participant(self.node.get_publishers_info_by_topic(own)[0])
+        self.wait(lambda: ends.publishers(self.node, own))
+        self._prefix = ends.participant(ends.publishers(self.node, own)[0])
         if is_stepped:
             self.make_clock()
 
@@ -149,8 +149,8 @@ class Watch(ObservedDomain):
         self.notes |= {f"Two nodes have the name {name}." for name in self.twins}
         is_new = False
         for topic, _ in sorted(self.node.get_topic_names_and_types())[: 4 * TOPICS]:
-            publishers = self._others(self.node.get_publishers_info_by_topic(topic))
-            subscribers = self._others(self.node.get_subscriptions_info_by_topic(topic))
+            publishers = self._others(ends.publishers(self.node, topic))
+            subscribers = self._others(ends.subscriptions(self.node, topic))
             count = len({ends.participant(info) for info in publishers})
             if count > 1 and topic not in every_node.HIDDEN_TOPICS:
                 self.notes.add(f"{topic} is published by {count} DDS participants.")
@@ -249,8 +249,8 @@ class Watch(ObservedDomain):
             info.node_name == NAMELESS
             for topic, _ in self.node.get_topic_names_and_types()[:TOPICS]
             for infos in (
-                self.node.get_publishers_info_by_topic(topic),
-                self.node.get_subscriptions_info_by_topic(topic),
+                ends.publishers(self.node, topic),
+                ends.subscriptions(self.node, topic),
             )
             for info in infos
         )
@@ -314,9 +314,7 @@ class Watch(ObservedDomain):
 
     def clock_followers(self) -> set[str]:
         """Return the full names of the nodes that subscribe to /clock."""
-        return {
-            ends.node_name(info) for info in self._others(self.node.get_subscriptions_info_by_topic("/clock"))
-        }
+        return {ends.node_name(info) for info in self._others(ends.subscriptions(self.node, "/clock"))}
 
     def periodic(self) -> list[Ear]:
         """Return the topics on which more than one message came in this part, and which are still heard."""
@@ -353,10 +351,7 @@ class Watch(ObservedDomain):
     def participants(self) -> int:
         """Return how many DDS participants (processes, or contexts of one) have nodes."""
         return len(
-            {
-                ends.participant(i)
-                for i in self._others(self.node.get_publishers_info_by_topic("/parameter_events"))
-            }
+            {ends.participant(i) for i in self._others(ends.publishers(self.node, "/parameter_events"))}
         )
 
     def has_unmet(self) -> bool:
