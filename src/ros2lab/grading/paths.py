@@ -83,9 +83,11 @@ class Paths:
             if not isinstance(part, ast.AST):
                 continue
             yield part, facts
+            if not isinstance(part, ast.stmt):
+                continue
             if _leaves(source, part) or self._ends(source, [part]):
                 return
-            if self._possible is None or not isinstance(part, ast.stmt):
+            if self._possible is None:
                 continue
             truths: Collection[bool] = _BOTH
             if isinstance(part, ast.If):
