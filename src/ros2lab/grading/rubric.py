@@ -22,7 +22,7 @@ from ros2lab import assignments
 from ros2lab.assignments import Assignment
 from ros2lab.grading.questions import QUESTIONS, Question
 from ros2lab.grading.questions.answer import asked
-from ros2lab.located_yaml import Reader
+from ros2lab.located_yaml import QUICK, Reader
 
 SCHEMA = 1
 LEVELS = "levels.yaml"
@@ -231,7 +231,7 @@ def _usual() -> Mapping[str, tuple[str, Mapping[str, Level]]]:
     """Return for each question the title of a criterion that asks it, and what its answers are usually worth."""
     text = resources.files("ros2lab.grading.questions").joinpath(LEVELS).read_text(encoding="utf-8")
     reader = _RubricReader(LEVELS, RubricError)
-    root = reader.root(text)
+    root = reader.root(text, QUICK)
     found = {}
     for name, node in reader.pairs(root) if root is not None else ():
         question = QUESTIONS[name.value]
