@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -60,7 +61,7 @@ def _watched(folder: Path, programs: dict[str, tuple[str, str]], facts: Files) -
         for name in programs
     ]
     built = Build(bool(facts.launch_files), "", [], [], found, [], underlay(), 0.0)
-    with World(folder, shown=SHOWN) as world, Observer(world, rooms=3) as observer:
+    with World(folder, shown=SHOWN) as world, Observer(world, rooms=3, seconds=math.inf) as observer:
         return watch(observer, Submission("files", None, [], None, [], []), facts, built)
 
 

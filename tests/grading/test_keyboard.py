@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import subprocess
@@ -55,7 +56,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     ]
     built = Build(False, "", [], [], programs, [], underlay(), 0.0)
     submission = Submission("files", None, [], None, [], [])
-    with World(folder, shown=SHOWN) as world, Observer(world, rooms=3) as observer:
+    with World(folder, shown=SHOWN) as world, Observer(world, rooms=3, seconds=math.inf) as observer:
         seen = watch(observer, submission, Files(compared=["forward"]), built)
     return {run.programs[0]: run for run in seen if run.setting == "alone"}
 

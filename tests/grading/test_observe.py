@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import statistics
 import sys
 from collections.abc import Iterator
@@ -365,6 +366,26 @@ for number in range(2):
 time.sleep(60)
 """,
     "asleep": "time.sleep(60)",
+    "tires_out": f"""
+rclpy.init()
+{COMMAND}
+def obey(message):
+    time.sleep(5.0)
+    node.get_logger().info("took " + message.data)
+node.create_subscription(String, "/robot/command", obey, 10)
+rclpy.spin(node)
+""",
+    "computes": f"""
+rclpy.init()
+{COMMAND}
+def obey(message):
+    until = time.monotonic() + 3.0
+    while time.monotonic() < until:
+        pass
+    node.get_logger().info("took " + message.data)
+node.create_subscription(String, "/robot/command", obey, 10)
+rclpy.spin(node)
+""",
     "elsewhere": """
 import os
 own = int(os.environ["ROS_DOMAIN_ID"])
@@ -388,7 +409,10 @@ def observer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Observer]:
     folder = tmp_path_factory.mktemp("programs")
     for name, source in (PROGRAMS | OTHERS).items():
         (folder / f"{name}.py").write_text(BEGIN + source)
-    with World(folder, shown=SHOWN) as world, Observer(world, rooms=observe.AT_ONCE) as observer:
+    with (
+        World(folder, shown=SHOWN) as world,
+        Observer(world, rooms=observe.AT_ONCE, seconds=math.inf) as observer,
+    ):
         yield observer
 
 
@@ -704,8 +728,34 @@ def test_what_takes_too_long_is_cut_and_does_not_count_as_an_end(
 ) -> None:
     monkeypatch.setattr(observe, "RUN_TIMEOUT", 5.0)  # s, in which a busy machine starts Python
     (run,) = observer.watch([Job([program("sleep_loop"), program("broken")], "together")])
-    assert run.notes[-1] == "It was not seen to its end within 5 s."
+    assert run.unfinished == "it was not seen to its end within 5 s"
     assert [*run.ended] == ["broken"]
+
+
+@pytest.mark.parametrize("name", ["tires_out", pytest.param("computes", marks=pytest.mark.thorough)])
+def test_of_what_is_slow_to_take_commands_a_few_are_asked(observer: Observer, name: str) -> None:
+    """Each command, and unknown ones, in the time that there is for a run; it has not ended of that."""
+    (run,) = observer.watch([Job.alone(program(name))])
+    assert {"start", "stop", "reset"} <= {command.text for command in run.commands}
+    assert FLOOD not in [command.text for command in run.commands]
+    assert ["INFO", "took stop"] in after(run, "stop").log
+    assert all(command.is_alive for command in run.commands)
+    assert (run.unfinished, run.ended) == ("", {})
+
+
+def test_what_is_slow_leaves_time_to_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of those that are watched at a time is seen, and has commands, before their time is over."""
+    monkeypatch.setattr(observe, "LEAST_TIMEOUT", 8.0)  # s, in which a busy machine starts Python
+    names = ["tires_out", "asleep", "class_node"]
+    for name in names:
+        (tmp_path / f"{name}.py").write_text(BEGIN + OTHERS.get(name, "") + PROGRAMS.get(name, ""))
+    with World(tmp_path, shown=SHOWN) as world, Observer(world, seconds=1.0) as observer:
+        slow, mute, quick = observer.watch([Job.alone(program(name)) for name in names])
+        assert slow.nodes == ["/command"]
+        assert mute.unfinished
+        assert mute.nodes == []
+        assert quick.nodes == []
+        assert quick.unfinished == "others of the submission took 1 s"
 
 
 def test_an_observer_that_does_not_come_to_its_end_is_given_up(
@@ -726,9 +776,7 @@ def test_what_no_time_is_left_for_is_not_watched(observer: Observer, monkeypatch
     """However many programs a submission has, and however long each takes."""
     monkeypatch.setattr(observer, "_seconds_left", -1.0)
     runs = observer.watch([Job.alone(program("sleep_loop")), Job.alone(program("class_node"))])
-    assert [(run.nodes, run.notes) for run in runs] == [
-        ([], ["This was not watched: others of the submission took 1200 s."])
-    ] * 2
+    assert [(run.nodes, run.unfinished) for run in runs] == [([], "others of the submission took inf s")] * 2
 
 
 def test_programs_hear_one_another_only_together(observer: Observer) -> None:

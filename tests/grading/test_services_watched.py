@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 
@@ -103,7 +104,7 @@ def runs(door: Assignment, tmp_path_factory: pytest.TempPathFactory) -> Iterator
         file = f"{name.replace(' ', '_')}.py"
         (folder / file).write_text(BEGIN + source + END)
         programs.append(Program(name, [sys.executable, f"/submission/{file}"]))
-    with World(folder, shown=SHOWN) as world, Observer(world, door) as observer:
+    with World(folder, shown=SHOWN) as world, Observer(world, door, seconds=math.inf) as observer:
         found = observer.watch([Job.alone(program) for program in programs])
         yield dict(zip(PROGRAMS, found, strict=True))
 

@@ -760,6 +760,38 @@ def test_what_is_there_counts_up_to_a_quarter_though_its_node_never_comes(rubric
     } == {0}
 
 
+def test_what_there_was_no_time_to_watch_costs_nothing_where_it_is_plainly_written(rubric: Rubric) -> None:
+    late = [
+        replace(run, nodes=[], publishes={}, subscribes={}, quiet={}, commands=[]) for run in right().runs
+    ]
+    late = [replace(run, unfinished="others of the submission took 300 s") for run in late]
+    ends = [
+        WrittenEnd("/robot/status", evidences.STRING, True, [2.0]),
+        WrittenEnd("/robot/command", evidences.STRING, False, []),
+    ]
+    found = verdict(replace(evidences.files(ends=ends)(right()), runs=late), rubric)
+    points = {one.id: one.points for one in found.criteria}
+    assert points["status_publisher.topic"] == 5
+    assert points["status_publisher.period"] == 7
+    assert points["command_subscriber.type"] == 2
+    assert found.components["velocity_publisher"].points == 0  # nothing of it is written
+    assert any("300 s" in note for note in found.notes)
+
+
+def test_what_was_watched_to_no_end_is_lost_only_where_more_was_seen_of_it(rubric: Rubric) -> None:
+    given = right()
+    mute = [replace(run, quiet={}, commands=[]) for run in given.runs if run.setting == "alone"]
+    late = [replace(run, unfinished="it was not seen to its end within 40 s") for run in mute]
+    for runs, points in ((mute, 0), (late, 5), ([*mute, *late], 0)):
+        assert judged(replace(given, runs=runs), rubric, "status_publisher.life").points == points
+
+
+def test_tests_for_which_there_was_no_time_cost_nothing(rubric: Rubric) -> None:
+    late = evidences.tests(is_noticed=True, is_unfinished=True)(right())
+    assert judged(late, rubric, "bonus.tests").points == 2
+    assert "not tried" in judged(late, rubric, "bonus.tests").reason
+
+
 def test_what_is_certainly_wrong_is_told_where_it_costs_nothing(rubric: Rubric) -> None:
     place = f"{evidences.FOLDER}/robot_controller/command_subscriber.py:12"
     for code, faults in (("comparison-unused", [(evidences.COMMAND, place)]), ("endless-loop", [])):

@@ -287,6 +287,7 @@ class Run:
         commanded: the topic on which the commands were published; empty if nothing takes any.
         typed: the lines that were typed for a program that reads a keyboard.
         clocked: full names of the nodes that follow `/clock` though they were not told to, and nobody publishes it.
+        unfinished: for want of what time, in a clause; empty if it was watched to its end.
     """
 
     programs: list[str]
@@ -313,6 +314,7 @@ class Run:
     typed: list[str] = field(default_factory=list)
     clocked: list[str] = field(default_factory=list)
     early: list[str] = field(default_factory=list)
+    unfinished: str = ""
 
     @property
     def unasked(self) -> set[str]:

@@ -27,6 +27,8 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, st
         Two clauses, each of which is empty if there is nothing to say.
     """
     players = [player for player in case.players[part.name] if player.run.setting != GIVEN]
+    if not players:
+        return _unwatched(case, part), ""
     needed = () if part.end == "service" else (PUBLISHES if part.is_publisher else READS, *deeds)
     known = [does for player in players if (does := _does(case, player, needed)) is not None]
     left = (
@@ -55,10 +57,20 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
         absent = [*_absent(case, program), *lacked(said)]
         if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
             return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
+    late = [player.run.unfinished for player in players]
+    if is_mute and late and all(late):
+        return late[0]
     given = _given(case, part)
     if is_mute and players and part.is_publisher and given:
         return f"{players[0].node} waits for what nobody here brings on {', '.join(given)}"
     return ""
+
+
+def _unwatched(case: Case, part: Part) -> str:
+    """Return why no node of a part was seen, in a clause, if its program was not watched for want of time."""
+    unseen = [run for run in case.evidence.runs if run.unfinished and not run.nodes]
+    names = (name for run in unseen for name in run.programs)
+    return unseen[0].unfinished if any(case.may_be(name, part) for name in names) else ""
 
 
 def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import math
 import re
 import time
 from collections.abc import Mapping, Sequence
@@ -108,6 +109,8 @@ class Job:
             "has_flags": has_flags,
         }
         self.notes: list[str] = []
+        self.seconds = math.inf  # that it has on one clock
+        self.unfinished = ""
         # What was seen before it was watched on the real clock.
         self.parameters: dict[str, dict[str, Any]] = {}
         self.result: dict[str, Any] = {}
@@ -227,7 +230,8 @@ class Job:
 
     def shares(self) -> list[Run]:
         """Return what each program did, as if it had been alone; nothing where that cannot be told."""
-        if not self.is_shared or not self.is_stepped or self.ended or self.notes or not self.result:
+        is_open = self.ended or self.notes or self.unfinished or not self.result
+        if not self.is_shared or not self.is_stepped or is_open:
             return []
         shares = shared_out(self.result, [program.enclave for program in self.programs])
         return [
@@ -265,6 +269,7 @@ class Job:
             given=seen.get("given", []),
             commanded=seen.get("commanded", ""),
             clocked=seen.get("clocked", []),
+            unfinished=self.unfinished,
             typed=list(dict.fromkeys(line for one in self.keyboards for line in one.typed)),
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])

@@ -40,11 +40,12 @@ PROGRAM_LIMITS = Limits(
     wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256, output_bytes=5_000_000
 )
 POLL = 0.03  # s between two looks whether a program has ended
-RUN_TIMEOUT = 110.0  # s
+RUN_TIMEOUT, LEAST_TIMEOUT = 110.0, 40.0  # s that a job has on one clock, and as long as any time is left
 OBSERVER_TIMEOUT = (
     180.0  # s from a job's start to what was seen of it: whatever it is that keeps the observer busy
 )
-WATCHING_TIMEOUT = 1200.0  # s for all jobs of a submission; a job that has begun by then still ends
+WATCHING_TIMEOUT = 300.0  # s for all jobs of a submission
+AT_A_TIME = 2 / 3  # of what is left of them, for the jobs that are watched at a time
 LONGEST_ANSWER = 100_000_000  # bytes
 
 
@@ -74,19 +75,26 @@ class Observer:
         assignment: whose parts the programs may play; None takes the course's own.
         rooms: how many are made at once, where it is known that so many jobs will come.
         queue: how many jobs are left to a room before another one is made for them.
+        seconds: for all jobs; one that has begun by then still ends.
 
     Attributes:
         assignment: as above.
     """
 
     def __init__(
-        self, world: World, assignment: Assignment | None = None, *, rooms: int = 1, queue: int = 1
+        self,
+        world: World,
+        assignment: Assignment | None = None,
+        *,
+        rooms: int = 1,
+        queue: int = 1,
+        seconds: float = WATCHING_TIMEOUT,
     ) -> None:
         self.assignment = assignment or assignments.load()
         self._world = world
         self._queue = queue
         self._rooms: list[_Room] = []
-        self._seconds_left = WATCHING_TIMEOUT
+        self._seconds = self._seconds_left = seconds
         try:
             self._make_rooms(rooms)
         except BaseException:
@@ -96,7 +104,8 @@ class Observer:
     def watch(self, jobs: Sequence[Job]) -> list[Run]:
         """Watch programs as jobs say, a few jobs at a time, and return a Run for each; none hears another's programs.
 
-        The Run of a job that could not be watched, or for which no time was left, has a note that says so.
+        The Run of a job that could not be watched has a note that says so; one for which no time was left is
+        unfinished. Each has a share of the time, so that what is slow leaves some to the others.
         """
         try:
             self._furnish(len(jobs))
@@ -105,15 +114,16 @@ class Observer:
         waiting = deque(jobs)
         start = time.monotonic()
         while waiting or any(room.job for room in self._rooms):
-            if time.monotonic() - start > self._seconds_left:
+            spent = time.monotonic() - start
+            if spent > self._seconds_left:
                 for job in waiting:
-                    job.notes.append(
-                        f"This was not watched: others of the submission took {WATCHING_TIMEOUT:g} s."
-                    )
+                    job.unfinished = f"others of the submission took {self._seconds:g} s"
                 waiting.clear()
             for room in self._rooms:
                 if waiting and not room.job:
-                    room.take(waiting.popleft())
+                    left = AT_A_TIME * self._seconds_left - spent
+                    share = left / max(1.0, len(waiting) / len(self._rooms)) / 2  # for each of the two clocks
+                    room.take(waiting.popleft(), min(RUN_TIMEOUT, max(LEAST_TIMEOUT, share)))
             select.select(self._rooms, [], [], POLL)
             for room in self._rooms:
                 room.go_on()
@@ -169,9 +179,10 @@ class _Room:
         """Return what can be read when the observer has said something."""
         return self._socket.fileno()
 
-    def take(self, job: Job) -> None:
-        """Begin to watch as a job says."""
+    def take(self, job: Job, seconds: float) -> None:
+        """Begin to watch as a job says, on each clock for so many seconds at most."""
         self.job = job
+        job.seconds = seconds
         with self._losing():
             self._begin(job)
 
@@ -227,7 +238,7 @@ class _Room:
 
     def _begin(self, job: Job) -> None:
         job.begin(next(self._numbers))
-        self._tell(job, domain=job.domain, is_stepped=job.is_stepped, **job.plan)
+        self._tell(job, domain=job.domain, is_stepped=job.is_stepped, seconds=job.seconds, **job.plan)
 
     def _begin_on_the_real_clock(self, job: Job, why: str) -> None:
         if job.is_shared:
@@ -298,13 +309,13 @@ class _Room:
             if not job.alive:
                 job.is_released = True
                 self._tell(job, go=True)
-        if time.monotonic() - job.since > RUN_TIMEOUT and job.alive and not job.interrupted_at:
-            why = f"It was not seen to its end within {RUN_TIMEOUT:g} s."
+        if time.monotonic() - job.since > job.seconds and job.alive and not job.interrupted_at:
+            why = f"it was not seen to its end within {job.seconds:.0f} s"
             if job.is_stepped:
-                self._begin_on_the_real_clock(job, why)
+                self._begin_on_the_real_clock(job, f"{why[0].upper()}{why[1:]}.")
             else:
                 job.kill()
-                job.notes.append(why)
+                job.unfinished = why
 
     def _tell(self, job: Job, **message: Any) -> None:
         try:

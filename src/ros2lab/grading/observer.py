@@ -13,6 +13,8 @@ import os
 import socket
 import sys
 import threading
+import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -24,6 +26,7 @@ from ros2lab.grading.script import FLOOD, Script
 from ros2lab.grading.watch import ANSWER_TIMEOUT, OWN_CLOCK, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
+QUEUE = 10  # messages of a flood that a node keeps, and takes one after the other
 FLOOD_ROUNDS = 20  # each lets a node take two messages out of its queue
 
 TIMER = 1.0  # s, of a node that does later what it was told
@@ -46,7 +49,7 @@ class Conductor:
 
     Args:
         assignment: whose parts the programs may play.
-        plan: `run` (its number), `domain`, `programs` (how many), `nodes` (how many a launch file has to start;
+        plan: `run` (its number), `domain`, `seconds` (that it has), `programs` (how many), `nodes` (how many a launch file has to start;
             0 if it is none), `enclaves` (by which it is to be told whose the nodes are, if it is), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
             `is_given` (they receive what they may wait for), `has_flags` (what the flags in it are).
         say: sends a message to the grader.
@@ -68,12 +71,14 @@ class Conductor:
         self._quiet_log: list[list[str]] = []
         self._stalled: list[str] = []
         self._coming: set[str] = set()  # topics that came when the stepped clock was last set far forward
+        self._longest_taken = 0.0  # s, until a node had taken a command
         self._unanswered = 0  # commands in a row after which a node did not answer
         self._unfollowed = 0  # commands in a row after which nothing came
         self._has_printed = False  # since the last mark
         self._first_values: dict[str, dict[str, Any]] = {}
         self._given: Given | None = None
         self._clocked: set[str] = set()
+        self._deadline = time.monotonic() + plan["seconds"]
 
     def tell(self, message: dict[str, Any]) -> None:
         """Take a message of the grader's: how many programs are alive, whether they have printed, and whether to go on."""
@@ -168,13 +173,23 @@ class Conductor:
         self._go.acquire()
 
     def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
-        is_quick = watch.is_answering and not watch.is_slow
+        """Give the commands: all of them, or a few where the time would not do for more."""
         is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
         if is_told_before and self._script.before:
             self._command(watch, self._script.first, answered)
-        for text in self._script.all if is_quick and not is_told_before else self._script.few:
-            self._command(watch, text, answered)
-        if not is_quick:
+        is_quick = watch.is_answering and not watch.is_slow
+        waiting = deque(self._script.all if is_quick and not is_told_before else self._script.few)
+        longest = 0.0
+        while waiting and (left := self._deadline - time.monotonic()) > longest:
+            flood = QUEUE * self._longest_taken if self._script.flood in waiting else 0.0
+            if is_quick and not is_told_before and longest * len(waiting) + flood > left:
+                is_quick, said = False, {command["text"] for command in self._commands}
+                waiting = deque(text for text in self._script.few if text not in said)
+                continue
+            start = time.monotonic()
+            self._command(watch, waiting.popleft(), answered)
+            longest = max(longest, time.monotonic() - start)
+        if waiting or not is_quick:
             watch.notes.add("A node is slow to answer: not all of the commands were tried.")
 
     def _has_twin(self, watch: Watch) -> bool:
@@ -280,7 +295,9 @@ class Conductor:
         for word in FLOOD // 2 * self._script.words[:2] if is_flood else (text,):
             watch.say(watch.command_topic(), word)
         if watch.is_answering:
+            start = time.monotonic()
             is_answered = watch.settle(least=FLOOD_ROUNDS if is_flood else 1)
+            self._longest_taken = max(self._longest_taken, time.monotonic() - start)
             self._unanswered = 0 if is_answered else self._unanswered + 1
             watch.is_answering = self._unanswered < MOST_UNANSWERED
             if self._unfollowed < MOST_UNANSWERED:

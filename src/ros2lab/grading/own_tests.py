@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import socket
 import sys
+import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -26,6 +28,7 @@ from ros2lab.grading.graded_package import written_modules
 from ros2lab.grading.sandbox import FILES, World
 
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
+TESTING_TIMEOUT = 180.0  # s for all trials of a submission
 PATIENCE = 10.0  # s that a test may take longer than any did before, on a broken copy: it waits for what does not come
 SPOILING = Limits(wall_s=60, cpu_s=20, memory_bytes=1_000_000_000)
 KINDS = ("passed", "failed", "skipped")
@@ -81,6 +84,7 @@ class OwnTests:
         self, root: Path, folder: str, files: Iterable[str], idle: Mapping[str, Collection[int]] | None = None
     ) -> None:
         self._root = root
+        self._until = math.inf
         self._folder = folder
         self._idle = idle or {}
         self._files = [str(PurePosixPath(path).relative_to(folder)) for path in files]
@@ -98,19 +102,24 @@ class OwnTests:
         Returns:
             Counts: `passed`, `failed`, `skipped`; `error`: the first failure, or what was said last if nothing could be counted;
             `is_noticed`: whether a test fails, or never ends, on a broken copy, and then passes again on the whole one, so
-            that it is not time that tells; only where all had passed before.
+            that it is not time that tells; only where all had passed before. `is_unfinished`: whether there was no time
+            for that.
         """
+        self._until = time.monotonic() + TESTING_TIMEOUT
         try:
             trial = self._try(world, built, self._files, 0.0, spoiler.HARMLESS)
             result = trial.counts
             if result["passed"] and not result["failed"]:
                 patience = trial.longest + PATIENCE
-                trials = (
-                    self._try(world, built, trial.files, patience, kind).counts for kind in spoiler.SPOILERS
+
+                def is_failed(kind: str) -> bool:
+                    counts = self._try(world, built, trial.files, patience, kind).counts
+                    return bool(not counts["passed"] or counts["failed"])
+
+                result["is_noticed"] = any(map(is_failed, spoiler.SPOILERS)) and not is_failed(
+                    spoiler.HARMLESS
                 )
-                result["is_noticed"] = any(map(_is_failed, trials)) and not _is_failed(
-                    self._try(world, built, trial.files, patience, spoiler.HARMLESS).counts
-                )
+                result["is_unfinished"] = time.monotonic() > self._until
         except ValueError as reason:  # what a build has left may be anything
             return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
         return result
@@ -123,7 +132,9 @@ class OwnTests:
             modules = written_modules(self._root / self._folder)
             names = [str(path.relative_to(self._root)) for path in modules]
             _spoil(copy, {name: [*self._idle.get(name, ())] for name in names}, kind)
-            return _run(copy, f"{FILES}/{self._folder}", files, built.environ, patience)
+            left = max(0.0, self._until - time.monotonic())
+            limits = replace(LIMITS, wall_s=min(left, LIMITS.wall_s))
+            return _run(copy, f"{FILES}/{self._folder}", files, built.environ, patience, limits=limits)
 
 
 @dataclass(frozen=True)
@@ -141,10 +152,6 @@ class _Trial:
     files: Sequence[str]
 
 
-def _is_failed(counts: Mapping[str, Any]) -> bool:
-    return bool(not counts["passed"] or counts["failed"])
-
-
 def _spoil(world: World, files: Mapping[str, Sequence[int]], kind: str) -> None:
     """Change modules of a package, in a World in which nothing has run."""
     given = os.memfd_create("modules")
@@ -159,7 +166,13 @@ def _spoil(world: World, files: Mapping[str, Sequence[int]], kind: str) -> None:
 
 
 def _run(
-    world: World, folder: str, files: Sequence[str], environ: Mapping[str, str], patience: float
+    world: World,
+    folder: str,
+    files: Sequence[str],
+    environ: Mapping[str, str],
+    patience: float,
+    *,
+    limits: Limits,
 ) -> _Trial:
     """Run the tests in some files."""
     paths = [folder, f"{folder}/src", environ.get("PYTHONPATH", "")]
@@ -176,7 +189,7 @@ def _run(
                 },
                 cwd=folder,
                 stdin=its.fileno(),
-                limits=LIMITS,
+                limits=limits,
             )
         box.wait()
         counts, longest, order = dict.fromkeys(KINDS, 0), 0.0, list[int]()

@@ -237,6 +237,8 @@ def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
         yield f"{who}, {shown(run.setting)}: it was watched as outside the lab, where {last_word(run.refused)} is no error."
     for note in run.notes:
         yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
+    if run.unfinished:
+        yield f"{who}, {shown(run.setting)}: not all could be tried, for {run.unfinished}."
     deadly = deadly_in(run)
     for name, end in run.ended.items() if run.setting != GIVEN else ():
         by_itself, after = ("by itself ", "")

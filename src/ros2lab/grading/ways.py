@@ -50,7 +50,8 @@ def shut_out(runs: Sequence[Run]) -> dict[str, str]:
     alone = {run.programs[0]: run for run in runs if run.setting == "alone" and not run.ended}
     found: dict[str, str] = {}
     for run in runs:
-        if run.setting != "together" or not (run.nodes or run.ended):  # it could not be watched
+        # What could not be watched, or not to its end, tells nothing.
+        if run.setting != "together" or run.unfinished or not (run.nodes or run.ended):
             continue
         there = _ends(run)
         for name in run.programs:

@@ -109,7 +109,9 @@ class Question:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
-        why, lack = excuse(case, part, self.deeds) if answer.level in self.mute else ("", "")
+        # Of what was never seen, the code must plainly have what is asked for.
+        is_open = answer.level in ("written", *self.mute)
+        why, lack = excuse(case, part, self.deeds) if is_open else ("", "")
         return replace(answer, seen={**asked(part), **answer.seen}, excuse=why, lack=lack)
 
 
