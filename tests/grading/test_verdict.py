@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
@@ -790,6 +791,36 @@ def test_tests_for_which_there_was_no_time_cost_nothing(rubric: Rubric) -> None:
     late = evidences.tests(is_noticed=True, is_unfinished=True)(right())
     assert judged(late, rubric, "bonus.tests").points == 2
     assert "not tried" in judged(late, rubric, "bonus.tests").reason
+
+
+@pytest.mark.parametrize(
+    ("of_part", "besides", "points"),
+    [
+        ((("/cmd_vel", [1.0] * 10),), ("/turtle1/cmd_vel", [math.inf] * 10), 20),
+        ((("/cmd_vel", [1.0]),), ("/turtle1/cmd_vel", [1.0] * 10), 17),
+        ((("/robot1/cmd_vel", [1.0] * 10),), ("/robot2/cmd_vel", [math.inf] * 10), 17.5),
+        ((("/robot2/cmd_vel", []),), ("/robot1/cmd_vel", [1.0] * 10), 17.5),
+    ],
+    ids=["another one is wrong", "another one is right", "no one is right", "one is silent"],
+)
+def test_a_node_is_judged_by_the_topic_that_is_most_likely_the_one(
+    rubric: Rubric,
+    of_part: Sequence[tuple[str, list[float]]],
+    besides: tuple[str, list[float]],
+    points: float,
+) -> None:
+    """It may publish the same on several, such as for a simulator; what comes on those is no fault and no deed."""
+    runs = [
+        evidences.velocity_run(topic=topic, values=[*map(evidences.twist, values)])
+        for topic, values in (*of_part, besides)
+    ]
+    both = replace(
+        runs[0], publishes=runs[0].publishes | runs[1].publishes, quiet=runs[0].quiet | runs[1].quiet
+    )
+    grade = verdict(evidences.runs(both)(right()), rubric)
+    assert grade.components["velocity_publisher"].points == points
+    judged_by = besides[0] if not of_part[0][1] else of_part[0][0]
+    assert any(f"was judged by {judged_by}, and not by" in note for note in grade.notes)
 
 
 def test_what_is_certainly_wrong_is_told_where_it_costs_nothing(rubric: Rubric) -> None:

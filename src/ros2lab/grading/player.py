@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -212,6 +212,15 @@ class Player:
     def taken_ends(self) -> tuple[bool, ...]:
         """The ends of its topic, the publishers' and the others', at which another player keeps it from its part."""
         return (self.part.is_publisher,) if self.match == "unnamed" else (True, False)
+
+
+def on_one_topic(players: Iterable[Player]) -> Iterator[Player]:
+    """Yield of each node in each run the player on the first topic, and others only where nothing comes of that."""
+    best: dict[tuple[int, str], Player] = {}
+    for player in players:
+        first = best.setdefault((player.number, player.node), player)
+        if player.topic == first.topic or (player.is_heard and not first.is_heard):
+            yield player
 
 
 def without_given(players: list[Player]) -> list[Player]:

@@ -10,12 +10,7 @@ from pathlib import PurePosixPath
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.deeds import PUBLISHES, READS
-from ros2lab.grading.evidence import (
-    Evidence,
-    Executable,
-    Run,
-    WrittenEnd,
-)
+from ros2lab.grading.evidence import Evidence, Executable, Run, WrittenEnd
 from ros2lab.grading.player import (
     MATCHES,
     PLAIN_SETTINGS,
@@ -24,6 +19,7 @@ from ros2lab.grading.player import (
     is_done,
     is_for_want,
     lacked,
+    on_one_topic,
     stamped,
     without_given,
 )
@@ -174,7 +170,7 @@ class Case:
                 if player.match in ("right", "near")
                 or not any((player.number, player.topic, end) in taken for end in player.taken_ends)
             ]
-            found[name] = sorted(kept, key=self._rank)
+            found[name] = [*on_one_topic(sorted(kept, key=self._rank))]
         # Other nodes may take the commands, too; the one that does nothing else is meant.
         busy = {
             (player.number, player.node)
@@ -231,6 +227,12 @@ class Case:
                 "Traceback (most recent call last)" in said for run in alone for said in run.ended.values()
             )
         )
+
+    def topics_besides(self, player: Player) -> list[str]:
+        """Return the other topics on which a node might play the same part, and was not judged."""
+        found = self._found[player.part.name]
+        own = {one.topic for one in found if (one.number, one.node) == (player.number, player.node)}
+        return sorted(own - {player.topic})
 
     def lost(self, found: Mapping[str, list[Player]]) -> set[str]:
         """Return the programs that cannot be started, or ended by themselves and played no part."""

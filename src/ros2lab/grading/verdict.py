@@ -198,6 +198,8 @@ def _notes(case: Case) -> Iterator[str]:
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)
+            if besides := case.topics_besides(player):
+                yield f"{shown(player.node)} was judged by {shown(player.topic)}, and not by {listed(besides)}."
             yield from _unwritten(case, player)
 
 
