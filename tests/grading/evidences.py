@@ -702,6 +702,30 @@ FAULTS: dict[str, tuple[str, Change]] = {
         "documentation",
         files(readme="This is robot_controller. Use colcon and ros2 run. " + README.split("Build", maxsplit=1)[0], readme_commands={}),
     ),
+    **{
+        f"README in which {package} stands for the package": (
+            "documentation",
+            files(
+                readme=README.replace("run robot_controller", f"run {package}").replace("launch robot", "start robot"),
+                readme_commands={"colcon build": True, f"ros2 run {package} status_publisher": is_true},
+            ),
+        )
+        for package, is_true in (("<package_name>", None), ("PACKAGE", None), ("your_package", False), ("[pkg]", None))
+    },
+    "README in which a word stands for what is built": (
+        "documentation",
+        files(
+            readme=README.replace("colcon build", "it").replace("source install/setup.bash", "it"),
+            readme_commands={"colcon build --packages-select <pkg>": None, "ros2 run robot_controller status_publisher": True},
+        ),
+    ),
+    "README in which a word stands for nodes that it does not name": (
+        "documentation",
+        files(
+            readme="A controller of a robot. " * 9 + "`colcon build`, then `ros2 run robot_controller <node>`, on /robot/status, /robot/command and /cmd_vel.",
+            readme_commands={"colcon build": True, "ros2 run robot_controller <node>": None},
+        ),
+    ),
     "README does not say how to build": (
         "documentation",
         files(readme=README.replace("colcon build", "it").replace("source install/setup.bash", "it"), readme_commands={"ros2 run robot_controller status_publisher": True}),

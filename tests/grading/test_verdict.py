@@ -1250,12 +1250,12 @@ def test_a_readme_that_misspells_the_package_is_about_this_one(rubric: Rubric) -
 
 @pytest.mark.parametrize(
     ("command", "points"),
-    [("turtlesim turtlesim_node", 1.5), ("PACKAGE NODE", 3), ("my_robot status_publisher", 3)],
+    [("turtlesim turtlesim_node", 1.5), ("PACKAGE NODE", 1.5), ("my_robot status_publisher", 3)],
 )
 def test_a_readme_that_starts_only_what_is_not_handed_in_does_not_say_how_to_run(
     rubric: Rubric, command: str, points: float
 ) -> None:
-    """Nobody knows whether its commands are true; those that its reader completes, or with a node of the package, may be."""
+    """Nobody knows whether its commands are true; those with a node of the package may be, and not one that nobody can type."""
     readme = f"{evidences.README.partition('`ros2')[0]}`ros2 run {command}`."
     commands = {"colcon build": True, f"ros2 run {command}": None}
     given = evidences.files(readme=readme, readme_commands=commands)(right())

@@ -21,7 +21,7 @@ _NOTHING = "what was asked for, of which nothing was seen"
 _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:bash +)?\./?\S+\.sh\b"
 # What sets up and runs besides the commands of colcon and ROS.
 _SET_UP = re.compile(rf"pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE)
-_RUN = re.compile(rf"python3? +\S*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
+_RUN = re.compile(rf"python3? +[^\s<]*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
 _STARTS = ("ros2 run ", "ros2 launch ")
 _NAME_ENDS = r"(?!_?[A-Za-z0-9])"  # letters of other scripts may follow: they write no blanks
 
@@ -117,15 +117,28 @@ def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
     if case.evidence.submission.form == "files":  # of which nothing can be built
         del needed["set up"]
     files = case.evidence.files
+    typed = [text for text in files.readme_commands if _can_be_typed(case, text)]
     lacking = [
         what
         for what, (pattern, commands) in needed.items()
-        if not pattern.search(files.readme)
-        and not any(text.startswith(commands) for text in files.readme_commands)
+        if not pattern.search(files.readme) and not any(text.startswith(commands) for text in typed)
     ]
     if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
         lacking.append("run")
     return len(needed), lacking
+
+
+def _can_be_typed(case: Case, text: str) -> bool:
+    """Return whether a reader can type a command as it stands, or with a program that the README names."""
+    files = case.evidence.files
+    match text.split():
+        case ["ros2", "run" | "launch", package, name, *_] if files.readme_commands[text] is None:
+            paths = (PurePosixPath(path).name for path in files.launch_files)
+            is_told = not is_placeholder(name) or _is_any_named({*_programs(case), *paths}, files.readme)
+            return is_told and not is_placeholder(package) and not _is_foreign(case, text)
+        case ["colcon", *words]:
+            return not any(map(is_placeholder, words))
+    return True
 
 
 def _untried(case: Case, started: Collection[str], needing: Mapping[str, str]) -> str:
