@@ -334,9 +334,9 @@ def misplaced(*names: str, fault: str = "No entry point leads to it.") -> Change
     return change
 
 
-def finding(code: str, cause: str, place: str, fix: str) -> Change:
+def finding(code: str, cause: str, place: str, fix: str, *about: str) -> Change:
     return lambda e: replace(
-        e, files=replace(e.files, findings=[*e.files.findings, [code, cause, place, fix]])
+        e, files=replace(e.files, findings=[*e.files.findings, [code, cause, place, fix, *about]])
     )
 
 

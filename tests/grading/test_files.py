@@ -1225,7 +1225,7 @@ def test_a_launch_file_is_one_wherever_it_lies_in_its_package(
     texts = {path: content for path, content in right_package().items() if "launch" not in path}
     found = look(texts | {name: text})
     assert found.launch_files == [name] * is_one
-    fixes = [fix for code, _, _, fix in found.findings if code == "not-in-data-files" and name in fix]
+    fixes = [fix for code, _, _, fix, *_ in found.findings if code == "not-in-data-files" and name in fix]
     assert all("('share/robot_controller/launch'," in fix for fix in fixes)
     assert bool(fixes) is is_one
 
@@ -1311,7 +1311,7 @@ def test_the_diagnosis_finds_what_is_wrong_in_the_package_and_not_beside_it(
         name for name in texts if name.endswith(".py") and "setup" not in name and "__init__" not in name
     )
     found = look(texts | {broken: "def main(:\n"})
-    code, _, place, _ = found.findings[0]
+    code, _, place, *_ = found.findings[0]
     assert (code, place.partition(":")[0]) == ("node-syntax", broken)
 
 
@@ -1359,7 +1359,57 @@ def test_of_a_setup_cfg_that_setuptools_cannot_read_nothing_is_used(
     found = look({**right_package(), "setup.cfg": text})
     assert not false_facts(found)
     assert [code for code, *_ in found.findings] == ["setup-value"]
-    ((_, cause, place, fix),) = found.findings
+    ((_, cause, place, fix, *_),) = found.findings
     assert cause.startswith("setup.cfg has ")
     assert re.fullmatch(r".*setup\.cfg:\d+", place)
     assert fix
+
+
+OF_SEVERAL = """
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from std_msgs.msg import Int32, String
+
+
+class Robot(Node):
+    def __init__(self):
+        super().__init__("robot")
+        self.status = self.create_publisher(Int32, "/robot/status", 10)
+        self.velocity = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.create_subscription(String, "/robot/comand", self.obey, 10)
+        self.create_timer(1.0, self.drive)
+
+    def obey(self, msg):
+        if msg == "start":
+            self.status.publish(Int32())
+
+    def drive(self):
+        twist = Twist()
+        twist.linear.x = 1
+        twist.speed = 2.0
+        self.velocity.publish(String())
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Robot())
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "about"),
+    [
+        ("topic-type", "robot/status"),
+        ("topic-near-miss", "robot/command"),
+        ("int-in-float", "geometry_msgs.msg.Vector3"),
+        ("message-field", "geometry_msgs.msg.Twist"),
+        ("publish-type", "geometry_msgs.msg.Twist"),
+        ("message-compared", "std_msgs.msg.String"),
+    ],
+)
+def test_a_finding_tells_of_which_topic_or_message_it_is(
+    look: Callable[[Texts], Files], code: str, about: str
+) -> None:
+    found = look(right_package() | {"robot_controller/status_publisher.py": OF_SEVERAL}).told()
+    assert any(about in one.about for one in found if one.code == code), found

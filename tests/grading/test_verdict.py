@@ -659,7 +659,8 @@ def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:
 
 def test_a_misspelt_module_is_the_reason_why_a_node_is_not_started(rubric: Rubric) -> None:
     cause = "The executable x names the module robot_controller.vel, and there is no such file. Did you mean robot_controller.velocity_publisher?"
-    given = evidences.finding("entry-point-module", cause, "setup.py:27", "fix it")(
+    about = ("x", "robot_controller.velocity_publisher")
+    given = evidences.finding("entry-point-module", cause, "setup.py:27", "fix it", *about)(
         evidences.misplaced(evidences.VELOCITY)(right())
     )
     one = judged(given, rubric, "package.executables")
@@ -691,7 +692,10 @@ def test_that_nothing_is_installed_is_not_said_where_something_is(rubric: Rubric
         f"The executable {name} names the module a.{name}, whose file is a/{name}.py; there is a/b/{name}.py in its place."
         for name in names
     ]
-    found = [["entry-point-module", cause, "setup.py:27", "fix it"] for cause in causes]
+    found = [
+        ["entry-point-module", cause, "setup.py:27", "fix it", name, f"a/b/{name}.py"]
+        for name, cause in zip(names, causes, strict=True)
+    ]
     one = judged(evidences.files(findings=found)(given), rubric, "package.executables")
     assert one.points == 0
     assert one.reason.startswith(f"`ros2 run` does not start {names[0]}")
@@ -840,11 +844,9 @@ def test_a_finding_in_the_only_program_is_told_of_the_nodes_that_it_lacks(rubric
     assert {fault.component for fault in grade.faults if fault.code == "spin-missing"} == {evidences.COMMAND}
 
 
-OF_VECTOR = "The field x of Vector3 holds a float, and speed is an int."
-OF_TWIST = "The field linear of Twist holds a Vector3, and speed is a float."
-OF_STRING = "The field data of String holds a text, and state is an int."
+OF_VECTOR, OF_TWIST, OF_STRING = "geometry_msgs.msg.Vector3", "geometry_msgs.msg.Twist", "std_msgs.msg.String"
 APART = {evidences.STATUS: ["status"], evidences.COMMAND: ["command"], evidences.VELOCITY: ["drive"]}
-# Which modules make the nodes, which ones each program has, where a finding lies, what it says, and whose it is.
+# Which modules make the nodes, which ones each program has, where a finding lies, what it is about, and whose it is.
 WHOSE: dict[str, tuple[dict[str, str], dict[str, list[str]], str, str, str]] = {
     "a module for each node": (
         {"/robot/status": "status", "/robot/command": "command", "/cmd_vel": "drive"},
@@ -886,7 +888,7 @@ WHOSE: dict[str, tuple[dict[str, str], dict[str, list[str]], str, str, str]] = {
 @pytest.mark.parametrize("name", WHOSE)
 def test_a_finding_is_the_nodes_that_its_module_makes(rubric: Rubric, name: str) -> None:
     """However much more another node lost."""
-    makers, modules, module, cause, owner = WHOSE[name]
+    makers, modules, module, about, owner = WHOSE[name]
     lost = evidences.runs(evidences.status_run(values=0))(right())
     lost = evidences.runs(evidences.velocity_run(values=[evidences.twist(0.5)]))(lost)
     types = dict.fromkeys(("/robot/status", "/robot/command"), evidences.STRING) | {
@@ -903,7 +905,9 @@ def test_a_finding_is_the_nodes_that_its_module_makes(rubric: Rubric, name: str)
     points = {part: grade.components[part].points for part in evidences.NODES}
     assert points[evidences.STATUS] < points[evidences.VELOCITY] < 20
     place = f"{evidences.FOLDER}/robot_controller/{module}.py:12"
-    faults = verdict(evidences.finding("field-type", cause, place, "fix it")(given), rubric).faults
+    faults = verdict(
+        evidences.finding("field-type", "It is wrong.", place, "fix it", about)(given), rubric
+    ).faults
     assert [fault.component for fault in faults if fault.place == place] == [owner]
 
 

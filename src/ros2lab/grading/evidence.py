@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from ros2lab.diagnose.finding import Finding
 from ros2lab.grading.submission import Submission
 
 SCHEMA = 3
@@ -80,7 +81,7 @@ class Files:
         hard_coded: paths of files in the launch files that begin at the root, and lie on one machine only.
         tests: own tests, by file, with the number of test functions.
         tests_left_out: files of own tests that were not run, for they import what is not installed here.
-        findings: what `diagnose` found in the files, as [code, cause, place, fix], the most likely first.
+        findings: what `diagnose` found in the files, as [code, cause, place, fix, *about], the most likely first.
         handlers: places where exceptions are caught: `by name`, `wholesale`, or only `of an end`, such as by Ctrl-C.
         compared: the short texts with which the code compares something.
         depended_on: those with which it compares what may come with a message, and by which something is done.
@@ -123,6 +124,13 @@ class Files:
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     unread: dict[str, str] = field(default_factory=dict)
+
+    def told(self) -> list[Finding]:
+        """Return the findings as `diagnose` has told them."""
+        return [
+            Finding(code, cause, place, fix, tuple(about))
+            for code, cause, place, fix, *about in self.findings
+        ]
 
 
 @dataclass(frozen=True)

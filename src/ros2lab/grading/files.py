@@ -382,7 +382,7 @@ def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
         found = [one for one in find() if not isinstance(one, net.Unjudged)]
     except RecursionError:
         return []
-    return [[one.code, one.cause, one.place, one.fix] for one in found][:MOST_FINDINGS]
+    return [[one.code, one.cause, one.place, one.fix, *one.about] for one in found][:MOST_FINDINGS]
 
 
 def _declared(package: Package) -> dict[str, bool | float | str | None]:

@@ -6,15 +6,16 @@ import re
 from collections.abc import Collection, Iterable
 from pathlib import PurePosixPath
 
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.spelling import is_near_topic
-from ros2lab.grading.grade import Fault, Judgement
+from ros2lab.grading.grade import Judgement
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.nodes import CODES as NODE_CODES
 from ros2lab.grading.questions.nodes import missing
 
 
-def is_about(case: Case, finding: Fault, one: Judgement, lost: Collection[Judgement]) -> bool:
+def is_about(case: Case, finding: Finding, one: Judgement, lost: Collection[Judgement]) -> bool:
     """Return whether a finding is about the node of a criterion, if it is about a node at all."""
     parts = case.assignment.parts
     if one.component not in parts:
@@ -25,29 +26,27 @@ def is_about(case: Case, finding: Fault, one: Judgement, lost: Collection[Judgem
         # A program that has one node may be meant to have those, too, of which no program is known.
         is_free = not _programs(case, one.component) and not {*owners} & {each.component for each in lost}
         return one.component in owners or is_free
-    named = [name for name, part in parts.items() if part.topic.lstrip("/") in finding.cause]
-    if named:
+    if named := _with_topic(case, finding, parts):
         return one.component in named
     # Nothing says whose it is: then the node that lost most, and only what its program can have died of.
-    candidates = _with_type_in(case, finding.cause, parts) or [*parts]
+    candidates = _with_type(case, finding, parts) or [*parts]
     losses = {
         name: sum(each.max - each.points for each in lost if each.component == name) for name in candidates
     }
     return finding.code in NODE_CODES and one.component == max(losses, key=lambda name: losses[name])
 
 
-def owners_of(case: Case, finding: Fault) -> list[str]:
+def owners_of(case: Case, finding: Finding) -> list[str]:
     """Return the parts whose nodes the module makes in which a finding lies.
 
     Where it makes none, these are the parts whose program it is, else those whose program imports it. Of several that
-    one module makes, these are the ones whose topic, or whose messages, the finding names.
+    one module makes, these are the ones of whose topic, or of whose messages, the finding is.
     """
     stem = PurePosixPath(re.sub(r":\d+$", "", finding.place)).stem
     for modules_of in (_makers, _programs, _imported):
         owners = [name for name in case.assignment.parts if stem and stem in modules_of(case, name)]
         if owners:
-            named = [name for name in owners if case.assignment.parts[name].topic in finding.cause]
-            return named or _with_type_in(case, finding.cause, owners) or owners
+            return _with_topic(case, finding, owners) or _with_type(case, finding, owners) or owners
     return []
 
 
@@ -76,10 +75,16 @@ def _imported(case: Case, name: str) -> set[str]:
     return {module for program in programs for module in case.executables[program].modules}
 
 
-def _with_type_in(case: Case, text: str, names: Iterable[str]) -> list[str]:
-    """Return the parts of whose messages, or of what these hold, a text names the type."""
-    words = {*re.findall(r"\w+", text)}
-    return [name for name in names if words & _types_in(case.assignment.parts[name].type_name)]
+def _with_topic(case: Case, finding: Finding, names: Iterable[str]) -> list[str]:
+    """Return the parts whose topic a finding is about."""
+    topics = {name.strip("/") for name in finding.about}
+    return [name for name in names if case.assignment.parts[name].topic.strip("/") in topics]
+
+
+def _with_type(case: Case, finding: Finding, names: Iterable[str]) -> list[str]:
+    """Return the parts of whose messages, or of what these hold, a finding is about the type."""
+    types = {name.rpartition(".")[2] for name in finding.about}
+    return [name for name in names if types & _types_in(case.assignment.parts[name].type_name)]
 
 
 def _types_in(type_name: str) -> set[str]:

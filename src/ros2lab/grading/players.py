@@ -114,8 +114,7 @@ class Case:
 
     def _is_unread(self, modules: Collection[str]) -> bool:
         """Return whether one of some modules is no Python, so that nobody knows what it makes."""
-        findings = self.evidence.files.findings
-        places = {place for code, _, place, _ in findings if code == "node-syntax"}
+        places = {one.place for one in self.evidence.files.told() if one.code == "node-syntax"}
         return any(PurePosixPath(place.partition(":")[0]).stem in modules for place in places)
 
     @cached_property

@@ -80,7 +80,7 @@ def read(world: World, received: Received, assignment: Assignment) -> Reading:
 
 
 def explained(world: World, folder: str, texts: Iterable[str]) -> list[list[str]]:
-    """Return what the errors of a build and of programs mean, as [code, cause, place, fix].
+    """Return what the errors of a build and of programs mean, as `Files.findings` has it.
 
     Args:
         world: a copy of what was received.

@@ -126,7 +126,7 @@ def _faults(
     lost = [one for one in judged if one.points < one.max and _is_fault(one, answers[one.id].level)]
     explained: set[str] = set()
     told: set[tuple[str, ...]] = set()
-    for finding in (Fault(code, "", *texts) for code, *texts in case.evidence.files.findings):
+    for finding in case.evidence.files.told():
         owners = [
             one
             for one in lost

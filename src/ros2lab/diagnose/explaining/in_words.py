@@ -138,4 +138,4 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
     near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot_at(place, look), look)
     fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
     fix = f"write {near}" if near else fix
-    return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)
+    return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix, (owner,))

@@ -128,6 +128,7 @@ def _value_faults(
     elif given is not None and given != wanted and not given.startswith(PUBLISHER):
         target = place if isinstance(place, ast.Attribute) else None
         for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
+            finding = replace(finding, about=(str(message),))  # noqa: PLW2901
             better = set_field(target, wanted, value) if finding.code == "field-type" else ""
             is_fixed = finding.fix and not finding.fix.startswith("give it")
             yield finding if is_fixed or not better else replace(finding, fix=better)
@@ -203,6 +204,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             else f"write one of: {', '.join(fields)}"
             if fields
             else f"leave {name} out, or take another message",
+            (str(message),),
         )
 
 
@@ -227,6 +229,7 @@ def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[
             f"`{text}` is {_described(kind)}, which is never equal to {_described(str(others[0]))}.",
             scope.source.at(messages[0]),
             f"compare {text}.{_first_field(kind)[0]}",
+            (kind,),
         )
 
 
@@ -299,7 +302,7 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
     else:
         code, fix = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
     cause = f"publish() wants {_described(message)}, and {text} is {_described(given)}."
-    yield Finding(code, cause, place, fix)
+    yield Finding(code, cause, place, fix, (message,))
 
 
 def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:

@@ -205,6 +205,7 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
                 f"This node {verb} {topic!r}, and {other}: the names differ.",
                 there[0].place,
                 f"write {wanted!r} if that is meant (a slash at its beginning may stay)",
+                (topic, wanted),
             )
 
 
@@ -226,9 +227,8 @@ def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
             ]
             if len(files) > 1 and len(named) == 1:
                 cause = f"Two programs publish on {other!r}, and none on {topic!r}, to which {there[0].creation.source.shown} subscribes."
-                yield Finding(
-                    "topic-near-miss", cause, named[0].place, f"write {topic!r} instead of {other!r} here"
-                )
+                fix = f"write {topic!r} instead of {other!r} here"
+                yield Finding("topic-near-miss", cause, named[0].place, fix, (topic, other))
 
 
 def _in_name(topic: str, shown: str) -> bool:
@@ -259,6 +259,7 @@ def _types(topic: str, there: list[End]) -> Iterator[Finding]:
                 "they never hear each other.",
                 end.place,
                 f"write {right.rpartition('.')[2]}, with `from {right.rpartition('.')[0]} import {right.rpartition('.')[2]}`",
+                (topic, right),
             )
 
 
@@ -339,6 +340,7 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
                     f"{topic!r} is published every {seconds:g} s, and the course asks for every {period:g} s.",
                     timer.source.at(timer.call),
                     f"write create_timer({period}, ...)",
+                    (topic,),
                 )
 
 

@@ -48,7 +48,7 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
             found = [_named_twice(setup, point, first)]
         else:
             found = [*_entry_point_fault(package, setup, point)]
-        yield from (replace(one, about=(point.name,)) for one in found)
+        yield from (replace(one, about=(point.name, *one.about)) for one in found)
 
 
 def _first_main(package: SourcePackage) -> str | None:
@@ -244,16 +244,19 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
             f"The executable {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} in its place.",
             place,
             f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
+            (shown[0],),
         )
+    close = nearest(point.module, known or installed)
     return Finding(
         "entry-point-module",
         f"The executable {point.name} names the module {point.module}, and "
         + ("there is no such file." if is_own else "no such package is in this folder.")
-        + did_you_mean(point.module, known or installed),
+        + (f" Did you mean {close}?" if close else ""),
         place,
         f"write '{point.name} = {known[0]}:{point.function or 'main'}', and build again"
         if len(known) == 1
         else "write the module as the file is called, or the file as the module is called, and build again",
+        (close,) if close else (),
     )
 
 

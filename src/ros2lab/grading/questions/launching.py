@@ -87,9 +87,7 @@ def excuse(case: Case, path: str) -> str:
     ]
     absent += _modules_missing(case, said)
     is_for_another = said and not any(name in text for name in absent for text in said)
-    is_faulty = any(
-        code in _FAULTS and re.sub(r":\d+$", "", place) == path for code, _, place, _ in files.findings
-    )
+    is_faulty = any(one.code in _FAULTS and re.sub(r":\d+$", "", one.place) == path for one in files.told())
     is_excused = absent and _names_own(case, path) and not is_faulty and not is_for_another
     return f"{file} needs {listed(absent)}, not installed here" if is_excused else ""
 

@@ -6,9 +6,8 @@ costs only the part of `nodes_are_installed` that is for being installed.
 
 from __future__ import annotations
 
-import re
-
 from ros2lab.assignments import Part
+from ros2lab.diagnose.finding import Finding
 from ros2lab.grading.evidence import NO_WORD
 from ros2lab.grading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
@@ -20,7 +19,6 @@ _WRITTEN = {
     "maintainer_is_written": "a maintainer with an address",
 }
 _KEEPS_FROM_BUILDING = ("data_files_exist", "has_entry_points", "entry_points_lead_to_functions")
-_MEANT = re.compile(r"Did you mean (\S+)\?|there is (\S+) in its place")
 _MARKER_CODES = frozenset(("marker-missing", "setup-cfg-missing", "setup-cfg-dashes", "marker-not-installed"))
 
 
@@ -182,7 +180,7 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
             program = case.executables.get(programs[0])
             lost.append(programs[0])
             if program and program.fault:
-                faults.append(meant.get(program.module, program.fault))
+                faults.append(meant[program.module].cause if program.module in meant else program.fault)
     return (lost, faults) if lost else _astray(case, [*meant.values()])
 
 
@@ -222,19 +220,19 @@ def _has_right_points(case: Case, *, is_whole: bool) -> bool:
     return bool(facts.get("has_entry_points") and ((is_own and leads) or is_whole))
 
 
-def _meant(case: Case) -> dict[str, str]:
-    """Return the modules, or files, that lie elsewhere than entry points say, and what is said of each."""
-    causes = [cause for code, cause, *_ in case.evidence.files.findings if code == "entry-point-module"]
-    return {match[1] or match[2]: cause for cause in causes if (match := _MEANT.search(cause))}
+def _meant(case: Case) -> dict[str, Finding]:
+    """Return the modules, or files, that lie elsewhere than entry points say, and what was found of each."""
+    astray = (one for one in case.evidence.files.told() if one.code == "entry-point-module")
+    return {one.about[1]: one for one in astray if len(one.about) > 1}
 
 
-def _astray(case: Case, meant: list[str]) -> tuple[list[str], list[str]]:
+def _astray(case: Case, meant: list[Finding]) -> tuple[list[str], list[str]]:
     """Return the executables whose entry points miss a module that is there, and what is wrong with each.
 
     Their nodes may not run for reasons of their own, so that nothing else tells of it.
     """
     named = [one.name for one in case.executables.values() if not one.command]
-    return [name for name in named if any(f" {name} " in cause for cause in meant)], meant
+    return [name for name in named if any(name in one.about for one in meant)], [one.cause for one in meant]
 
 
 @question("written partly todo", "missing where")
