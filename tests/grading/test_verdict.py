@@ -22,6 +22,7 @@ from ros2lab.grading.overrides import Decision
 from ros2lab.grading.player import lacked
 from ros2lab.grading.questions.answer import ended, last_word
 from ros2lab.grading.rubric import Rubric, load
+from ros2lab.grading.submission import FoundPackage
 from ros2lab.grading.verdict import verdict
 
 # Faults of one part that are shown by the run of another one.
@@ -2157,3 +2158,64 @@ def test_what_was_seen_at_run_time_is_to_be_declared(
     given = replace(whole, files=replace(whole.files, manifest=manifest | {"has_std_msgs": is_declared}))
     alone = replace(given, submission=replace(given.submission, packages=given.submission.packages[:1]))
     assert judged(alone, rubric, "package.dependencies").points == points
+
+
+TUTORIAL = FoundPackage("robot_project_ws/src/my_package", "my_package", "ament_python", None)
+
+
+def beside(given: Evidence, ends: Sequence[WrittenEnd] = (), *others: Run) -> Evidence:
+    """Return evidence with another package, which is described by nobody, has a fault, and cannot all be started."""
+    assert given.build
+    programs = [
+        replace(evidences.executable("talker"), package="my_package", modules=["talker"]),
+        replace(
+            evidences.executable("broken"),
+            package="my_package",
+            modules=["broken"],
+            way="module",
+            fault="No entry point leads to it.",
+        ),
+    ]
+    crashed = Run(
+        ["broken"], "alone", "stepped", [], {}, {}, {}, {}, {}, [], {"broken": evidences.CRASH}, {}, []
+    )
+    place = f"{TUTORIAL.folder}/my_package/talker.py:3"
+    counts = {"modules": [0, 9], "functions": [0, 20]}
+    files = replace(
+        given.files,
+        findings=[["dependency-undeclared", "std_msgs is not declared.", place, "declare it"]],
+        sources={**given.files.sources, "modules": [3, 12], "functions": [6, 28]},
+        sources_beside={"my_package": counts},
+        ends=[*ends],
+    )
+    return replace(
+        given,
+        submission=replace(given.submission, also=[TUTORIAL], packages=[evidences.PACKAGE, TUTORIAL]),
+        files=files,
+        build=replace(given.build, executables=[*given.build.executables, *programs]),
+        runs=[*given.runs, crashed, *others],
+    )
+
+
+def test_what_is_left_of_a_tutorial_is_not_blamed_on_the_package(rubric: Rubric) -> None:
+    """Neither its faults, nor that it is not described, nor that what it has cannot be started or ends."""
+    lost = evidences.facts("manifest", "declares_std_msgs")(right())
+    lost = replace(lost, runs=[run for run in lost.runs if evidences.COMMAND not in run.programs])
+    chatter = evidences.status_run("/talker", "talker", topic="/chatter", values=0)
+    alone, given = verdict(lost, rubric), verdict(beside(lost, [], chatter), rubric)
+    assert {one.id: one.points for one in given.criteria} == {one.id: one.points for one in alone.criteria}
+    assert not [fault for fault in given.faults if "broken" in fault.cause or "my_package" in fault.place]
+    assert any(note.startswith("Not graded") and "my_package" in note for note in given.notes)
+
+
+@pytest.mark.parametrize("is_seen", [True, False])
+def test_a_package_that_has_a_part_of_the_work_counts(rubric: Rubric, is_seen: bool) -> None:
+    """Also where its node is not seen, and its code plainly makes it."""
+    lost = replace(right(), runs=[run for run in right().runs if run.programs == [evidences.STATUS]])
+    ends = [WrittenEnd("/cmd_vel", evidences.TWIST, True, [0.1], "broken")]
+    drives = [evidences.velocity_run("/talker", "talker")] if is_seen else []
+    given = verdict(beside(lost, ends, *drives), rubric)
+    assert (given.components["velocity_publisher"].points > 15) == is_seen
+    assert any(note.startswith("Part of the work") and "my_package" in note for note in given.notes)
+    code = next(one for one in given.criteria if one.id == "documentation.code")
+    assert code.points < code.max

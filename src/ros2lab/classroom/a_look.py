@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from ros2lab.classroom.gradebook import Row
 from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.grade import Grade
+from ros2lab.grading.leftovers import case_of
 from ros2lab.grading.notes import Kind
-from ros2lab.grading.players import Case
 from ros2lab.grading.questions import QUESTIONS
 from ros2lab.grading.reports.shown import number
 from ros2lab.grading.rubric import Criterion, Rubric
@@ -30,7 +30,7 @@ class Looked:
 
     def criteria_with(self, *levels: str) -> list[Criterion]:
         """Return the criteria whose answer is one of some levels, and not the best that there is."""
-        case = Case(self.evidence, self.rubric.assignment)
+        case = case_of(self.evidence, self.rubric.assignment)
         parts = self.rubric.assignment.parts
         found = []
         for criterion in self.rubric.criteria:

@@ -110,9 +110,6 @@ def _notes(plan: Plan, outcome: Outcome) -> Iterator[str]:
     """Yield what was built and started in another way than in a whole workspace with all that it needs."""
     if needing := plan.not_installed(outcome.files):
         yield f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}."
-    if plan.also:
-        names = one_line(", ".join(plan.also))
-        yield f"Part of the work is in other packages, whose nodes are graded as well: {names}."
     programs = [f"{name} of {package}" for package, found in plan.absent.items() for name in found]
     if programs:
         names = one_line(", ".join(programs))

@@ -62,6 +62,7 @@ class Files:
         setup: the same of setup.py, setup.cfg and the marker.
         sources: how much of the Python code is described: modules, classes and functions, with a docstring or a
             comment each, by kind as [described, all].
+        sources_beside: the same of each of the other packages that are graded, which `sources` has, too.
         readme: the README's text, shortened; empty if there is none.
         readme_names: classes, functions and files of the package that it names.
         readme_foreign: names of code in it that nothing handed in has; empty where most of them are there.
@@ -97,6 +98,7 @@ class Files:
     manifest: dict[str, bool] = field(default_factory=dict)
     setup: dict[str, bool] = field(default_factory=dict)
     sources: dict[str, list[int]] = field(default_factory=dict)
+    sources_beside: dict[str, dict[str, list[int]]] = field(default_factory=dict)
     readme: str = ""
     readme_names: list[str] = field(default_factory=list)
     readme_foreign: list[str] = field(default_factory=list)

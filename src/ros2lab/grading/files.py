@@ -104,6 +104,7 @@ class _PackageReader:
             "manifest": lambda: manifest_facts(self.package, names, self.assignment.dependencies),
             "setup": lambda: setup_facts(self.package),
             "sources": lambda: described(self.sources),
+            "sources_beside": lambda: {one.name: described(one.own_sources) for one in graded[1:]},
             "readme_names": lambda: named_in(texts, self.sources),
             "launch_files": lambda: self._shown(self.launches),
             "launch_lacks": lambda: _lacks(root, texts, self.launches),

@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import GIVEN, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
+from ros2lab.grading.leftovers import case_of
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.owners import is_about, owners_of
 from ros2lab.grading.player import Player, deadly_in, is_for_want
@@ -48,7 +49,7 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
     unknown = sorted(decisions.keys() - {criterion.id for criterion in rubric.criteria})
     if unknown:
         raise ValueError(f"The rubric has no criterion {unknown[0]}; decide about one that it has.")
-    case = Case(evidence, rubric.assignment)
+    case = case_of(evidence, rubric.assignment)
     assignment = case.assignment
     answers = {
         criterion.id: QUESTIONS[criterion.question].ask(case, assignment.parts.get(criterion.component))
@@ -173,6 +174,8 @@ def _notes(case: Case) -> Iterator[str]:
     evidence = case.evidence
     for note in (*map(str, evidence.submission.notes), *evidence.files.notes):
         yield shown(note, LONGEST_FAULT)
+    if also := [one.name or "" for one in evidence.submission.also]:
+        yield f"Part of the work is in other packages, whose nodes are graded as well: {listed(also)}."
     if evidence.submission.form != "nothing":
         shows = (
             listed(evidence.files.recordings)

@@ -1,0 +1,79 @@
+"""Other packages of a hand-in that might have been part of the work, and are not, such as those of a tutorial."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+from ros2lab.assignments import Assignment
+from ros2lab.grading.evidence import Evidence, Run
+from ros2lab.grading.player import Player, is_near
+from ros2lab.grading.players import Case
+from ros2lab.grading.submission import FoundPackage
+
+
+def case_of(evidence: Evidence, assignment: Assignment) -> Case:
+    """Return who plays which part in the evidence, less the packages that are no part of the work: nobody is to blame for them."""
+    case = Case(evidence, assignment)
+    left = [one for one in evidence.submission.also if not _is_at_work(case, one)]
+    return Case(_without(evidence, left), assignment) if left and evidence.build else case
+
+
+def _is_at_work(case: Case, package: FoundPackage) -> bool:
+    """Return whether a program of a package plays a part, or plainly would if it were seen."""
+    programs = [one for one in case.executables.values() if one.package == package.name]
+    names = {one.name for one in programs}
+    modules = {module for one in programs for module in (*one.modules, one.stem)} - {""}
+    for part in case.assignment.parts.values():
+        if any(player.program in ("", *names) for player in _telling(case, part.name)):
+            return True
+        if not case.players[part.name] and any(
+            end.module in modules
+            and end.is_publisher is part.is_publisher
+            and (end.topic == part.topic or is_near(end.topic, part.topic))
+            for end in case.evidence.files.ends
+        ):
+            return True
+    return False
+
+
+def _telling(case: Case, name: str) -> Iterator[Player]:
+    """Yield the players by which a part may be judged."""
+    part = case.assignment.parts[name]
+    yield from filter(None, (case.main(part), case.at_once(part), case.whole(part)))
+
+
+def _without(evidence: Evidence, left: list[FoundPackage]) -> Evidence:
+    """Return evidence as if packages had not been handed in; what runs together with their programs stays as it was."""
+    names, folders = {one.name for one in left}, tuple(f"{one.folder}/" for one in left)
+    files, build, submission = evidence.files, evidence.build, evidence.submission
+    assert build is not None
+    counts = [files.sources_beside.get(one.name or "", {}) for one in left]
+    said = f"Not graded, for none of its nodes plays a part: {', '.join(sorted(filter(None, names)))}."
+    kept = [one for one in build.executables if one.package not in names]
+    programs = {one.name for one in build.executables} - {one.name for one in kept}
+    return replace(
+        evidence,
+        submission=replace(submission, also=[one for one in submission.also if one not in left]),
+        files=replace(
+            files,
+            findings=[one for one in files.findings if not one[2].startswith(folders)],
+            sources={
+                kind: [
+                    number - sum(one.get(kind, [0, 0])[n] for one in counts) for n, number in enumerate(pair)
+                ]
+                for kind, pair in files.sources.items()
+            },
+            notes=[*files.notes, said],
+        ),
+        build=replace(build, executables=kept),
+        runs=[_less(run, programs) for run in evidence.runs],
+    )
+
+
+def _less(run: Run, programs: Collection[str]) -> Run:
+    """Return a run as if some programs had not ended in it; an empty one if there were no others."""
+    if {*run.programs} <= {*programs}:
+        return Run(run.programs, run.setting, run.clock, [], {}, {}, {}, {}, {}, [], {}, {}, [])
+    ended = {name: said for name, said in run.ended.items() if name not in programs}
+    return replace(run, ended=ended, early=[name for name in run.early if name not in programs])
