@@ -40,6 +40,8 @@ PROGRAMS = {
     "reads_single_keys": f"{BEGIN}import tty\ntty.setcbreak(sys.stdin.fileno())\nsys.stdin.read(1)\n{REST}",
     "reads_what_is_there": f"{BEGIN}sys.stdin.readline()\n{REST}",
     "is_broken_behind_it": f"{BEGIN}input()\n{BROKEN}{REST}",
+    "ends_at_a_key": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}while sys.stdin.read(1) != 'q':\n    publisher.publish(Twist())\n",
+    "ends_after_one": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}input()\n",
     "is_silent_behind_it": f"{BEGIN}input()\n{REST.replace('publisher.publish(Twist())', 'None')}",
 }
 ANSWERED = ("asks_for_a_number", "asks_for_two", "asks_for_a_word", "reads_single_keys")
@@ -57,7 +59,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     built = Build(False, "", [], [], programs, [], underlay(), 0.0)
     submission = Submission("files", None, [], None, [], [])
     with World(folder, shown=SHOWN) as world, Observer(world, rooms=3, seconds=math.inf) as observer:
-        seen = watch(observer, submission, Files(compared=["forward"]), built)
+        seen = watch(observer, submission, Files(compared=["forward", "q"]), built)
     return {run.programs[0]: run for run in seen if run.setting == "alone"}
 
 
@@ -77,6 +79,13 @@ def test_what_is_broken_behind_it_is_seen_to_be(runs: dict[str, Run]) -> None:
     assert runs["is_silent_behind_it"].typed
     assert not runs["is_silent_behind_it"].ended
     assert not runs["is_silent_behind_it"].quiet
+
+
+def test_what_an_answer_ends_has_not_ended_by_itself(runs: dict[str, Run]) -> None:
+    """It was not tried; what ends behind whatever is typed has ended by itself."""
+    assert not runs["ends_at_a_key"].typed
+    assert len(runs["ends_after_one"].typed) == 1
+    assert runs["ends_after_one"].ended
 
 
 def test_lines_are_typed_one_by_one_as_they_are_read() -> None:

@@ -295,7 +295,7 @@ class Run:
         calls: of services, in their order.
         given: topics and services on which default values were given, for nobody of the hand-in is there.
         commanded: the topic on which the commands were published; empty if nothing takes any.
-        typed: the lines that were typed for a program that reads a keyboard.
+        typed: the lines that were typed for a program that reads a keyboard, in their order.
         clocked: full names of the nodes that follow `/clock` though they were not told to, and nobody publishes it.
         unfinished: for want of what time, in a clause; empty if it was watched to its end.
     """

@@ -107,6 +107,7 @@ class Job:
             "is_brief": is_brief,
             "is_given": is_given,
             "has_flags": has_flags,
+            "has_keys": any(program.keys for program in self.programs),
         }
         self.notes: list[str] = []
         self.seconds = math.inf  # that it has on one clock
@@ -176,7 +177,7 @@ class Job:
         return self.keyboards[-1].stdin
 
     def type(self) -> None:
-        """Type what is to be typed by now."""
+        """Type a line at each keyboard at which the last one was read."""
         for one in self.keyboards:
             one.type()
 
@@ -270,7 +271,7 @@ class Job:
             commanded=seen.get("commanded", ""),
             clocked=seen.get("clocked", []),
             unfinished=self.unfinished,
-            typed=list(dict.fromkeys(line for one in self.keyboards for line in one.typed)),
+            typed=[line for one in self.keyboards for line in one.typed],
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
             ],

@@ -1,4 +1,4 @@
-"""A keyboard for a program that asks at one: a terminal of its own, at which a line is typed whenever it has read the last."""
+"""A keyboard for a program that asks at one: a terminal of its own, at which lines are typed, one after the other."""
 
 from __future__ import annotations
 

@@ -268,6 +268,9 @@ class _Room:
             if message["number"]:
                 job.marks[message["number"]] = {name: len(box.output) for name, box in job.boxes.items()}
             self._tell(job, alive=job.alive, go=True, printed=job.has_printed())
+        elif do == "type":
+            job.look()
+            job.type()
         elif do == "hold":
             self._hold(job, message["enclave"])
         elif do == "interrupt":
@@ -294,7 +297,6 @@ class _Room:
 
     def _watch_over(self, job: Job) -> None:
         """Tell the observer of programs that have ended, and end those that do not."""
-        job.type()
         if time.monotonic() - job.since > OBSERVER_TIMEOUT:
             raise ObserverLost(f"it did not come to its end within {OBSERVER_TIMEOUT:g} s.")
         has_changed = job.look()

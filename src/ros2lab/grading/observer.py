@@ -23,6 +23,7 @@ from ros2lab.grading.ear import TEXT, gaps
 from ros2lab.grading.given import Given
 from ros2lab.grading.quiet import STEP, Quiet, silent_after, unfollowing
 from ros2lab.grading.script import FLOOD, Script
+from ros2lab.grading.service_calls import call_services
 from ros2lab.grading.watch import ANSWER_TIMEOUT, OWN_CLOCK, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
@@ -41,7 +42,6 @@ SLOW_REACTION = 2.0  # s between messages, above which nobody waits for what fol
 MOST_UNANSWERED = 2  # commands in a row, after which nothing is waited for any more
 LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
-REPEATED_CALLS = 3
 
 
 class Conductor:
@@ -51,7 +51,8 @@ class Conductor:
         assignment: whose parts the programs may play.
         plan: `run` (its number), `domain`, `seconds` (that it has), `programs` (how many), `nodes` (how many a launch file has to start;
             0 if it is none), `enclaves` (by which it is to be told whose the nodes are, if it is), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
-            `is_given` (they receive what they may wait for), `has_flags` (what the flags in it are).
+            `is_given` (they receive what they may wait for), `has_flags` (what the flags in it are), `has_keys` (whether somebody
+            types for them).
         say: sends a message to the grader.
     """
 
@@ -96,6 +97,7 @@ class Conductor:
                     self.plan["domain"],
                     is_stepped=self.plan["is_stepped"],
                     alive=lambda: self._alive,
+                    at_each_turn=(lambda: self._say("type")) if self.plan["has_keys"] else None,
                 )
             ) as watch:
                 self._say("start")
@@ -130,7 +132,11 @@ class Conductor:
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"]:
-            self._call_services(watch, answered)
+            for call in call_services(watch, self._assignment.services, answered, self._is_whole):
+                self._calls.append(call)
+            if self._calls:  # what is logged of a request is of no command
+                watch.log_part()
+                self._mark()
             if watch.command_topic():
                 self._give_commands(watch, answered)
         # That came while the clock was stepped; one that obeys another one may come only then.
@@ -192,6 +198,9 @@ class Conductor:
         if waiting or not is_quick:
             watch.notes.add("A node is slow to answer: not all of the commands were tried.")
 
+    def _is_whole(self) -> bool:
+        return bool(self._alive == self.plan["programs"])
+
     def _has_twin(self, watch: Watch) -> bool:
         return self.plan["programs"] == 1 and bool(watch.twins)
 
@@ -218,37 +227,6 @@ class Conductor:
         watch.check()
         watch.check_still()
         self._first_values = {name: dict(values) for name, values in sorted(watch.values.items())}
-
-    def _call_services(self, watch: Watch, answered: dict[str, int]) -> None:
-        """Make the requests that the assignment asks for, and the first one again, to see that the service goes on."""
-        for part in self._assignment.services:
-            name = watch.service(part)
-            requests = [exchange.request for exchange in part.requests] or [{}]
-            again = requests[:1] * REPEATED_CALLS
-            for number, request in enumerate([*requests, *again] if name else []):
-                totals = {topic: watch.ears[topic].total for topic in answered}
-                response, took = watch.call(part, name, request)
-                if response is not None:  # what follows it
-                    watch.settle(watch.patience)
-                for topic, total in totals.items():
-                    answered[topic] += watch.ears[topic].total > total
-                self._calls.append(
-                    {
-                        "service": name,
-                        "request": dict(request),
-                        "response": response,
-                        "seconds": took,
-                        "is_repeated": number >= len(requests),
-                        "is_alive": self._alive == self.plan["programs"],
-                        "topics": watch.part(),
-                    }
-                )
-                if response is None and number >= len(requests):
-                    break
-                watch.check()
-        if self._calls:  # what is logged of a request is of no command
-            watch.log_part()
-            self._mark()
 
     def _command(self, watch: Watch, text: str, answered: dict[str, int]) -> None:
         totals = {topic: watch.ears[topic].total for topic in answered}

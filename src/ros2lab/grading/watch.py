@@ -20,7 +20,7 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading import ends
 from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
-from ros2lab.observed_domain import LATCHED, UNTOLD, ObservedDomain
+from ros2lab.observed_domain import LATCHED, LATE, UNTOLD, ObservedDomain
 from ros2lab.topics import find_type
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
@@ -51,16 +51,24 @@ class Watch(ObservedDomain):
         number: of the domain.
         is_stepped: whether the programs follow a clock that is stepped here.
         alive: tells how many of the programs have not ended.
+        at_each_turn: is called whenever what came before was heard, so that what is done to the programs then is heard, too.
     """
 
     def __init__(
-        self, assignment: Assignment, number: int, *, is_stepped: bool, alive: Callable[[], int]
+        self,
+        assignment: Assignment,
+        number: int,
+        *,
+        is_stepped: bool,
+        alive: Callable[[], int],
+        at_each_turn: Callable[[], None] | None = None,
     ) -> None:
         super().__init__(number)
         self._commanded = assignment.commanded
         self._services = assignment.services
         self.is_stepped = is_stepped
         self._alive = alive
+        self._at_each_turn = at_each_turn
         self._alive_before = alive()
         self._start = time.time()
         self.ears: dict[str, Ear] = {}
@@ -102,6 +110,16 @@ class Watch(ObservedDomain):
     def time_of(self, received: int) -> float:
         """Return the time of the run in s at which a message came, by what DDS says of it (ns of the system's clock)."""
         return self.simulated if self.is_stepped else round(received / 1e9 - self._start, 4)
+
+    def wait_for_start(self, condition: Callable[[], object], timeout: float) -> bool:
+        """Wait as any observer does, and where the programs do not start by themselves, for what is done to them."""
+        if self._at_each_turn is None:
+            return super().wait_for_start(condition, timeout)
+        is_met, left = super().wait_for_start(condition, self.patience), timeout - self.patience
+        while not is_met and left > 0:
+            self._at_each_turn()
+            is_met, left = self.until(condition, LATE), left - LATE
+        return is_met
 
     def until(self, condition: Callable[[], object], timeout: float) -> bool:
         """Wait as `wait` does, at most until all programs have ended."""
@@ -183,6 +201,8 @@ class Watch(ObservedDomain):
         # The graph tells of an end before it tells whose it is.
         self.until(lambda: not self.has_nameless(), self.patience)
         is_new = self.look()
+        if self._at_each_turn:
+            self._at_each_turn()
         if is_new and self.is_answering:
             # An answer to a new client comes after its program knows of what was made here before.
             self.forget_questions()
@@ -289,6 +309,8 @@ class Watch(ObservedDomain):
             NotStepped: if a node does not answer, or sleeps for longer than the clock is set forward.
             Gone: if all programs have ended.
         """
+        if self._at_each_turn:
+            self._at_each_turn()
         start = time.monotonic()
         is_settled = self.step_clock(self.simulated + seconds)
         took = time.monotonic() - start

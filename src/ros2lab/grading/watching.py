@@ -153,7 +153,10 @@ class _Watching:
             for program, run in zip(programs, self._observer.watch([*map(Job.alone, programs)]), strict=True):
                 name = program.name
                 if run.ended:
-                    places[name].add(raised_at(run.ended[name], name))
+                    # Without an error, an answer has ended it, or else the end of all that it asks.
+                    is_error = "Traceback (most recent call last)" in run.ended[name]
+                    where = raised_at(run.ended[name], name) if is_error else f"answer {len(run.typed)}"
+                    places[name].add(where)
                 else:
                     answered[name], by_name[name] = run, program
                 last[name] = run
