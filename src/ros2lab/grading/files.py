@@ -10,7 +10,7 @@ import ast
 import itertools
 import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path, PurePosixPath
@@ -33,6 +33,8 @@ from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package, has_code
 from ros2lab.grading.launch_files import (
     around,
+    hard_coded,
+    lacks,
     launch_files,
     launching,
     packages_named,
@@ -49,8 +51,6 @@ from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
-_GIVEN = re.compile(r"\b([a-z_]\w*):=")
-_FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
@@ -107,7 +107,7 @@ class _PackageReader:
             "sources_beside": lambda: {one.name: described(one.own_sources) for one in graded[1:]},
             "readme_names": lambda: named_in(texts, self.sources),
             "launch_files": lambda: self._shown(self.launches),
-            "launch_lacks": lambda: _lacks(root, texts, self.launches),
+            "launch_lacks": lambda: lacks(root, texts, self.launches),
             "launched_packages": lambda: {
                 str(path.relative_to(root)): sorted(packages_named(path, text, names))
                 for path, text in self.launches.items()
@@ -124,7 +124,7 @@ class _PackageReader:
                 for path in _parameter_files(packages)
             },
             "parameter_file_users": lambda: _parameter_file_users(root, packages),
-            "hard_coded": lambda: _hard_coded(packages),
+            "hard_coded": lambda: hard_coded(packages),
             "tests": lambda: self._tests[0],
             "tests_left_out": lambda: [*self._tests[1]],
             "left_out": lambda: self._tests[1],
@@ -306,16 +306,6 @@ def _is_about(source: PythonSource, package: Package) -> bool:
     return not names.isdisjoint(word for text in texts for word in re.findall(r"\w+", text))
 
 
-def _lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, list[str]]:
-    """Return by launch file that includes no other one what a README gives by `name:=` and it does not name."""
-    given = sorted({*_GIVEN.findall(readme)})[:MOST_DECLARED]
-    return {
-        str(path.relative_to(root)): [name for name in given if not re.search(rf"\b{name}\b", text)]
-        for path, text in launches.items()
-        if "include" not in text.lower()
-    }
-
-
 def _parameter_files(packages: Iterable[Package]) -> list[Path]:
     """Return what sets parameters, or lies where such a file is expected and may be meant to."""
     found: list[Path] = []
@@ -337,12 +327,6 @@ def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, 
         str(path.relative_to(root)): [name for name, text in texts.items() if path.name in text]
         for path in _parameter_files(packages)
     }
-
-
-def _hard_coded(packages: Iterable[Package]) -> list[str]:
-    """Return the paths of files that launch files give from the root on."""
-    texts = uncommented(packages).values()
-    return sorted({path for text in texts for path in _FROM_ROOT.findall(text)})[:MOST_DECLARED]
 
 
 def _parameters(text: str) -> dict[str, dict[str, Any]]:

@@ -1,9 +1,9 @@
-"""The launch files of packages, and which packages they name."""
+"""The launch files of packages, and what they name."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ros2lab.diagnose.launching.launch_file import read_launch_file
@@ -11,10 +11,13 @@ from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.submission import FoundPackage, Submission
 
+MOST = 50  # names that are told
 # What a launch file may look up the share folder of a package with, in Python, XML or YAML.
 _SHARE_OF = re.compile(
     r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
 )
+_GIVEN = re.compile(r"\b([a-z_]\w*):=")
+_FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")
 
 
@@ -64,3 +67,19 @@ def uncommented(packages: Iterable[Package]) -> dict[Path, str]:
 def without_comments(text: str) -> str:
     """Return a text in Python, YAML or XML without its comments."""
     return _COMMENT.sub("", text)
+
+
+def lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, list[str]]:
+    """Return by launch file that includes no other one what a README gives by `name:=` and it does not name."""
+    given = sorted({*_GIVEN.findall(readme)})[:MOST]
+    return {
+        str(path.relative_to(root)): [name for name in given if not re.search(rf"\b{name}\b", text)]
+        for path, text in launches.items()
+        if "include" not in text.lower()
+    }
+
+
+def hard_coded(packages: Iterable[Package]) -> list[str]:
+    """Return the paths of files that launch files give from the root on."""
+    texts = uncommented(packages).values()
+    return sorted({path for text in texts for path in _FROM_ROOT.findall(text)})[:MOST]
