@@ -118,9 +118,9 @@ class Job:
         self.begin(0)
 
     @classmethod
-    def alone(cls, program: Program, *, has_commands: bool = True) -> Job:
+    def alone(cls, program: Program, *, has_commands: bool = True, is_stepped: bool = True) -> Job:
         """Watch a program by itself; the setting is `alone`, or its parameters."""
-        return cls([program], _setting(program), has_commands=has_commands)
+        return cls([program], _setting(program), has_commands=has_commands, is_stepped=is_stepped)
 
     @classmethod
     def untold(cls, program: Program) -> Job:

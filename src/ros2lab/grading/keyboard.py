@@ -8,7 +8,7 @@ import itertools
 import os
 import struct
 import termios
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 MOST_WORDS = 6  # of a program's own
 MOST_LINES = 1000  # that are typed in one run
@@ -30,6 +30,11 @@ def answers(words: Sequence[str], commands: Collection[str]) -> list[list[str]]:
     ]
     lines = [*_USUAL, *own[:MOST_WORDS]]
     return [[*lines[number:], *lines[:number]] for number in range(len(lines))]
+
+
+def is_ended_by_one(places: Iterable[str | int]) -> bool:
+    """Return whether a program has ended without an error behind several numbers of answers: one ends it, and will again."""
+    return sum(isinstance(place, int) for place in places) > 1
 
 
 class Keyboard:

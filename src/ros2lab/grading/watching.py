@@ -12,7 +12,7 @@ from typing import Any
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.job import Job, Program
-from ros2lab.grading.keyboard import answers
+from ros2lab.grading.keyboard import answers, is_ended_by_one
 from ros2lab.grading.observe import Observer
 from ros2lab.grading.periods import is_changed, is_followed
 from ros2lab.grading.player import RATE, is_done, is_for_want, is_timers
@@ -145,20 +145,24 @@ class _Watching:
         self._show("watching again what reads a keyboard, with answers")
         by_name = {one.name: one for one in self._programs}
         answered, last = dict[str, Run](), dict[str, Run]()
-        places: dict[str, set[str]] = {name: set() for name in waiting}  # where each has ended
+        places: dict[str, set[str | int]] = {name: set() for name in waiting}  # where each has ended
         part = self._assignment.commanded
         for keys in answers(self._facts.compared, (*part.commands, *part.unknown) if part else ()):
-            asked = [by_name[name] for name in waiting if name not in answered]
-            programs = [replace(one, keys=keys) for one in asked]
-            for program, run in zip(programs, self._observer.watch([*map(Job.alone, programs)]), strict=True):
+            asked = [name for name in waiting if name not in answered and not is_ended_by_one(places[name])]
+            programs = [replace(by_name[name], keys=keys) for name in asked]
+            jobs = [
+                Job.alone(one, is_stepped=one.name not in last or last[one.name].clock == "stepped")
+                for one in programs
+            ]
+            for program, run in zip(programs, self._observer.watch(jobs), strict=True):
                 name = program.name
                 if run.ended:
                     # Without an error, an answer has ended it, or else the end of all that it asks.
                     is_error = "Traceback (most recent call last)" in run.ended[name]
-                    where = raised_at(run.ended[name], name) if is_error else f"answer {len(run.typed)}"
-                    places[name].add(where)
+                    places[name].add(raised_at(run.ended[name], name) if is_error else len(run.typed))
                 else:
-                    answered[name], by_name[name] = run, program
+                    # What it has not been told meanwhile may end it.
+                    answered[name], by_name[name] = run, replace(program, keys=run.typed or keys)
                 last[name] = run
         for name in {*waiting} - answered.keys():
             if len(places[name]) == 1 and not is_for_want(last[name].ended[name]):

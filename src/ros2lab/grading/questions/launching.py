@@ -209,10 +209,10 @@ def _ends(run: Run) -> set[tuple[str, str]]:
 
 def _lost(case: Case, started: set[str]) -> list[str]:
     """Return the parts that a launch file should start, too: those of which a node was seen without it."""
-    # One that ends by itself may have ended before it was seen; that counts elsewhere.
+    # One that ends by itself may have ended before it was seen; that counts elsewhere. Nor has it a keyboard there.
     return [
         name
         for name, players in case.players.items()
         if players and name not in started
-        if not any(player.is_read or player.node in case.short_lived for player in players)
+        if not any(one.is_read or one.run.typed or one.node in case.short_lived for one in players)
     ]
