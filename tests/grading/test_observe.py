@@ -62,11 +62,30 @@ node.create_subscription(Bool, "/flag", hear, 10)
 node.create_timer(0.5, lambda: tell_if_flag_is(WANTED))
 rclpy.spin(node)
 """
-_LOCKED = f"""
-import socket
-lock = socket.socket(socket.AF_UNIX)
+# What only one program of a machine can have at a time.
+_LOCKS = {
+    "abstract": r'held = socket.socket(socket.AF_UNIX); held.bind("\0robot")',
+    "port": 'held = socket.create_server(("127.0.0.1", 4242))',
+    "new_file": 'open("/tmp/robot.pid", "x")',
+    "process_of_a_file": """
 try:
-    lock.bind("\\0robot")
+    os.kill(int(open("/tmp/robot.pid").read()), 0)
+except OSError:
+    open("/tmp/robot.pid", "w").write(str(os.getpid()))
+else:
+    sys.exit("The robot is busy.")
+""",
+    "home": 'held = open(os.path.expanduser("~/robot"), "w"); fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)',
+    "foreign_home": 'os.mkdir("/home/lock")',
+    "memory": 'held = shared_memory.SharedMemory("robot", create=True, size=8)',
+}
+# NAME is the program's.
+_OF_EACH = 'held = open("/tmp/NAME.lock", "w"); fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)'
+_LOCKED = f"""
+import fcntl, os, socket
+from multiprocessing import shared_memory
+try:
+    exec(LOCK)
 except OSError:
     sys.exit("The robot is busy.")
 rclpy.init()
@@ -312,8 +331,11 @@ rclpy.spin(node)
 OTHERS = {
     "once_permitted": _FLAGGED.replace("WANTED", "True"),
     "until_stopped": _FLAGGED.replace("WANTED", "False"),
-    "locks_first": _LOCKED,
-    "locks_too": _LOCKED,
+    **{
+        f"{way}_{name}": _LOCKED.replace("LOCK)", f"{lock.replace('NAME', name)!r})")
+        for way, lock in {**_LOCKS, "of_each": _OF_EACH}.items()
+        for name in ("first", "too")
+    },
     "stops_once_heard": f"""
 rclpy.init()
 {STATUS}
@@ -796,14 +818,21 @@ def test_what_waits_for_a_flag_is_given_it_both_ways(observer: Observer, name: s
     assert told == [name == "until_stopped", name == "once_permitted"]
 
 
-def test_programs_that_lock_each_other_out_are_seen_to(observer: Observer) -> None:
+@pytest.mark.parametrize("way", [*_LOCKS])
+def test_programs_that_lock_each_other_out_are_seen_to(observer: Observer, way: str) -> None:
     """Alone each goes on; beside each other one has ended before any command."""
-    both = [program("locks_first"), program("locks_too")]
+    both = [program(f"{way}_first"), program(f"{way}_too")]
     first, second, together = observer.watch([*map(Job.alone, both), Job.together(both)])
     assert not first.ended
     assert not second.ended
     assert len(together.early) == 1
     assert shut_out([first, second, together]) == {together.early[0]: "The robot is busy."}
+
+
+def test_a_lock_of_each_program_keeps_nobody_out(observer: Observer) -> None:
+    both = [program("of_each_first"), program("of_each_too")]
+    (together,) = observer.watch([Job.together(both)])
+    assert together.ended == {}
 
 
 def test_what_a_launch_command_starts_is_seen(observer: Observer) -> None:

@@ -344,6 +344,33 @@ def test_two_boxes_of_one_world_meet_on_loopback_and_two_worlds_do_not(
     assert receiver.output == "ready\nfrom here\n"
 
 
+def test_boxes_among_each_other_have_their_own_places_in_common(world: World) -> None:
+    """As programs of one machine have; others of the same World, and what comes after them, do not."""
+    places = ("/tmp", "/tmp/home", "/home", "/dev/shm")
+    tells = "import os\nfor place in {!r}:\n    print(sorted(os.listdir(place)))\n    open(place + '/made', 'a')\n"
+    command = python(tells.format(places))
+    seen = [_among(world, name, command) for name in ("some", "some", "others", "")]
+    assert [["made" in line for line in output.splitlines()] for output in seen] == [
+        [False] * 4,
+        [True] * 4,
+        *[[False] * 4] * 2,
+    ]
+    assert seen[0] == seen[2]
+
+
+def test_no_box_among_others_keeps_the_next_one_from_being_made(world: World) -> None:
+    """Whatever it puts in the place of what they have in common."""
+    code = "import os, shutil\nshutil.rmtree('/tmp/own')\nos.rmdir('/tmp/home')\nopen('/tmp/home', 'x')\nos.symlink('/', '/tmp/own')"
+    assert _among(world, "some", python(code)) == ""
+    assert _among(world, "some", python("print('there')")) == "there\n"
+
+
+def _among(world: World, name: str, command: list[str]) -> str:
+    box = world.start(command, among=name)
+    assert box.wait(DEADLINE) == 0
+    return box.output
+
+
 def test_no_network_but_its_own(world: World) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]

@@ -58,7 +58,16 @@ def test_one_that_waits_until_the_others_have_gone_is_not_there() -> None:
     assert _points(grade)[:2] == [20, 20]
     assert _points(grade)[2] <= 5
     reasons = [one.reason for one in grade.criteria if one.id == "velocity_publisher.topic"]
-    assert "for velocity_publisher does not come up beside the other programs" in reasons[0]
+    assert "for velocity_publisher does nothing beside the other programs" in reasons[0]
+
+
+def test_one_that_is_silent_while_another_one_has_its_turn_is_not_there() -> None:
+    """Its node comes up, and publishes what it publishes alone only as long as nobody else holds a lock."""
+    silent = replace(RUNS[evidences.VELOCITY], quiet={})
+    together = evidences.merged([RUNS[evidences.STATUS], RUNS[evidences.COMMAND], silent], "", "together")
+    status, command, velocity = _points(_graded(replace(together, programs=[*PROGRAMS])))
+    assert [status, command] == [20, 20]
+    assert velocity <= 9  # of a node that is there and silent
 
 
 def test_what_a_launch_file_starts_together_counts() -> None:

@@ -107,12 +107,12 @@ def _parents(path: Path) -> list[str]:
     return [word for parent in reversed(path.parents[:-1]) for word in ("--dir", str(parent))]
 
 
-def writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
-    """Return bubblewrap's words that make `folders` in a box's /tmp, and links to them where they are expected.
+def writable(folders: Iterable[str], shown: Iterable[Path]) -> tuple[list[str], list[str]]:
+    """Return where in a box's /tmp `folders` are made, and bubblewrap's words for links to them where they are expected.
 
     What the system has, and what lies around or in `shown`, stays what it is; what no folder can be called is left out.
     """
-    words, links = list[str](), set[Path]()
+    made, words, links = list[str](), list[str](), set[Path]()
     for folder in map(Path, folders):
         if folder == Path("/") or is_too_long(folder.parts):
             continue
@@ -123,11 +123,11 @@ def writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
         ]
         is_taken = folder.parts[1] in _TAKEN or any(folder.is_relative_to(path) for path in shown)
         if free and not is_taken:
-            words += ["--dir", f"{OWN}{folder}"]
+            made.append(f"{OWN}{folder}")
             if free[0] not in links:
                 words += ["--symlink", f"{OWN}{free[0]}", str(free[0])]
                 links.add(free[0])
-    return words
+    return made, words
 
 
 def hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:

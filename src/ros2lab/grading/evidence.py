@@ -327,6 +327,12 @@ class Run:
     unfinished: str = ""
 
     @property
+    def stretches(self) -> list[dict[str, Heard]]:
+        """What was published before any request or command, and after each."""
+        after = [*self.calls, *self.commands]
+        return [self.quiet, *(one.topics for one in after)]
+
+    @property
     def unasked(self) -> set[str]:
         """The nodes that lived and did not answer what parameters they have: they do not spin."""
         return set() if self.ended else {*self.nodes} - self.parameters.keys()

@@ -259,6 +259,7 @@ class _Room:
                     environ=_settings({**program.environ, "ROS_DOMAIN_ID": str(job.domain)}),
                     stdin=job.keyboard(program),
                     limits=PROGRAM_LIMITS,
+                    among=str(job.number) if len(job.programs) > 1 else "",
                 )
             job.alive = len(job.boxes)
         elif do == "mark":

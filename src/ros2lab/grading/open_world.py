@@ -63,6 +63,7 @@ class OpenWorld(World):
         stdin: int | None = None,
         shown: Iterable[Path] = (),
         limits: Limits | None = None,
+        among: str = "",
     ) -> Box:
         """Start a program.
 
@@ -74,8 +75,9 @@ class OpenWorld(World):
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
             shown: without a meaning here.
             limits: what it may use; None takes the World's.
+            among: without a meaning here: all have /tmp in common.
         """
-        del files, shown
+        del files, shown, among
         limits = limits or self.limits
         words = {**ENVIRON, **(environ or {})}
         box = _OpenBox(

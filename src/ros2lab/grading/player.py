@@ -98,13 +98,8 @@ def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
     if part.end == "service":
         return any(types & {*kinds} for nodes in run.services.values() for kinds in nodes.values())
     if part.end == "publisher":
-        stretches = [
-            run.quiet,
-            *(call.topics for call in run.calls),
-            *(command.topics for command in run.commands),
-        ]
         return any(
-            heard.type_name in types and heard.count for topics in stretches for heard in topics.values()
+            heard.type_name in types and heard.count for topics in run.stretches for heard in topics.values()
         )
     is_there = any(types & {*kinds} for nodes in run.subscribes.values() for kinds in nodes.values())
     is_answered = any(one.log or one.topics or one.parameters for one in run.commands)

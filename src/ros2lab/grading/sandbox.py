@@ -2,8 +2,8 @@
 
 A `World` is a network of its own, with nothing but its loopback, and one folder of files. Each program runs in a
 `Box` of it: its own processes, its own /tmp, /dev/shm and home, a read-only system, and limits. Boxes of one
-World meet on the loopback, and on abstract sockets, and share nothing else. All of it ends with the World, and with
-the grader.
+World meet on the loopback, and on abstract sockets; those that are started among each other have these folders in
+common, as programs of one machine do. All of it ends with the World, and with the grader.
 
 Linux namespaces do the work, by way of bubblewrap (https://github.com/containers/bubblewrap). Processes, open files
 and disks are limited by Linux. CPU time and memory of a whole box are summed 25 times a second from outside, and no
@@ -42,7 +42,8 @@ from ros2lab.grading.box import (
 )
 
 FILES = "/submission"
-HOME = "/tmp/home"  # noqa: S108 -- the box's own
+OWN = ("/dev/shm", "/tmp")  # noqa: S108 -- the box's own
+HOME = "/tmp/home"  # noqa: S108 -- the same
 # What lets ROS nodes of two boxes meet: discovery on LOCALHOST always takes shared memory, which boxes do not share.
 ROS_SETTINGS = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
 
@@ -145,6 +146,7 @@ class World:
         stdin: int | None = None,
         shown: Iterable[Path] = (),
         limits: Limits | None = None,
+        among: str = "",
     ) -> Box:
         """Start a program in a box of its own.
 
@@ -156,6 +158,7 @@ class World:
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
             shown: what this box can read of `PACKAGE`.
             limits: what it may use; None takes the World's.
+            among: a name of boxes that have /tmp, /dev/shm and their home in common until the World ends.
 
         Raises:
             RuntimeError: if the World has ended.
@@ -165,7 +168,10 @@ class World:
             raise RuntimeError(f"{command[0]} cannot be started, for the World is closed; make another.")
         words = {**ENVIRON, **(environ or {})}
         start = ["/usr/bin/env", "-i", "-C", cwd, *(f"{name}={value}" for name, value in words.items())]
-        arguments = [*self._box_command(files, shown, limits), *limits.words(), *start, *map(str, command)]
+        folders, links = bubblewrap.writable(self.folders, [*self._shown, *bubblewrap.HIDDEN])
+        folders = [HOME, *folders]
+        own = [*_own(folders, limits, among), *links]
+        arguments = [*self._box_command(files, shown, own), *limits.words(), *start, *map(str, command)]
         if files != "none" and not self._is_handed_over:
             self._is_handed_over = True
             if keeper.is_root():
@@ -174,7 +180,8 @@ class World:
         box = self._boxes[number] = Box(lambda do: self._ask(do, number), limits.output_bytes)
         box._reading, its_output = os.pipe()
         passed = [its_output] if stdin is None else [its_output, stdin]
-        message = _message("start", number, command=arguments, limits=asdict(limits))
+        common = {"among": among, "folders": [*OWN, *folders]}
+        message = _message("start", number, command=arguments, limits=asdict(limits), **common)
         try:
             # The listener closes it at its end, which comes whether or not the keeper is still there.
             os.set_blocking(box._reading, False)
@@ -236,7 +243,8 @@ class World:
         ask = [] if keeper.is_root() else ["--unshare-user"]
         own = ["--bind", "/proc", "/proc", "--dev-bind", "/dev", "/dev"]
         own += ["--dir", "/tmp"]  # noqa: S108 -- bubblewrap works in it
-        own += ["--size", str(self.limits.disk_bytes), "--tmpfs", keeper.FILES]
+        for folder in (keeper.FILES, keeper.SHARED):
+            own += ["--size", str(self.limits.disk_bytes), "--tmpfs", folder]
         own += ["--dir", keeper.FOLDER, "--ro-bind", *keeper.__path__, f"{keeper.FOLDER}/keeper"]
         program = f"import sys; sys.path.append('{keeper.FOLDER}'); from keeper.main import main; main()"
         python = [sys.executable, "-I", "-S", "-B", "-c", program, str(os.getpid())]
@@ -260,25 +268,21 @@ class World:
             *python,
         ]
 
-    def _box_command(self, files: Access, shown: Iterable[Path], limits: Limits) -> list[str]:
-        size = ["--size", str(limits.disk_bytes), "--tmpfs"]
+    def _box_command(self, files: Access, shown: Iterable[Path], places: Iterable[str]) -> list[str]:
         own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
         own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
         # Nothing is to be written there, such as whom Linux ends first where memory is short.
         own += ["--new-session", "--die-with-parent", "--proc", "/proc", "--remount-ro", "/proc"]
         # What is mapped of /dev/zero is memory that no process shows.
         own += ["--dev", "/dev", "--dev-bind", "/dev/null", "/dev/zero"]
-        own += [*size, "/dev/shm", "--remount-ro", "/dev", *size, "/tmp", "--dir", HOME]  # noqa: S108
+        own += [*places, "--remount-ro", "/dev"]
         # As on a machine without a battery or a sensor, the folders are there in which they would be.
         own += itertools.chain(*(("--dir", str(folder)) for folder in sorted(HARDWARE.glob("*"))))
         for name in keeper.SETTINGS:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
             own += ["--bind" if files == "write" else "--ro-bind", keeper.FILES, FILES]
-        own += [
-            *bubblewrap.hiding(self._shown, shown),
-            *bubblewrap.writable(self.folders, [*self._shown, *bubblewrap.HIDDEN]),
-        ]
+        own += bubblewrap.hiding(self._shown, shown)
         return [self._bubblewrap, *bubblewrap.system(), *own, "--remount-ro", "/", "--"]
 
     def _await_keeper(self) -> int:
@@ -345,6 +349,15 @@ class World:
         reason = (said.decode(errors="replace").strip().splitlines() or ["it was killed"])[-1]
         for box in list(self._boxes.values()):
             box._set_end(End(137, None, box.seconds, True, f"The keeper of the sandbox ended ({reason})"))
+
+
+def _own(folders: Iterable[str], limits: Limits, among: str) -> list[str]:
+    """Return bubblewrap's words that give a box its own places and folders in them, or those of the boxes that it is among."""
+    if among:  # the keeper has made the folders
+        return [word for place in OWN for word in ("--bind", f"{keeper.SHARED}/{among}{place}", place)]
+    size = ["--size", str(limits.disk_bytes), "--tmpfs"]
+    made = (word for folder in folders for word in ("--dir", folder))
+    return [*(word for place in OWN for word in (*size, place)), *made]
 
 
 def _message(do: str, number: int, **more: object) -> bytes:

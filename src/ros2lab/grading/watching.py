@@ -358,16 +358,13 @@ def _is_at_work(part: Part, run: Run) -> bool:
         return any(call.service == part.topic and call.response is not None for call in run.calls)
     if not part.is_publisher:
         return any(command.log or command.topics for command in run.commands)
-    stretches = [
-        run.quiet,
-        *(call.topics for call in run.calls),
-        *(command.topics for command in run.commands),
-    ]
     if part.when:
-        return any(part.topic in topics for topics in stretches)
+        return any(part.topic in topics for topics in run.stretches)
     if part.period:
-        return sum(topics[part.topic].count for topics in stretches if part.topic in topics) > 1
-    heard = (heard for topics in stretches for heard in topics.values() if heard.type_name == part.type_name)
+        return sum(topics[part.topic].count for topics in run.stretches if part.topic in topics) > 1
+    heard = (
+        heard for topics in run.stretches for heard in topics.values() if heard.type_name == part.type_name
+    )
     return any(not is_still(value) for one in heard for value in one.values)
 
 

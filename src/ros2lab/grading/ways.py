@@ -45,7 +45,8 @@ def best_way(players: Mapping[str, Sequence[Player]], shut_out: Collection[str] 
 def shut_out(runs: Sequence[Run]) -> dict[str, str]:
     """Return the programs that go on alone, and not beside the others; with what each said last there.
 
-    One has ended there before any command, or is there without any of the topics and services that it has alone.
+    One has ended there before any command, or is there without any of the topics and services that it has alone, or
+    nothing comes on those on which it publishes alone in a rhythm.
     """
     alone = {run.programs[0]: run for run in runs if run.setting == "alone" and not run.ended}
     found: dict[str, str] = {}
@@ -58,9 +59,17 @@ def shut_out(runs: Sequence[Run]) -> dict[str, str]:
             own = _ends(alone[name]) if name in alone else set()
             if name in alone and name in run.early:
                 found[name] = run.ended[name]
-            elif own and name not in run.ended and own.isdisjoint(there):
+            elif own and name not in run.ended and (own.isdisjoint(there) or _is_silent(alone[name], run)):
                 found[name] = ""
     return found
+
+
+def _is_silent(alone: Run, together: Run) -> bool:
+    """Return whether nothing comes beside others, of whom something does, on topics on which something comes alone by itself."""
+    told = {topic for topic, heard in alone.quiet.items() if heard.count > 2}
+    heard = {topic for topics in together.stretches for topic, heard in topics.items() if heard.count}
+    is_at_work = bool(heard) or any(command.log for command in together.commands)
+    return bool(told) and told.isdisjoint(heard) and is_at_work
 
 
 def _ends(run: Run) -> set[tuple[str, str]]:

@@ -19,6 +19,7 @@ TCP_BUFFERS = {"tcp_rmem": "4096 65536 131072", "tcp_wmem": "4096 16384 65536"}
 # What bubblewrap finds here and binds into each box.
 FOLDER = "/box"
 FILES = "/files"
+SHARED = "/shared"  # what some boxes have in common, a folder for those of each name
 
 # The box's own /etc.
 SETTINGS = {

@@ -1,6 +1,6 @@
 """The keeper's program: what the grader asks for, and the boxes."""
 
-# ruff: noqa: PTH123
+# ruff: noqa: PTH103, PTH110, PTH123
 
 import json
 import os
@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Mapping
 
-from . import FILES, FOLDER, LIMITS, NOBODY, NOT_STARTED, SETTINGS, counted, is_root
+from . import FILES, FOLDER, LIMITS, NOBODY, NOT_STARTED, SETTINGS, SHARED, counted, is_root
 from .box import BYTES_PER_OPEN_FILE, Box, started
 from .system_calls import system_call_filter
 
@@ -95,6 +95,7 @@ class Keeper:
         message = json.loads(data)
         number = message["box"]
         if message["do"] == "start":
+            share(message["among"], message["folders"])
             self.start(number, message["command"], passed, message["limits"])
         elif box := self.boxes.get(number):
             box.is_interrupted |= message["do"] == "interrupt"
@@ -146,6 +147,13 @@ class Keeper:
         self.tell(end)
 
 
+def share(among: str, folders: list[str]) -> None:
+    """Make the folders that boxes have in common, before the first of them can have put anything in their place."""
+    if among and not os.path.exists(f"{SHARED}/{among}"):
+        for folder in folders:
+            os.makedirs(f"{SHARED}/{among}{folder}", exist_ok=True)
+
+
 def main() -> None:
     """Prepare what all boxes share, and keep them. `argv[1]` is the grader's process, standard input its socket."""
     control = socket.socket(fileno=0)
@@ -167,7 +175,8 @@ def _prepare() -> None:
         program.write(system_call_filter())
     if is_root():
         # To Linux, the limit on processes does not hold for root.
-        os.chown(FILES, NOBODY, NOBODY)
+        for folder in (FILES, SHARED):
+            os.chown(folder, NOBODY, NOBODY)
         os.setgroups([])
         os.setgid(NOBODY)
         os.setuid(NOBODY)

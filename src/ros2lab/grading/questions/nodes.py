@@ -154,7 +154,7 @@ def _foreign(case: Case, part: Part) -> Iterator[Answer]:
 def _shut_out(case: Case, part: Part) -> Iterator[Answer]:
     """Yield a program that goes on only alone."""
     if lone := case.shut_out_of(part):
-        how = ended(case.shut_out[lone], "ends with") if case.shut_out[lone] else "does not come up"
+        how = ended(case.shut_out[lone], "ends with") if case.shut_out[lone] else "does nothing"
         why = f", for {shown(lone)} {how} beside the other programs"
         number = next(n for n, run in enumerate(case.evidence.runs) if run.setting == "together")
         yield Answer("missing", {"why": why}, (f"runs[{number}]",), shown(lone))
