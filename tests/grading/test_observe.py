@@ -47,19 +47,15 @@ COMMAND = """
 node = rclpy.create_node("command")
 """
 
-_FLAGGED = f"""
+_GATED = f"""
 from std_msgs.msg import Bool
 rclpy.init()
 {STATUS.strip()}
-flag = None
-def hear(message):
-    global flag
-    flag = message.data
-def tell_if_flag_is(wanted):
-    if flag is wanted:
-        tell()
-node.create_subscription(Bool, "/flag", hear, 10)
-node.create_timer(0.5, lambda: tell_if_flag_is(WANTED))
+kept = {{}}
+has = kept.get
+for topic in sys.argv[2:]:
+    node.create_subscription(Bool, topic, lambda message, topic=topic: kept.update({{topic: message.data}}), 10)
+node.create_timer(0.5, lambda: eval(sys.argv[1]) and tell())
 rclpy.spin(node)
 """
 # What only one program of a machine can have at a time.
@@ -329,8 +325,7 @@ rclpy.spin(node)
 
 # What a thread does, and when, is chance; and what is watched in another way than by itself, twice.
 OTHERS = {
-    "once_permitted": _FLAGGED.replace("WANTED", "True"),
-    "until_stopped": _FLAGGED.replace("WANTED", "False"),
+    "gated": _GATED,
     **{
         f"{way}_{name}": _LOCKED.replace("LOCK)", f"{lock.replace('NAME', name)!r})")
         for way, lock in {**_LOCKS, "of_each": _OF_EACH}.items()
@@ -808,14 +803,27 @@ def test_programs_hear_one_another_only_together(observer: Observer) -> None:
     assert "/robot/status is published by 2 DDS participants." in run.notes
 
 
-@pytest.mark.parametrize("name", ["once_permitted", "until_stopped"])
-def test_what_waits_for_a_flag_is_given_it_both_ways(observer: Observer, name: str) -> None:
-    """One of them opens the gate."""
-    jobs = [Job.given([program(name)], has_flags=has_flags) for has_flags in (False, True)]
+@pytest.mark.parametrize(
+    ("gate", "is_opened"),
+    [
+        ("has('/one') is True", True),
+        ("has('/one') is False", True),
+        ("[*map(has, ('/one', '/two'))] == [True, False]", True),
+        ("[*map(has, ('/one', '/two'))] == [False, True]", True),
+        ("has('/one') is has('/two') is not None and not has('/three')", True),
+        ("has('/one') in ('now', 'later') or has('/two') == 'now'", False),
+    ],
+)
+def test_what_waits_for_flags_is_given_them_in_each_way(
+    observer: Observer, gate: str, is_opened: bool
+) -> None:
+    names = [name for name in ("/one", "/two", "/three") if name in gate]
+    waiting = replace(program("gated"), command=[*program("gated").command, gate, *names])
+    jobs = [Job.given([waiting], has_flags=has_flags) for has_flags in (False, True)]
     runs = observer.watch(jobs)
-    assert [run.given for run in runs] == [["/flag"], ["/flag"]]
-    told = ["/robot/status" in run.quiet for run in runs]
-    assert told == [name == "until_stopped", name == "once_permitted"]
+    assert [run.given for run in runs] == [sorted(names)] * 2
+    assert ["/robot/status" in run.quiet for run in runs] == [is_opened] * 2
+    assert is_opened or [run.tried for run in runs] == [sorted(names)] * 2
 
 
 @pytest.mark.parametrize("way", [*_LOCKS])

@@ -294,6 +294,7 @@ class Run:
         services: types by service and node, where the assignment asks for a service.
         calls: of services, in their order.
         given: topics and services on which default values were given, for nobody of the hand-in is there.
+        tried: those of them on which there is nothing else to be given, in whatever way with the others.
         commanded: the topic on which the commands were published; empty if nothing takes any.
         typed: the lines that were typed for a program that reads a keyboard, in their order.
         clocked: full names of the nodes that follow `/clock` though they were not told to, and nobody publishes it.
@@ -320,6 +321,7 @@ class Run:
     services: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     calls: list[ServiceCall] = field(default_factory=list)
     given: list[str] = field(default_factory=list)
+    tried: list[str] = field(default_factory=list)
     commanded: str = ""
     typed: list[str] = field(default_factory=list)
     clocked: list[str] = field(default_factory=list)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ros2lab.assignments import Part
-from ros2lab.diagnose.sources.interfaces import fields_of
 from ros2lab.grading.deeds import CLAUSES, PACED, PUBLISHES, READS
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
 from ros2lab.grading.player import PLAIN_SETTINGS, Player, is_for_want, lacked
@@ -123,8 +122,7 @@ def _absent(case: Case, program: Executable) -> list[str]:
 def _given(case: Case, part: Part) -> list[str]:
     """Return what was given because nobody brings it, but not of a type as the work has itself: that it should bring.
 
-    Nor a flag, where that is all that was given and nothing came of the part: it was tried both ways, and there is no
-    other one.
+    Nor flags, where they are all that was given and nothing came of the part: they were tried in each way that there is.
     """
     own = {part.type_name for part in case.assignment.parts.values()}
     given: dict[str, set[str]] = {}
@@ -135,11 +133,5 @@ def _given(case: Case, part: Part) -> list[str]:
             given.setdefault(name, set()).update(types)
     foreign = sorted(name for name, types in given.items() if own.isdisjoint(types))
     is_opened = any(player.is_heard for player in case.players[part.name] if player.run.setting == GIVEN)
-    is_tried = len(runs) > 1 and not is_opened and len(foreign) == 1 and _is_flag(given[foreign[0]])
+    is_tried = len(runs) > 1 and not is_opened and all({*foreign} <= {*run.tried} for run in runs)
     return [] if is_tried else foreign
-
-
-def _is_flag(types: Collection[str]) -> bool:
-    """Return whether there is nothing but one flag in messages of some types, or nothing at all."""
-    fields = [fields_of(name.replace("/", ".")) for name in types]
-    return bool(fields) and all(one is not None and [*one.values()] in ([], ["boolean"]) for one in fields)

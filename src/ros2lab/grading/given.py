@@ -1,11 +1,13 @@
 """What nodes wait for and nobody in a hand-in brings: messages, requests and responses of default values.
 
-What is a flag in them is given both ways, one after the other: with one of them most gates open that have one.
+What is a flag in them is given both ways, one after the other: with one of them most gates open that have one. Where
+nothing but a few flags is waited for, they are given in all the ways in which they can be together.
 """
 
 from __future__ import annotations
 
 import contextlib
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
@@ -16,6 +18,9 @@ from ros2lab.grading.watch import NODES, OF_EVERY_NODE, TOPICS, Watch
 from ros2lab.observed_domain import LATCHED, UNTOLD
 from ros2lab.topics import find_type
 
+MOST_FLAGS = 3  # that are given in all ways
+FLAG = (["boolean"], [])  # the fields of what is a flag, or nothing at all
+
 
 class Given:
     """Gives the nodes of a run what they may wait for.
@@ -23,23 +28,43 @@ class Given:
     Args:
         watch: of the run.
         kept: topics and services of the assignment, which have their own stimuli.
-        flags: what the flags in messages and responses are.
+        flags: what the flags in messages and responses are at first.
 
     Attributes:
         names: the topics and services on which something was given.
+        flags: those of them on which nothing but a flag can be given.
     """
 
     def __init__(self, watch: Watch, kept: Collection[str], *, flags: bool) -> None:
-        self._flags = flags
+        self._is_first = flags
+        self._turn = 0
         self.names: set[str] = set()
+        self.flags: list[str] = []
         self._watch = watch
         self._kept = {*kept, *HIDDEN_TOPICS}
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, Any] = {}
+        self._requests: dict[str, list[Any]] = defaultdict(list)
         self._services: dict[str, Any] = {}
 
-    def give(self) -> None:
-        """Publish on each topic that is only subscribed to, call each service, and provide each that is called."""
+    @property
+    def turns(self) -> int:
+        """In how many ways flags are given."""
+        return int(2 ** min(len(self.flags), MOST_FLAGS))
+
+    @property
+    def tried(self) -> list[str]:
+        """The topics and services on which all was given that can be, at once with what can be given on the others."""
+        is_all = len(self.flags) == 1 or self._turn == self.turns - 1
+        return sorted(self.flags) if is_all and len(self.flags) <= MOST_FLAGS else []
+
+    def give(self, turn: int | None = None) -> None:
+        """Publish on each topic that is only subscribed to, call each service, and provide each that is called.
+
+        Args:
+            turn: the way in which flags are given; None leaves them.
+        """
+        self._turn = self._turn if turn is None else min(turn, self.turns - 1)
         for do, name, type_name in [*self._wanted()]:
             with contextlib.suppress(Exception):  # rclpy raises many kinds for types and names it cannot use
                 do(name, find_type(type_name))
@@ -73,30 +98,36 @@ class Given:
                 message, topic, LATCHED, event_callbacks=UNTOLD
             )
             self.names.add(topic)
-        self._publishers[topic].publish(_flagged(message(), self._flags))
+        self._publishers[topic].publish(self._flagged(topic, message()))
 
     def _call(self, service: str, kind: Any) -> None:
-        """Call a service once, as soon as it is there; a flag of the request is set, for false often means to stop."""
+        """Call a service once in each way, as soon as it is there; a flag is set at first, for false often means to stop."""
         if service in self._services:
             return
         if service not in self._clients:
             self._clients[service] = self._watch.node.create_client(kind, service)
-        if service not in self.names and self._clients[service].service_is_ready():
-            self._clients[service].call_async(_flagged(kind.Request(), True))
+        request = self._flagged(service, kind.Request(), is_first=True)
+        if self._clients[service].service_is_ready() and request not in self._requests[service]:
+            self._clients[service].call_async(request)
+            self._requests[service].append(request)
             self.names.add(service)
 
     def _provide(self, service: str, kind: Any) -> None:
         is_there = service in self._clients or service in self._services
         if not is_there and not self._watch.node.count_services(service):
             self._services[service] = self._watch.node.create_service(
-                kind, service, lambda _, response: _flagged(response, self._flags)
+                kind, service, lambda _, response: self._flagged(service, response)
             )
             self.names.add(service)
 
-
-def _flagged(message: Any, flags: bool) -> Any:
-    """Return a message with its flags set, or not."""
-    for name, field in message.get_fields_and_field_types().items():
-        if field == "boolean":
-            setattr(message, name, flags)
-    return message
+    def _flagged(self, name: str, message: Any, *, is_first: bool | None = None) -> Any:
+        """Return a message, a request or a response with its flags set, or not."""
+        fields = message.get_fields_and_field_types()
+        if [*fields.values()] in FLAG and name not in self.flags:
+            self.flags.append(name)
+        is_set = self._is_first if is_first is None else is_first
+        if name in self.flags:
+            is_set ^= bool(self._turn >> self.flags.index(name) & 1)
+        for field in (field for field, kind in fields.items() if kind == "boolean"):
+            setattr(message, field, is_set)
+        return message

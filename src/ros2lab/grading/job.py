@@ -268,6 +268,7 @@ class Job:
             stalled=seen.get("stalled", []),
             services=seen.get("services", {}),
             given=seen.get("given", []),
+            tried=seen.get("tried", []),
             commanded=seen.get("commanded", ""),
             clocked=seen.get("clocked", []),
             unfinished=self.unfinished,

@@ -381,6 +381,7 @@ class Conductor:
             services=_sorted(watch.services),
             calls=self._calls,
             given=sorted(self._given.names) if self._given else [],
+            tried=self._given.tried if self._given else [],
             clocked=sorted(self._clocked),
             final=final,
             notes=sorted(watch.notes),

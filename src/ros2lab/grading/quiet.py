@@ -157,9 +157,11 @@ class Quiet:
         def is_enough() -> bool:
             return watch.now() - start > 1.0 and _all_have(watch, least)
 
-        while watch.now() - start < horizon and not is_enough():
+        turns = 1
+        while watch.now() - start < turns * horizon and not is_enough():
             if self._given:
-                self._given.give()
+                self._given.give(int((watch.now() - start) // horizon))
+                turns = self._given.turns
             watch.until(is_enough, GIVEN_AGAIN if self._given else LATE)
             watch.check()
             watch.look_again()
