@@ -696,6 +696,37 @@ def test_other_notes_are_read_where_there_is_no_readme(look: Callable[[Texts], F
     assert look(right_package() | {"documentation.md": "how to", "LICENSE.md": "license"}).readme == "how to"
 
 
+@pytest.mark.parametrize(
+    ("file", "old", "new", "is_known"),
+    [
+        ("package.xml", "</description>", " {}</description>", False),
+        ("package.xml", "</description>", "</description><!-- {} -->", False),
+        ("package.xml", "</license>", "</license>\n  <depend>{}</depend>", True),
+        ("setup.py", "description='", "description='{} ", False),
+        ("setup.py", "from setuptools", "# {}\nfrom setuptools", False),
+        ("robot_controller/status_publisher.py", "import rclpy\n", "import rclpy  # {}\n", False),
+        ("robot_controller/status_publisher.py", "the robot is.", "the robot is: {}.", False),
+        ("robot_controller/status_publisher.py", "import rclpy\n", 'import rclpy\nNAMES = "{}"\n', True),
+        (
+            "robot_controller/status_publisher.py",
+            "import rclpy\n",
+            "import rclpy\nclass Old:\n  {} = 1\n",
+            True,
+        ),
+    ],
+)
+def test_what_only_people_read_is_no_name_of_code(
+    look: Callable[[Texts], Files], file: str, old: str, new: str, is_known: bool
+) -> None:
+    """A README of another package's names is no truer for having its words in a comment or a description."""
+    names = ("arm_mover", "grip_server", "joint_reader")
+    texts = right_package() | {"README.md": " ".join(f"`{name}`" for name in names)}
+    assert old in texts[file]
+    separator = " = " if "class" in new else "</depend><depend>" if "depend" in new else " "
+    found = look(texts | {file: texts[file].replace(old, new.format(separator.join(names)), 1)})
+    assert found.readme_foreign == ([] if is_known else [*names])
+
+
 def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> None:
     module = (
         "#!/usr/bin/env python3\nimport rclpy\n\n\nclass Bare:\n    def bare(self):\n        self.x = 1\n        self.y = 2\n\n\n"

@@ -15,7 +15,7 @@ from pathlib import Path, PurePosixPath
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
 from ros2lab.grading import markdown, restructured
-from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
@@ -32,6 +32,10 @@ _RECORDINGS = re.compile(
 _OF_ROS = re.compile(r"\b(?:ros2|colcon)\b")
 _OF_CODE = frozenset((".py", ".xml", ".cfg", ".toml", ".yaml", ".yml", ".msg", ".srv", ".action"))
 _MADE = ("setup.py", "ros2_ws", "robot_ws", "colcon_ws", "setup", "install", "build")
+COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
+_DESCRIPTION = re.compile(
+    r"<description\b(?s:.*?)(?:</description|\Z)|\bdescription\s*[:=]\s*(?:(['\"])(?s:.*?)\1|[^\n]*)"
+)
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
@@ -152,15 +156,31 @@ def foreign_names(text: str, root: Path, paths: Iterable[PurePosixPath]) -> list
 
     A name of code is that of a Python file, or stands in backticks and is a topic or no plain word.
     """
-    known = {*PACKAGES, *_MADE}
-    for path in sorted(paths, key=lambda path: (len(path.parts), path))[:MOST_FILES]:
-        known |= {path.name, path.stem, *path.parts}
-        if path.suffix in _OF_CODE:
-            known |= {word for line in read_text(root / path).splitlines() for word in _WORD.findall(line)}
     named = {*_PYTHON_FILE.findall(text), *_TOPIC.findall(text)}
     named |= {name for name in _QUOTED.findall(text) if re.search(r"[a-z][A-Z]|\w_\w", name)}
+    known, read = {*PACKAGES, *_MADE}, 0
+    for path in sorted(paths, key=lambda path: (len(path.parts), path))[:MOST_FILES]:
+        known |= {path.name, path.stem, *path.parts}
+        if path.suffix in _OF_CODE and named:
+            text = read_text(root / path)
+            read += len(text)
+            known |= {*_WORD.findall(_code_of(text, path.suffix) if read < MOST_SOURCE else text)}
     foreign = sorted(name for name in named if not {*_WORD.findall(name)} <= known and name not in known)
     return foreign[:MOST_NAMES] if 2 < len(foreign) > len(named) / 2 else []
+
+
+def _code_of(text: str, suffix: str) -> str:
+    """Return what a file of code says, without what it says to people only: comments, docstrings and descriptions."""
+    if suffix == ".py":
+        tokens = [one for one in _tokens(text) if one.type not in (tokenize.NL, tokenize.COMMENT)]
+        begin = (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.STRING)
+        before = [tokenize.NEWLINE, *(one.type for one in tokens)]
+        text = " ".join(
+            one.string
+            for one, kind in zip(tokens, before, strict=False)
+            if one.type != tokenize.STRING or kind not in begin
+        )
+    return _DESCRIPTION.sub("", COMMENT.sub("", text))
 
 
 def described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
@@ -232,19 +252,20 @@ def _comments(text: str) -> dict[int, int]:
 
     A licence, settings of tools, what is still to be done, paths and code that was taken out are none.
     """
-    tokens = list[tokenize.TokenInfo]()
-    with contextlib.suppress(tokenize.TokenError, SyntaxError, RecursionError):
-        for token in tokenize.generate_tokens(io.StringIO(text).readline):
-            if token.type == tokenize.COMMENT:
-                tokens.append(token)
     return {
         token.start[0]: token.start[1]
-        for block in _blocks(tokens)
+        for block in _blocks(one for one in _tokens(text) if one.type == tokenize.COMMENT)
         if not _is_code(textwrap.dedent("\n".join(token.string[1:] for token in block)))
         and not any(_OF_LICENCE.search(token.string) for token in block)
         for token in block
         if _is_prose(token.string)
     }
+
+
+def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
+    """Yield the tokens of Python, as far as it can be read."""
+    with contextlib.suppress(tokenize.TokenError, SyntaxError, RecursionError):
+        yield from tokenize.generate_tokens(io.StringIO(text).readline)
 
 
 def _blocks(tokens: Iterable[tokenize.TokenInfo]) -> list[list[tokenize.TokenInfo]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.launching.launch_file import read_launch_file
 from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.grading.documents import COMMENT
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.submission import FoundPackage, Submission
 
@@ -18,7 +19,6 @@ _SHARE_OF = re.compile(
 )
 _GIVEN = re.compile(r"\b([a-z_]\w*):=")
 _FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
-_COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")
 
 
 def launching(root: Path, submission: Submission) -> list[FoundPackage]:
@@ -66,7 +66,7 @@ def uncommented(packages: Iterable[Package]) -> dict[Path, str]:
 
 def without_comments(text: str) -> str:
     """Return a text in Python, YAML or XML without its comments."""
-    return _COMMENT.sub("", text)
+    return COMMENT.sub("", text)
 
 
 def lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, list[str]]:
