@@ -5,8 +5,11 @@ from __future__ import annotations
 import bz2
 import dataclasses
 import gzip
+import importlib.util
 import io
+import itertools
 import json
+import marshal
 import os
 import shutil
 import socket
@@ -1344,6 +1347,11 @@ MADE = {
         "share/colcon-core/packages/robot_controller": "",
         "share/robot_controller/package.xml": "",
     },
+    "install of which no mark is left": {
+        "share/ament_index/resource_index/packages/robot_controller": "",
+        "share/robot_controller/package.xml": "",
+        "lib/robot_controller/status": "",
+    },
     "log": {"COLCON_IGNORE": "", "build_2026-01-01_10-00-00/events.log": "", "build_2026-01-01_10-00-00/logger_all.log": ""},
     "log of one run": {"events.log": "", "logger_all.log": ""},
     "metadata": {"PKG-INFO": "Metadata-Version: 2.1"},
@@ -1354,6 +1362,7 @@ WRITTEN = {
     "a package that is ignored": {"COLCON_IGNORE": "", **package("old_controller")},
     "notes that are ignored": {"COLCON_IGNORE": "", "notes.md": "x"},
     "own log": {"events.log": "", "notes.md": ""},
+    "own logs of runs": {"run_1/status.log": "", "run_1/velocity.log": "", "run_2.txt": ""},
     "a script for the shell": {"setup.bash": "", "local_setup.bash": ""},
     "an unpacked source distribution": {"PKG-INFO": "", **package("old_controller")},
     "a workspace that was built in itself": {
@@ -1375,8 +1384,13 @@ def test_what_a_build_leaves_is_left_out_whatever_it_is_called(
     assert [one.name for one in result.packages] == ["robot_controller"]
 
 
-@pytest.mark.parametrize("where", ["old", "src/x"])
-@pytest.mark.parametrize("name", WRITTEN)
+@pytest.mark.parametrize(
+    ("where", "name"),
+    [
+        *itertools.product(["old", "src/x"], WRITTEN),
+        *itertools.product(["log", "build"], ["own logs of runs"]),
+    ],
+)
 def test_what_has_no_mark_of_a_build_or_a_source_in_it_stays(
     name: str, where: str, tmp_path: Path, take: Take, unpacked: Path
 ) -> None:
@@ -1384,6 +1398,46 @@ def test_what_has_no_mark_of_a_build_or_a_source_in_it_stays(
     result = take(as_folder(tmp_path / "anna", files))
     assert names(unpacked) == {*files}
     assert result.noted("by a build") == []
+
+
+def _compiled() -> bytes:
+    return importlib.util.MAGIC_NUMBER + bytes(12) + marshal.dumps(compile("x = 1", "x.py", "exec"))
+
+
+def _tar_gz(files: Mapping[str, str]) -> bytes:
+    target = io.BytesIO()
+    with tarfile.open(fileobj=target, mode="w:gz") as archive:
+        for name, text in files.items():
+            add(archive, name, data(text))
+    return target.getvalue()
+
+
+OF_NODE = {"robot_controller/node_0.py": ""}
+# Files by what made them, and files like them that somebody wrote or brought along.
+MADE_FILES: Mapping[str, bytes] = {
+    "compiled Python": _compiled(),
+    "an extension": b"\x7fELF\2\1\1" + bytes(70_000) + b"PyInit_fast\0",
+    "a wheel": zip_bytes(OF_NODE | {"robot-1.dist-info/METADATA": "", "robot-1.dist-info/RECORD": ""}),
+    "a source distribution": _tar_gz({"robot-1/PKG-INFO": ""} | below("robot-1", OF_NODE)),
+    "a workspace that was built": zip_bytes(WORKSPACE | BUILT | {"build/rc/colcon_build.rc": "0"}),
+}
+OWN_FILES: Mapping[str, bytes] = {
+    "text": b"ab\r\n\r\nc",
+    "a library": b"\x7fELF\2\1\1" + bytes(100) + b"lidar_open\0",
+    "a workspace": zip_bytes(WORKSPACE),
+    "a wheel of others": zip_bytes({"serial/x.py": "", "serial-1.dist-info/METADATA": "", "serial-1.dist-info/RECORD": ""}),
+    "a broken archive": b"PK\3\4 and no more",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", [*MADE_FILES, *OWN_FILES])
+def test_what_python_or_a_build_makes_is_known_by_what_is_in_it(
+    what: str, tmp_path: Path, take: Take
+) -> None:
+    name = "src/robot_controller/robot_controller/data.bin"
+    data = {**MADE_FILES, **OWN_FILES}[what]
+    result = take(as_folder(tmp_path / "anna", {**WORKSPACE, name: data}))
+    assert result.noted("made") == ([name] if what in MADE_FILES else [])
 
 
 def test_all_that_keeps_a_hand_in_from_being_graded_is_named(tmp_path: Path, take: Take) -> None:

@@ -39,7 +39,17 @@ TOOLS_NAMES = re.compile(
     re.DOTALL,
 )
 # What colcon leaves in build, install and log.
-_COLCONS = {"COLCON_IGNORE", "setup.bash", "local_setup.bash", ".colcon_install_layout", ".built_by"}
+_COLCONS = frozenset(
+    (
+        "COLCON_IGNORE",
+        "setup.bash",
+        "local_setup.bash",
+        ".colcon_install_layout",
+        ".built_by",
+        "colcon_build.rc",
+    )
+) | {"events.log", "logger_all.log", "build", "share"}
+_SETUPS = re.compile(r"(?:lib|bdist|temp|scripts)\b")  # what setup.py leaves in build
 # What nothing but a build leaves in a folder of one package, also where it has a copy of all sources.
 _COPIES = ({"colcon_build.rc"}, {"colcon_command_prefix_setup_py.sh"})
 # The same in any folder, files that are there together. COLCON_IGNORE is not among them: it is also made by hand.
@@ -296,12 +306,13 @@ def is_too_long(parts: Sequence[str]) -> bool:
 
 
 def _is_built(folder: Path, beside: set[str]) -> bool:
-    """Return whether colcon or setup.py has made a folder of this name."""
+    """Return whether colcon or setup.py has made a folder of this name: what is in it, or in a folder in it, tells."""
     inside = {path.name for path in folder.iterdir()}
     if "package.xml" in inside:
         return False
     is_by_setup = folder.name == "build" and "setup.py" in beside
-    return is_by_setup or bool(inside & _COLCONS or beside & {"src", *_BUILT} - {folder.name})
+    inner = {path.name for path in folder.glob("*/*")}
+    return (is_by_setup and all(map(_SETUPS.match, inside))) or not _COLCONS.isdisjoint(inside | inner)
 
 
 def _is_marked(folder: Path) -> bool:
@@ -317,9 +328,15 @@ def _is_marked(folder: Path) -> bool:
 
 def _has_marks(folder: Path) -> bool:
     names = {path.name for path in folder.iterdir()}
-    is_installed = "share" in names and (folder / "share/colcon-core").exists()
+    index = ("share/colcon-core", "share/ament_index")
+    is_installed = "share" in names and any((folder / name).exists() for name in index)
     is_metadata = "PKG-INFO" in names and not _is_source(names)
-    return is_installed or is_metadata or _holds(names, _MARKS)
+    return is_installed or is_metadata or is_of_a_build(names)
+
+
+def is_of_a_build(names: set[str]) -> bool:
+    """Return whether only a build leaves files of these names in one folder."""
+    return _holds(names, _MARKS)
 
 
 def _holds(names: set[str], marks: Iterable[set[str]]) -> bool:

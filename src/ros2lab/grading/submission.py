@@ -22,6 +22,7 @@ from ros2lab.diagnose.sources.python_source import LARGEST_FILE as LARGEST_SOURC
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.choice import Candidate, choose, why_not
 from ros2lab.grading.clean_copy import HAND_IN, CleanCopy, Noted, SubmissionError, shown
+from ros2lab.grading.made_files import note_made
 from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.repository_links import linked_members
 from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
@@ -140,6 +141,7 @@ def copied(path: Path, folder: Path) -> Received:
         unpack(path, copy)
     copy.remove_built()
     unpack_inner(copy)
+    note_made(copy)
     links = copy.make_links()
     if not _files_in(root):
         why = "; ".join(str(note).rstrip(".") for note in copy.notes)

@@ -83,7 +83,7 @@ def _in_place(path: str, name: str, descriptor: int) -> Iterator[Member]:
 def unpack(path: Path, copy: CleanCopy, below: tuple[str, ...] = ()) -> None:
     """Unpack an archive into a folder of the copy; SubmissionError if it is none, or broken."""
     try:
-        copy.take(_in_archive(path, copy.unpacked), below)
+        copy.take(in_archive(path, copy.unpacked), below)
     except SubmissionError:
         raise
     except Exception as error:
@@ -144,7 +144,7 @@ def _free_name(archive: Path) -> Path:
     return next(path for name in names if not os.path.lexists(path := archive.with_name(name)))
 
 
-def _in_archive(path: Path, meter: Meter) -> Iterator[Member]:
+def in_archive(path: Path, meter: Meter) -> Iterator[Member]:
     """Yield the members of an archive, which is recognised by how it begins and not by its name."""
     start = _start_of(path)
     unsupported = next((kind for magic, kind in _UNSUPPORTED.items() if start.startswith(magic)), None)

@@ -101,7 +101,7 @@ def sources_are_clean(case: Case) -> Answer:
         ]
     if not wrong:
         by_python = filter(_BY_PYTHON.search, submission.noted("by a tool"))
-        wrong, level = [*made, *by_python], "built_beside"
+        wrong, level = [*made, *by_python, *submission.noted("made")], "built_beside"
     place = shown(wrong[0]) if wrong else ""
     return Answer(level if wrong else "clean", {"folders": listed(wrong)}, ("submission.notes",), place)
 
