@@ -32,6 +32,7 @@ class Robot:
 
     def __init__(self):
         self.speed = 0.0
+        self.limit = LIMIT
 
     def obey(self, word):
         """Obey."""
@@ -43,12 +44,26 @@ def clamp(speed):
     return max(-LIMIT, min(LIMIT, speed))
 
 
+def same(value):
+    """Hand it on."""
+    return value
+
+
 def main():
-    print(Robot().obey("start"))
+    print(Robot().obey(same("start")))
 '''
+
+OTHER = """from speeds import speeds
+
+class Twice:
+    def __init__(self):
+        self.limit = speeds.LIMIT * 2
+"""
 
 # What stands in test/test_speeds.py, and whether it notices that the package is broken.
 NOTICING = {
+    "what an object is given of a constant": "def test_it():\n    assert Robot().limit == 1.5\n",
+    "a constant as another module uses it": "from speeds.other import Twice\ndef test_it():\n    assert Twice().limit == 3\n",
     "a function": "def test_it():\n    assert clamp(9) == LIMIT\n",
     "a method": "def test_it():\n    assert Robot().obey(' START ') > 0\n",
     "a table": "def test_it():\n    assert [NAMES[n] for n in ('start', 'stop')] == [1, 0]\n",
@@ -60,6 +75,8 @@ NOTICING = {
     ),
 }
 BLIND = {
+    "a constant": "def test_it():\n    assert LIMIT == 1.5\n",
+    "what gives back what it gets": "from speeds.speeds import same\ndef test_it():\n    assert same(3) == 3\n",
     "nothing": "def test_it():\n    assert True\n",
     "a name": "def test_it():\n    assert Robot is not None\n",
     "that it can be made": "def test_it():\n    Robot()\n",
@@ -79,6 +96,7 @@ def write(folder: Path, test: str) -> None:
         (folder / name).mkdir(parents=True)
     (folder / "speeds/__init__.py").touch()
     (folder / "speeds/speeds.py").write_text(MODULE)
+    (folder / "speeds/other.py").write_text(OTHER)
     (folder / "test/test_speeds.py").write_text(BEGIN + test)
     (folder / "setup.py").write_text("NAME = 'speeds'\n")
 
@@ -99,7 +117,14 @@ def outcome(folder: Path, built: Build, left: dict[str, str] | None = None) -> d
 
 
 @pytest.mark.parametrize(
-    "name", some_of(NOTICING, "a function", "a class of unittest", "one that waits for ever")
+    "name",
+    some_of(
+        NOTICING,
+        "what an object is given of a constant",
+        "a function",
+        "a class of unittest",
+        "one that waits for ever",
+    ),
 )
 def test_tests_that_test_something(
     tmp_path: Path, built: Build, name: str, monkeypatch: pytest.MonkeyPatch
@@ -126,7 +151,9 @@ def test_what_fails_at_once_is_not_kept_waiting_by_what_waits_in_vain(
     assert time.monotonic() - begin < own_tests.PATIENCE
 
 
-@pytest.mark.parametrize("name", some_of(BLIND, "nothing", "what is caught"))
+@pytest.mark.parametrize(
+    "name", some_of(BLIND, "nothing", "what is caught", "a constant", "what gives back what it gets")
+)
 def test_tests_that_test_nothing(tmp_path: Path, built: Build, name: str) -> None:
     write(tmp_path / "pk", BLIND[name])
     found = outcome(tmp_path, built)
@@ -337,7 +364,7 @@ def test_what_is_broken_and_what_is_not(tmp_path: Path, folder: str) -> None:
         exec(marshal.loads(compiled[0].read_bytes()[16:]), names)
         assert names["__doc__"] == "Speeds."
         done.add((names["LIMIT"], names["clamp"](9.0)))
-    assert done == {(1.5, 1.5), (1.5, None), (2.5, 2.5)}
+    assert done == {(1.5, 1.5), (1.5, None), (1.5, 2.5)}
 
 
 def test_a_file_that_no_parser_can_read_is_left(tmp_path: Path) -> None:

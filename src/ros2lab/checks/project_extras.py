@@ -328,7 +328,7 @@ def _with_spoilt(source: str, function: str, spoil: Spoiler) -> str:
     """Return a module in which one of its functions is broken; one that is made in another way does nothing."""
     tree = ast.parse(source)
     own = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == function]
-    spoil(ast.Module([*own], []), ())
+    spoil(ast.Module([*own], []), (), {})
     otherwise = "" if own else f"\n\ndef {function}(*_, **__):\n    return None\n"
     return ast.unparse(tree) + otherwise
 

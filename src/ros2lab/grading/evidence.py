@@ -331,8 +331,8 @@ class Run:
     @property
     def stretches(self) -> list[dict[str, Heard]]:
         """What was published before any request or command, and after each."""
-        after = [*self.calls, *self.commands]
-        return [self.quiet, *(one.topics for one in after)]
+        after = [*(call.topics for call in self.calls), *(command.topics for command in self.commands)]
+        return [self.quiet, *after]
 
     @property
     def unasked(self) -> set[str]:

@@ -19,7 +19,7 @@ from ros2lab.observed_domain import LATCHED, UNTOLD
 from ros2lab.topics import find_type
 
 MOST_FLAGS = 3  # that are given in all ways
-FLAG = (["boolean"], [])  # the fields of what is a flag, or nothing at all
+FLAG: tuple[list[str], ...] = (["boolean"], [])  # the fields of what is a flag, or nothing at all
 
 
 class Given:

@@ -6,7 +6,7 @@ import contextlib
 import itertools
 import os
 from collections import defaultdict
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable, Set
 from pathlib import Path, PurePosixPath
 
 from ros2lab.grading.clean_copy import CHUNK, MOST_MEMBERS, CleanCopy, Meter, is_of_a_build, opened
@@ -40,7 +40,7 @@ def _is_compiled(path: Path) -> bool:
         return _ENTRY in start + file.read()
 
 
-def _is_packed(path: Path, modules: Collection[str], meter: Meter) -> bool:
+def _is_packed(path: Path, modules: Set[str], meter: Meter) -> bool:
     """Return whether an archive holds what a build has made of some modules, such as a wheel of them."""
     with opened(path) as file:
         if not file.read(2).startswith((b"PK", b"\x1f\x8b", b"BZ", b"\xfd7")):

@@ -19,7 +19,8 @@ from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-Spoiler = Callable[[ast.Module, Collection[int]], ast.Module]
+Constants = dict[str, ast.Constant]
+Spoiler = Callable[[ast.Module, Collection[int], Constants], ast.Module]
 
 LARGEST = 1_000_000  # bytes of a module that is broken
 HARMLESS = "harmless"
@@ -35,16 +36,20 @@ def spoil(files: Mapping[str, Collection[int]], kind: str) -> None:
         files: the modules, and in which lines what begins stays as it is, for no program uses it.
         kind: one of `SPOILERS`, or `HARMLESS`: they do the same as before, by other code.
     """
-    for name, idle in files.items():
-        path = Path(name)
+    trees, constants = dict[Path, ast.Module](), Constants()
+    for path in map(Path, files):
         if path.stat().st_size <= LARGEST:
             # What no parser can read stays as it is: it is broken enough.
             with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError, OSError):
-                tree = KINDS[kind](ast.parse(path.read_bytes()), idle)
-                code = compile(ast.fix_missing_locations(tree), path, "exec", dont_inherit=True)
-                compiled = Path(importlib.util.cache_from_source(path))
-                compiled.parent.mkdir(exist_ok=True)
-                compiled.write_bytes(importlib.util.MAGIC_NUMBER + _UNCHECKED + marshal.dumps(code))
+                trees[path] = ast.parse(path.read_bytes())
+                constants |= _named(trees[path])
+    for path, tree in trees.items():
+        with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError, OSError):
+            changed = KINDS[kind](tree, files[str(path)], constants)
+            code = compile(ast.fix_missing_locations(changed), path, "exec", dont_inherit=True)
+            compiled = Path(importlib.util.cache_from_source(path))
+            compiled.parent.mkdir(exist_ok=True)
+            compiled.write_bytes(importlib.util.MAGIC_NUMBER + _UNCHECKED + marshal.dumps(code))
 
 
 def _true() -> ast.expr:
@@ -53,39 +58,96 @@ def _true() -> ast.expr:
 
 
 def _end(tree: ast.Module, idle: Collection[int], is_ended: Callable[[], ast.expr]) -> ast.Module:
-    """Let functions end at once where something is true, except makers of objects, what starts a node, and generators."""
+    """Let functions end at once where something is true.
+
+    Makers of objects, what starts a node, generators, and what only hands back what it is given do not.
+    """
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             is_special = node.name.startswith("__") or node.name in _ENTRANCES
             is_generator = any(isinstance(inner, (ast.Yield, ast.YieldFrom)) for inner in ast.walk(node))
-            if not is_special and not is_generator and node.lineno not in idle:
+            is_to_end = not (is_special or is_generator or _hands_back(node))
+            if is_to_end and node.lineno not in idle:
                 at = 1 if ast.get_docstring(node) is not None else 0
                 node.body.insert(at, ast.If(is_ended(), [ast.Return(ast.Constant(None))], []))
     return tree
 
 
-def _empty(tree: ast.Module, idle: Collection[int]) -> ast.Module:
+def _hands_back(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    """Return whether a function does nothing but give back something that it is given."""
+    given = {one.arg for one in ast.walk(function.args) if isinstance(one, ast.arg)}
+    match [one for one in function.body if not _is_text(one)]:
+        case [ast.Return(value=ast.Name(id=name))]:
+            return name in given
+    return False
+
+
+def _named(tree: ast.Module) -> Constants:
+    """Return the single texts and numbers that have a name in a module or a class, by that."""
+    bodies = [one.body for one in ast.walk(tree) if isinstance(one, (ast.Module, ast.ClassDef))]
+    found = Constants()
+    for statement in (one for body in bodies for one in body):
+        match statement:
+            case (
+                ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant() as value)
+                | ast.AnnAssign(target=ast.Name(id=name), value=ast.Constant() as value)
+            ):
+                found[name] = value
+    return found
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+
+
+def _empty(tree: ast.Module, idle: Collection[int], _constants: Constants) -> ast.Module:
     """Take away what the functions do."""
     return _end(tree, idle, _true)
 
 
-def _keep(tree: ast.Module, idle: Collection[int]) -> ast.Module:
+def _keep(tree: ast.Module, idle: Collection[int], _constants: Constants) -> ast.Module:
     """Give the functions other code, by which they do the same."""
     return _end(tree, idle, lambda: ast.UnaryOp(ast.Not(), _true()))
 
 
 class _Change(ast.NodeTransformer):
-    """Change every text and number, except docstrings, patterns, and what asks whether a file is run as a program."""
+    """Change every text and number, except docstrings, patterns, and what asks whether a file is run as a program.
 
-    def __init__(self, idle: Collection[int]) -> None:
-        self._idle = idle
+    One that has a name outside of functions changes where a function uses it: a test of the name would only repeat it.
+    """
+
+    def __init__(self, tree: ast.Module, idle: Collection[int], constants: Constants) -> None:
+        self._idle, self._constants = idle, constants
+        self._kept = {*_named(tree).values()}
+        self._depth = 0  # of functions in one another
 
     def visit(self, node: ast.AST) -> Any:
         is_idle = isinstance(node, ast.stmt) and node.lineno in self._idle
-        return node if is_idle else super().visit(node)
+        if is_idle or node in self._kept:
+            return node
+        is_function = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
+        self._depth += is_function
+        changed = super().visit(node)
+        self._depth -= is_function
+        return changed
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return self._changed(node, node.id)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        self.generic_visit(node)
+        return self._changed(node, node.attr)
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        value = node.value
+        return self._other(node, node)
+
+    def _changed(self, node: ast.Name | ast.Attribute, name: str) -> ast.expr:
+        """Return something else than what a name has, where a function takes it."""
+        is_taken = self._depth > 0 and isinstance(node.ctx, ast.Load) and name in self._constants
+        return self._other(node, self._constants[name]) if is_taken else node
+
+    def _other(self, node: ast.expr, constant: ast.Constant) -> ast.expr:
+        value = constant.value
         if isinstance(value, str) and value != "__main__":
             other: str | float = f"{value}x"
         elif isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -95,7 +157,7 @@ class _Change(ast.NodeTransformer):
         return ast.copy_location(ast.IfExp(_true(), ast.Constant(other), node), node)
 
     def visit_Expr(self, node: ast.Expr) -> ast.Expr:
-        return node if isinstance(node.value, ast.Constant) else self.generic_visit(node)  # type: ignore[return-value]
+        return node if _is_text(node) else self.generic_visit(node)  # type: ignore[return-value]
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.JoinedStr:
         return node
@@ -107,8 +169,8 @@ class _Change(ast.NodeTransformer):
         return node
 
 
-def _change(tree: ast.Module, idle: Collection[int]) -> ast.Module:
-    _Change(idle).visit(tree)
+def _change(tree: ast.Module, idle: Collection[int], constants: Constants) -> ast.Module:
+    _Change(tree, idle, constants).visit(tree)
     return tree
 
 

@@ -88,7 +88,7 @@ class Submission:
         notes = [
             note
             for note in self.notes
-            if note.kind not in ("by a tool", "by a build")
+            if note.kind not in ("by a tool", "by a build", "made")
             or (note.kind == "by a build" and any(PurePosixPath(path).parent != top for path in note.paths))
         ]
         return replace(self, notes=notes)
