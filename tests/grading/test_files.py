@@ -673,6 +673,26 @@ def test_of_a_readme_only_what_a_page_shows_is_read(
             "# /cmd_vel\n#+TITLE: Drive\n#+BEGIN_COMMENT\nx\n#+END_COMMENT\nOn.",
             "#+TITLE: Drive On.",
         ),
+        (
+            "README.adoc",
+            "Robot\n-----\n:pkg: rc\n:x: /cmd_vel\n\nDrive {pkg} {y}.\n\n[comment]\n/cmd_vel\n\n[comment]\n--\n/cmd_vel\n\n--\nOn.",
+            "Robot ----- Drive rc {y}. On.",
+        ),
+        (
+            "README.adoc",
+            "ifdef::env-github[]\n:tip: x\nOne.\nendif::[]\nifdef::never[]\n/cmd_vel\nifdef::pkg[]\n/cmd_vel\nendif::[]\nendif::[]\nifndef::never[Two.]\nifeval::[1 == 2]\n/cmd_vel\nendif::[]\nThree.",
+            "One. Two. Three.",
+        ),
+        (
+            "README.adoc",
+            "====\n////\n/cmd_vel\n////\n====\n[source,bash]\n----\n// as it is\n:a: b\n----\n++++\n<!-- /cmd_vel -->\n++++\n* one",
+            "==== ==== [source,bash] ---- // as it is :a: b ---- * one",
+        ),
+        (
+            "README.org",
+            "#+AUTHOR: /cmd_vel\n* One\n:PROPERTIES:\n:a: /cmd_vel\n:END:\n#+begin_src bash\ncolcon build\n#+end_src\n* Two :noexport:\n/cmd_vel\n** Below\n/cmd_vel\n* COMMENT Three\n/cmd_vel\n* Four\n#+BEGIN_EXPORT latex\n/cmd_vel\n#+END_EXPORT\n: on",
+            "* One #+begin_src bash colcon build #+end_src * Four : on",
+        ),
         ("README.txt", "# Drive\n// on\n.. and on", "# Drive // on .. and on"),
     ],
 )

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
-from ros2lab.grading import markdown, restructured
+from ros2lab.grading import markdown, plain_markup, restructured
 from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 
 LONGEST_README = 20_000  # characters
@@ -57,15 +57,7 @@ _NEVER_PROSE = (
     ast.Try,
 )
 _MARKDOWN = frozenset(("", ".md", ".markdown", ".mdown", ".html"))  # which may hold HTML
-_TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".org"))
-# What no page shows of the other kinds of text: their comments, of a line or of a block.
-_COMMENTS = {
-    ".adoc": re.compile(r"^(/{4,})[ \t]*$.*?(?:^\1[ \t]*$|\Z)|^//(?!/)[^\n]*", re.MULTILINE | re.DOTALL),
-    ".org": re.compile(
-        r"^[ \t]*#\+begin_comment\b.*?(?:^[ \t]*#\+end_comment\b|\Z)|^[ \t]*#(?:[ \t][^\n]*)?$",
-        re.MULTILINE | re.DOTALL | re.IGNORECASE,
-    ),
-}
+_TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".asciidoc", ".org"))
 
 
 def recordings(paths: Iterable[PurePosixPath]) -> list[str]:
@@ -122,8 +114,7 @@ def _shown(file: Path) -> str:
         return markdown.shown(text)
     if kind == ".rst":
         return restructured.shown(text)
-    comment = _COMMENTS.get(kind)
-    return (comment.sub("\n", text) if comment else text).strip()
+    return plain_markup.shown(text, kind)
 
 
 def _any_text(path: Path) -> str:

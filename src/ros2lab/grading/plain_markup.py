@@ -1,0 +1,104 @@
+"""What a page shows of a text in AsciiDoc or Org, for which no library is kept: all but what either says is not shown.
+
+Headlines, lists and code stay written as they are, which reads much like Markdown.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+
+# AsciiDoc: https://docs.asciidoctor.org/asciidoc/latest; a block begins and ends with the same line.
+_FENCE = re.compile(r"(?:-{4,}|={4,}|\*{4,}|_{4,}|\.{4,}|/{4,}|\+{4,}|--)$")
+_VERBATIM = ("--", "..", "//", "++")  # how the lines begin in which nothing else has a meaning
+_ATTRIBUTE = re.compile(r":(!?[\w-]+!?):(?:\s+(.*))?$")
+_CONDITION = re.compile(r"(ifn?def|ifeval)::([^\[]*)\[(.*)\]$")
+_OF_THE_PAGE = re.compile(
+    r"(?:env|backend|basebackend|doctype|safe-mode|asciidoctor)\b"
+)  # set by who shows it
+_REFERENCE = re.compile(r"\{([\w-]+)\}")
+
+# Org: https://orgmode.org/manual
+_HEADLINE = re.compile(r"(\*+)[ \t]+(COMMENT\b)?.*?([ \t]+:[\w@:]*\b(?:noexport|ARCHIVE)\b[\w@:]*:[ \t]*)?$")
+_BLOCK = re.compile(
+    r"[ \t]*#\+begin_(comment|export)\b.*?(?:^[ \t]*#\+end_\1\b[^\n]*|\Z)", re.M | re.S | re.I
+)
+_DRAWER = re.compile(r"^[ \t]*:[\w-]+:[ \t]*$.*?(?:^[ \t]*:end:[ \t]*$|\Z)", re.M | re.S | re.I)
+_KEYWORD = re.compile(r"^[ \t]*#(?:\+(?!title:)\w+(?:\[.*\])?:.*|[ \t].*)?$", re.M | re.I)
+
+
+def shown(text: str, kind: str) -> str:
+    """Return what is shown of a text of some kind, such as `.org`; of others all of it."""
+    lines = _READERS.get(kind, str.splitlines)(text)
+    return "\n".join(lines).strip()
+
+
+def _of_asciidoc(text: str) -> Iterator[str]:
+    attributes, last = dict[str, str](), ""
+    fence, is_left_out = "", False  # of the block that is open
+    for line in _under_conditions(text, attributes):
+        before, last = last, line
+        if fence:
+            is_end = line == fence
+            if not is_left_out:
+                yield line
+            fence, is_left_out = ("", False) if is_end else (fence, is_left_out)
+        elif (
+            _FENCE.match(line)
+            and (is_left_out or (line[:2] in _VERBATIM and line != "--"))
+            and not _underlines(line, before)
+        ):
+            fence, is_left_out = line, is_left_out or line[0] in "/+"
+            if not is_left_out:
+                yield line
+        elif given := _ATTRIBUTE.match(line):
+            attributes[given[1]] = given[2] or ""
+        else:
+            is_left_out = bool(line) and (is_left_out or line.startswith(("[comment", "[pass")))
+            if not is_left_out and not line.startswith("//"):
+                yield _REFERENCE.sub(lambda match: attributes.get(match[1], match[0]), line)
+
+
+def _under_conditions(text: str, attributes: Mapping[str, str]) -> Iterator[str]:
+    """Yield the lines that stand under no condition that does not hold, as far as attributes are known by then."""
+    open_ones = list[bool]()
+    for line in map(str.rstrip, text.splitlines()):
+        if condition := _CONDITION.match(line):
+            name, word, inner = condition.groups()
+            holds = name != "ifeval" and _holds(name, word, attributes)
+            if name == "ifeval" or not inner:
+                open_ones.append(holds)
+            elif holds and all(open_ones):
+                yield inner
+        elif line.startswith("endif::"):
+            del open_ones[-1:]
+        elif all(open_ones):
+            yield line
+
+
+def _underlines(line: str, before: str) -> bool:
+    """Return whether a line makes a headline of the one before it."""
+    return bool(before) and abs(len(line) - len(before)) < 2 and line[0] not in "/+"
+
+
+def _holds(name: str, word: str, attributes: Mapping[str, str]) -> bool:
+    is_set = any(one in attributes or _OF_THE_PAGE.match(one) for one in re.split("[,+]", word))
+    return is_set if name == "ifdef" else word not in attributes
+
+
+def _of_org(text: str) -> Iterator[str]:
+    hidden = 0  # the level of the headline below which nothing is shown
+    for line in _KEYWORD.sub("", _DRAWER.sub("", _BLOCK.sub("", text))).splitlines():
+        if headline := _HEADLINE.match(line):
+            level = len(headline[1])
+            if not hidden or level <= hidden:
+                hidden = level if headline[2] or headline[3] else 0
+        if not hidden:
+            yield line
+
+
+_READERS: Mapping[str, Callable[[str], Iterator[str] | list[str]]] = {
+    ".adoc": _of_asciidoc,
+    ".asciidoc": _of_asciidoc,
+    ".org": _of_org,
+}
