@@ -55,6 +55,13 @@ class Member:
     name: str
 
 
+class _FailsError(Exception):
+    """What is done with a value raises an error: neither of the branches behind it is taken."""
+
+
+FAILS = _FailsError()  # what such an expression comes to
+
+
 class _Other:
     """Something that is like nothing that the code names, and not empty."""
 
@@ -127,6 +134,8 @@ def value_of(expression: ast.expr, case: Case) -> Any:
     """Return what an expression is in a case; `UNKNOWN` or `Given` if that is not known."""
     try:
         return _value(expression, case)
+    except _FailsError:
+        return FAILS
     except Exception:  # whatever a wrong expression raises, it has no value that we know
         return UNKNOWN
 
@@ -162,6 +171,8 @@ def _value(node: ast.expr, case: Case) -> Any:  # noqa: PLR0911 -- a table
 
 def _sure(node: ast.expr, case: Case) -> Any:
     value = _value(node, case)
+    if value is FAILS:
+        raise _FailsError
     if value is UNKNOWN or isinstance(value, Given):
         raise ValueError
     return value
@@ -175,6 +186,8 @@ def _joined(decides: bool, parts: Iterable[ast.expr], case: Case) -> Any:
         value = value_of(part, case)
         if value is UNKNOWN or isinstance(value, Given):
             is_known = False
+        elif value is FAILS:
+            return FAILS if is_known else UNKNOWN
         elif bool(value) is decides:
             return value
     return value if is_known else UNKNOWN
@@ -185,11 +198,13 @@ def _compared(node: ast.Compare, case: Case) -> Any:
     results = list[Any]()
     for sign, (left, right) in zip(node.ops, itertools.pairwise(sides), strict=True):
         values = [value_of(side, case) for side in (left, right)]
+        if FAILS in values:
+            return FAILS
         is_known = not any(one is UNKNOWN or isinstance(one, Given) for one in values)
         try:
             results.append(bool(_COMPARISONS[type(sign)](*values)) if is_known else UNKNOWN)
         except TypeError:
-            results.append(UNKNOWN)
+            return FAILS
     return False if False in results else UNKNOWN if UNKNOWN in results else True
 
 

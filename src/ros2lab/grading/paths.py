@@ -7,6 +7,7 @@ import builtins
 import contextlib
 from collections.abc import Collection, Iterable, Iterator
 
+from ros2lab.diagnose.code.imports import undefined_names
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.cases import leaves, text_of
 from ros2lab.grading.possible import Facts, Possible
@@ -29,6 +30,7 @@ class Paths:
 
     def __init__(self, sources: Iterable[PythonSource], possible: Possible | None) -> None:
         self._possible = possible
+        self._undefined: dict[PythonSource, set[str]] = {}  # the names that nothing in a file has
         self._own = {
             node.name
             for source in sources
@@ -82,6 +84,8 @@ class Paths:
         for part in parts:
             if not isinstance(part, ast.AST):
                 continue
+            if self._fails(source, part):
+                return
             yield part, facts
             if not isinstance(part, ast.stmt):
                 continue
@@ -103,6 +107,18 @@ class Paths:
                 if isinstance(part, ast.If)
                 else (*self._left(part, facts), *told)
             )
+
+    def _fails(self, source: PythonSource, part: ast.AST) -> bool:
+        """Return whether a statement takes a name that nothing has: nothing comes of it, and nothing behind it is reached."""
+        if self._possible is None or not isinstance(part, (ast.Expr, ast.Assign, ast.AugAssign, ast.Return)):
+            return False
+        if source not in self._undefined:
+            with contextlib.suppress(RecursionError):
+                self._undefined[source] = {name for name, _ in undefined_names(source)}
+        inside = [*ast.walk(part)] if self._undefined.get(source) else []
+        return not any(isinstance(node, ast.Lambda) for node in inside) and any(
+            isinstance(node, ast.Name) and node.id in self._undefined[source] for node in inside
+        )
 
     def _passed(self, source: PythonSource, part: ast.If, facts: Facts) -> Collection[bool]:
         """Return with which outcomes of its condition a statement is passed, and what follows it reached."""

@@ -20,7 +20,7 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.grading.assigned import Store, assigned
-from ros2lab.grading.cases import Case, Given, Member, changed, leaves, samples, text_of, value_of
+from ros2lab.grading.cases import FAILS, Case, Given, Member, changed, leaves, samples, text_of, value_of
 
 MOST_VALUES = 20  # that a name is followed through
 MOST_CASES = 2000  # that one condition is tried with
@@ -69,7 +69,7 @@ class Possible:
             found = set[Any]()
             for case in self._cases([expression], has_samples=False):
                 value = value_of(expression, case)
-                found |= {Given()} if value is UNKNOWN else {_plain(value)}
+                found |= {Given()} if value in (UNKNOWN, FAILS) else {_plain(value)}
                 if len(found) > MOST_VALUES:
                     return ANY
             return frozenset(found)
@@ -90,7 +90,9 @@ class Possible:
     def _fits(self, test: ast.expr, truth: bool, case: Case) -> bool:
         value = value_of(test, case)
         try:
-            return value is UNKNOWN or isinstance(value, Given) or bool(value) is truth
+            return value is not FAILS and (
+                value is UNKNOWN or isinstance(value, Given) or bool(value) is truth
+            )
         except Exception:
             return True
 
