@@ -6,8 +6,9 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 from ros2lab.assignments import Assignment
+from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.evidence import Evidence, Run
-from ros2lab.grading.player import Player, is_near
+from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.submission import FoundPackage
 
@@ -30,7 +31,7 @@ def _is_at_work(case: Case, package: FoundPackage) -> bool:
         if not case.players[part.name] and any(
             end.module in modules
             and end.is_publisher is part.is_publisher
-            and (end.topic == part.topic or is_near(end.topic, part.topic))
+            and (end.topic == part.topic or is_near_topic(end.topic, part.topic))
             for end in case.evidence.files.ends
         ):
             return True
