@@ -68,18 +68,18 @@ def call_faults(
         asked = [one for one in asked if not one.is_positional and _example(one) != one.name]
         if fix:
             what = (
-                f"is given {', '.join(wrong)[:_LONGEST]}, which it does not take"
+                f"does not accept {', '.join(wrong)[:_LONGEST]} as written"
                 if wrong
-                else f"lacks {', '.join(right)}"
+                else f"is missing {', '.join(right)}"
             )
-            yield Finding("argument-type", f"{ast.unparse(node.func)} {what} so.", source.at(node), fix)
+            yield Finding("argument-type", f"{ast.unparse(node.func)} {what}.", source.at(node), fix)
         elif asked:
             texts = [
                 *map(ast.unparse, node.args),
                 *_texts(node.keywords),
                 f"{asked[0].name}={_example(asked[0])}",
             ]
-            cause = f"{ast.unparse(node.func)} asks for {asked[0].name}, which is not given."
+            cause = f"{ast.unparse(node.func)} needs the argument {asked[0].name}, which is not given."
             yield Finding(
                 "argument-missing",
                 cause,
@@ -119,15 +119,13 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
     elif len(whole) <= _LONGEST:
         fix = f"write `{whole}`"
     elif new[0].startswith("[") and call.args:
-        fix = f"write {name}([ ... ]): one list, in brackets, of all that it is given"
+        fix = f"write {name}([ ... ]), with all its arguments as one list in brackets"
     elif len(new) > len(old) and new[-len(old) :] == old:
-        fix = f"write `{', '.join(right)}` in front of what stands in its parentheses"
+        fix = f"write `{', '.join(right)}` before the other arguments"
     elif right and wrong:
         fix = f"write `{', '.join(right)}` instead of `{', '.join(wrong)[:_LONGEST]}`"
     else:
-        fix = (
-            f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
-        )
+        fix = f"add `{', '.join(right)}` inside its parentheses" if right else f"remove `{', '.join(wrong)}`"
     return right, wrong, fix, whole
 
 

@@ -122,7 +122,7 @@ def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
         if one.name in ("rclpy.init", "rclpy.create_node") and _is_behind_with(one.call, one.function):
             yield Finding(
                 "context-manager",
-                f"In ROS 2 Jazzy {one.name}() cannot come after `with`; later releases allow it.",
+                f"In ROS 2 Jazzy, {one.name}() cannot be used in a `with` statement; later releases allow it.",
                 one.source.at(one.call),
                 "call it on a line of its own, and rclpy.try_shutdown() at the end of main",
             )
@@ -138,7 +138,7 @@ def _left_aside(entrance: Entrance) -> Iterator[Finding]:
         if home is not source or entrance.may_do_more or function.name in named:
             continue
         if Entrance(entrance.sources, name).node is not None:
-            cause = f"{entrance.function.name}() is what `ros2 run` calls, and it never reaches {function.name}(), which makes the node."
+            cause = f"`ros2 run` calls {entrance.function.name}(), which never calls {function.name}(), where the node is made."
             fix = f"write `{function.name}()` as the last line of {entrance.function.name}()"
             yield Finding("never-made", cause, source.at(entrance.function), fix)
 
@@ -150,7 +150,7 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
     if not entrance.may_do_more and not any(one.short == "init" for one in entrance.calls):
         yield Finding(
             "rclpy-init-missing",
-            "A node is made, and rclpy.init() is called nowhere before it.",
+            "A node is made, but rclpy.init() is not called before it.",
             node.source.at(node.call),
             f"write rclpy.init(args=args) as the first line of {entrance.function.name}",
         )
@@ -163,9 +163,9 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
     if len(sure) > 1 and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
         yield Finding(
             "rclpy-init-twice",
-            "rclpy.init() is called twice in one program, and only the first one is right.",
+            "rclpy.init() is called twice in one program; only the first call is right.",
             sure[-1].source.at(sure[-1].call),
-            "remove one of the two; it belongs into main",
+            "remove one of the two; the call belongs in main",
         )
 
 
@@ -177,7 +177,7 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
     if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance):
         yield Finding(
             "spin-missing",
-            f"{name} makes a node and never spins it, so the program ends at once and no callback is called.",
+            f"{name} makes a node but never spins it, so the program ends at once and no callback is called.",
             node.source.at(node.call),
             "write rclpy.spin(node) after the node is made",
         )
@@ -191,9 +191,9 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
     for inner, later in _in_a_row(entrance):
         yield Finding(
             "spin-missing",
-            "A spin goes on until Ctrl-C, so a second one after it is not reached, and no callback of its node is called.",
+            "A spin runs until Ctrl-C, so the second spin is never reached and its node's callbacks are never called.",
             inner.at(later),
-            "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
+            "add all nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()",
         )
 
 
@@ -220,7 +220,7 @@ def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
         name, length = ast.unparse(kept[0]) if kept else "node", ast.unparse(one.call.args[0])
         yield Finding(
             "spin-missing",
-            f"This loop sleeps and spins nothing, so no callback of {name} is ever called.",
+            f"This loop sleeps without spinning, so no callback of {name} is ever called.",
             one.source.at(one.call),
             f"write rclpy.spin_once({name}, timeout_sec={length}) instead of {ast.unparse(one.call)}",
         )
@@ -232,9 +232,7 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
     once = [one for one in entrance.spins if one.short == "spin_once" and _is_the_only_turn(entrance, one)]
     if once and len(once) == len(entrance.spins):
         given = ast.unparse(once[-1].call.args[0]) if once[-1].call.args else "node"
-        cause = (
-            f"spin_once() calls one callback at most, and {name} calls it in no loop: then the program ends."
-        )
+        cause = f"spin_once() calls at most one callback, and {name} does not call it in a loop, so the program then ends."
         fix = f"write rclpy.spin({given}) instead of {ast.unparse(once[-1].call)}"
         yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
 
@@ -250,9 +248,9 @@ def _rests(entrance: Entrance) -> Iterator[Finding]:
                 given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
                 yield Finding(
                     "callback-waits",
-                    f"spin_once() calls one callback, and then this loop sleeps {length:g} s: callbacks are called that seldom, and their messages pile up.",
+                    f"spin_once() calls one callback, and then this loop sleeps for {length:g} s, so callbacks run only that often and messages pile up.",
                     one.source.at(one.call),
-                    f"write rclpy.spin({given}) instead of the loop, and let a timer do what it does besides",
+                    f"write rclpy.spin({given}) instead of the loop, and move the loop's other work into a timer callback",
                 )
 
 
@@ -273,9 +271,7 @@ def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
     ):
         spin = of_executor[0]
         whole = ast.unparse(spin.call.func).removesuffix(".spin")
-        cause = (
-            f"`{ast.unparse(spin.call)}` spins an executor that was given no node, so no callback is called."
-        )
+        cause = f"`{ast.unparse(spin.call)}` spins an executor that has no nodes, so no callback is called."
         yield Finding(
             "spin-missing",
             cause,
@@ -324,10 +320,10 @@ def _left_out(entrance: Entrance) -> Iterator[Finding]:
                     if isinstance(n, ast.Attribute) and n.attr == "destroy_node"
                 }
                 if not any(isinstance(n.ctx, ast.Load) and id(n) not in destroyed for n in loads):
-                    cause = f"{name} is made here and never spun: `{ast.unparse(one.call)}` calls only the callbacks of {ast.unparse(one.call.args[0])}."
-                    fix = "add both to one executor, and spin that: executor.add_node(node) for each, then executor.spin()"
+                    cause = f"{name} is made here but never spun: `{ast.unparse(one.call)}` calls only the callbacks of {ast.unparse(one.call.args[0])}."
+                    fix = "add both nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()"
                     if entrance.sources.resolve(one.source, one.call.args[0]) == owner.name:
-                        cause = f"`{ast.unparse(one.call)}` is given the class, and not the node {name} that is made of it."
+                        cause = f"`{ast.unparse(one.call)}` is given the class instead of {name}, the node made from it."
                         fix = f"write rclpy.spin({name})"
                     yield Finding("spin-missing", cause, one.source.at(node), fix)
 

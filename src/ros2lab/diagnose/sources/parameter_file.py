@@ -69,7 +69,7 @@ def read_parameter_file(text: str) -> Any:
         raise _reason(error, text) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
-        reason = "a character stands here that no text holds"
+        reason = "there is an invalid character here"
         raise ParameterFileError(reason, line, "remove it, and save the file as UTF-8") from None
 
 
@@ -106,7 +106,9 @@ class _Loader(yaml.BaseLoader):
             for key in keys:
                 if not isinstance(key, yaml.ScalarNode):
                     raise _error(
-                        key, "a list or a mapping stands where a name should", "write a name before the colon"
+                        key,
+                        "there is a list or a mapping where a name should be",
+                        "write a name before the colon",
                     )
             _expect_nodes(node, is_top=True)
         return super().construct_document(node)
@@ -131,13 +133,16 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
             if is_top:
                 raise _error(
                     key,
-                    f"no name of a node stands above {BELOW}:",
-                    f"write the node's name and a colon above it, and indent {BELOW}: and all below it by two spaces more",
+                    f"there is no node name above {BELOW}:",
+                    f"write the node's name and a colon above it, and indent {BELOW}: and everything below it by two more spaces",
                 )
             if not isinstance(value, yaml.MappingNode):
                 written = str(value.value).split("\n")[0]
-                entry = _entry(written) or "each parameter below it, with a colon and a space after its name"
-                reason = f"below {BELOW}: stands no `name: value`"
+                entry = (
+                    _entry(written)
+                    or "each parameter below it as `name: value`, with a space after the colon"
+                )
+                reason = f"there is no `name: value` below {BELOW}:"
                 raise _error(value if written else key, reason, f"write {entry}")
             _expect_parameters(value)
         elif isinstance(value, yaml.MappingNode):
@@ -145,14 +150,14 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
         elif BELOW in str(value.value):
             raise _error(
                 value,
-                f"after {BELOW} a colon is missing",
+                f"the colon after {BELOW} is missing",
                 f"write {BELOW}:, and the parameters below it, indented deeper",
             )
         else:
             raise _error(
                 key,
-                f"{key.value} does not stand below {BELOW}:",
-                f"indent it as deep as the parameters below {BELOW}:",
+                f"{key.value} is not below {BELOW}:",
+                f"indent it like the parameters below {BELOW}:",
             )
 
 
@@ -174,8 +179,8 @@ def _expect_alike(key: yaml.Node, value: yaml.SequenceNode) -> None:
     if any(not isinstance(each, yaml.ScalarNode) for each in value.value):
         raise _error(
             key,
-            f"{key.value} holds a list of something else than plain values",
-            "write one list of numbers or of texts",
+            f"{key.value} is a list that does not hold plain values",
+            "write one list of numbers or of strings",
         )
     kinds = {kind_of(each.value if each.style else _value(each.value)) or "" for each in value.value}
     if len(kinds) > 1:
@@ -189,7 +194,7 @@ def _expect_alike(key: yaml.Node, value: yaml.SequenceNode) -> None:
             if are_numbers
             else "as values of one type"
         )
-        reason = f"the values of the list {key.value} are of several types: {', '.join(others)} and {last}"
+        reason = f"the list {key.value} mixes values of different types: {', '.join(others)} and {last}"
         raise _error(key, reason, f"write all of them {alike}")
 
 
@@ -208,32 +213,32 @@ _IN_OTHER_WORDS = (
     (
         "quoted scalar",
         True,
-        "the quote {sign} is opened here and never closed",
-        "write {sign} after the text, too",
+        "the quote {sign} opened here is never closed",
+        "write {sign} at the end of the string, too",
     ),
-    ("flow sequence", True, "the bracket [ is opened here and never closed", "write ] after its last value"),
+    ("flow sequence", True, "the bracket [ opened here is never closed", "write ] after its last value"),
     (
         "flow mapping",
         True,
-        "the bracket {{ is opened here and never closed",
+        "the brace {{ opened here is never closed",
         "write }} after its last value",
     ),
     (
         r"'\\t'",
         False,
-        "a tab stands here, and YAML is indented with spaces",
+        "there is a tab here, but YAML must be indented with spaces",
         "write spaces instead of the tab",
     ),
     (
         "<block end>",
         False,
-        "this line is not indented like those that it belongs to",
-        "indent it by as many spaces as they are",
+        "this line is not indented like the lines it belongs with",
+        "indent it by the same number of spaces",
     ),
     (
         "alias|anchor|cannot start any token",
         False,
-        "a name or a value begins with a sign that has a meaning of its own in YAML",
+        "a name or a value begins with a character that has a special meaning in YAML",
         "put it in quotes",
     ),
 )
@@ -272,9 +277,9 @@ def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFi
     if not meant or not _is_read_beyond("\n".join(whole), last.line):
         return None
     number, entry = next(iter(meant.items()))
-    more = ", and the lines below it so" if len(meant) > 1 else ""
+    more = ", and the lines below it likewise" if len(meant) > 1 else ""
     return ParameterFileError(
-        "after the name a colon and a space are missing", number + 1, f"write {entry}{more}"
+        "the colon and the space after the name are missing", number + 1, f"write {entry}{more}"
     )
 
 
@@ -296,9 +301,9 @@ def _second_colon(lines: list[str], mark: yaml.Mark) -> ParameterFileError:
         return ParameterFileError("this line has two colons", mark.line + 1, "put the value in quotes")
     above = next((n for n in range(mark.line - 1, -1, -1) if lines[n].split("#")[0].strip()), 0)
     if entry := _entry(lines[above]):
-        reason = "after the name a colon and a space are missing"
+        reason = "the colon and the space after the name are missing"
         return ParameterFileError(reason, above + 1, f"write {entry}")
-    reason = "this line is indented deeper than the one above, which has a value already"
+    reason = "this line is indented deeper than the one above, which already has a value"
     return ParameterFileError(reason, mark.line + 1, "indent it like the line above")
 
 

@@ -46,23 +46,23 @@ def _fault(error: configparser.Error, lines: list[str]) -> CfgFault:
             return CfgFault(
                 f"has {option} twice in [{section}]",
                 line,
-                f"keep one {option} in [{section}], with all that belongs to it, and take the other one away",
+                f"keep one {option} in [{section}], with everything that belongs to it, and remove the other",
             )
         case configparser.DuplicateSectionError(section=section, lineno=int(line)):
             return CfgFault(
                 f"has the section [{section}] twice",
                 line,
-                f"keep one [{section}], with each of its options once, and take the other one away",
+                f"keep one [{section}], with each of its options once, and remove the other",
             )
         case configparser.MissingSectionHeaderError(lineno=line):
-            fix = "write the section above it to which it belongs, such as [install], or take the line away"
+            fix = "write the section it belongs to above it, such as [install], or remove the line"
             return CfgFault(f"has {_quoted(lines, line)} above its first section", line, fix)
         case configparser.ParsingError(errors=[(line, _), *_]):
-            fix = "write the line as name=value, or take it away"
+            fix = "write the line as name=value, or remove it"
             return CfgFault(
                 f"has {_quoted(lines, line)}, which is neither a section nor an option", line, fix
             )
-    return CfgFault("cannot be read", 1, "write each line as [section] or as name=value")
+    return CfgFault("cannot be read", 1, "write each line as [section] or name=value")
 
 
 def _quoted(lines: list[str], number: int) -> str:

@@ -24,6 +24,11 @@ def nearest(name: object, known: Iterable[object], cutoff: float = 0.7) -> str |
     return close[0] if close else None
 
 
+def with_article(noun: str) -> str:
+    """Return a noun with `a` or `an` before it, such as `an Odometry`, but `a UInt8`."""
+    return f"{'an' if noun[:1] in tuple('AEIOaeio') else 'a'} {noun}"
+
+
 def did_you_mean(name: object, known: Iterable[object]) -> str:
     """Return a sentence, or nothing, to put after another one."""
     close = nearest(name, known)
