@@ -30,7 +30,7 @@ def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
         right = _in_order(takes, node.args)
         if right is not None and function is not None and id(function) not in both:
             new = ", ".join([*map(ast.unparse, right), *(ast.unparse(one) for one in node.keywords)])
-            cause = f"{function.name}() takes {', '.join(takes)} in this order, and `{ast.unparse(node)}` gives them in another."
+            cause = f"{function.name}() takes {', '.join(takes)} in this order, but `{ast.unparse(node)}` passes them in another."
             yield Finding(
                 "argument-order", cause, source.at(node), f"write `{ast.unparse(node.func)}({new})`"
             )

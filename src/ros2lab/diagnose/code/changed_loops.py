@@ -76,14 +76,14 @@ def _changes(
             continue
         if by in _ADDS and (len(path) > 1 or _leaves(loop.body)):
             continue  # a list of what is still to do grows, and ends
-        how = f"its line {statement.lineno} {'adds to' if by in _ADDS else 'takes something out of'} it"
+        how = f"line {statement.lineno} {'adds to' if by in _ADDS else 'removes items from'} it"
         then = {
             True: "so the loop never ends",
-            False: "so a list skips the element after each one taken out, and a dict or a set stops with an error",
+            False: "so a list skips the item after each removed one, and a dict or a set raises an error",
         }[by in _ADDS]
         if places:
-            then = "so the element after each one taken out is skipped, and at the end there are fewer places than were counted"
-        cause = f"The loop walks over {name}, and {how} meanwhile, {then}."
+            then = "so the item after each removed one is skipped, and the last indices no longer exist"
+        cause = f"While the loop goes over {name}, {how}, {then}."
         whole = ast.unparse(loop.iter)
         copy = (
             f"range(len({name}) - 1, -1, -1)"

@@ -40,7 +40,7 @@ def _defaults(source: PythonSource, owner: NodeClass | None, function: Function)
             cause = f"The default {ast.unparse(call)} is computed once, when {function.name}() is defined, so each call without {name} gets the same value."
             yield Finding("computed-once", cause, source.at(default), first)
         elif _is_literal(default) and (changed := _changed(owner, function, name)):
-            cause = f"There is one {ast.unparse(default)} for all calls of {function.name}() that give no {name}, and line {changed} changes it for all of them."
+            cause = f"All calls of {function.name}() without {name} share one {ast.unparse(default)}, and line {changed} changes it for all of them."
             yield Finding("one-object", cause, source.at(default), first)
 
 
@@ -120,7 +120,7 @@ def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef
         if call is None or not isinstance(target, ast.Name):
             continue
         name, value = target.id, ast.unparse(statement.value)
-        cause = f"{value} is computed once, when the class {definition.name} is defined, so all its objects have the same {name}."
+        cause = f"{value} is computed once, when the class {definition.name} is defined, so all its instances have the same {name}."
         if is_field:
             fix = f"write field(default_factory=lambda: {value}) instead of {value}, and `from dataclasses import field`"
             yield Finding("computed-once", cause, source.at(statement), fix)

@@ -50,7 +50,7 @@ def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
     for given in (*call.args, *(keyword.value for keyword in call.keywords)):
         if isinstance(given, ast.Lambda) and getattr(given.body, "is_function", False):
             text = ast.unparse(given.body)
-            cause = f"`{ast.unparse(given)}` gives {text} back, and calls it never."
+            cause = f"`{ast.unparse(given)}` returns {text} without ever calling it."
             yield Finding(
                 "no-effect", cause, source.at(given), f"write {text} instead of `{ast.unparse(given)}`"
             )
@@ -72,7 +72,7 @@ def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterat
             and isinstance(before, _LITERALS)
         ):
             text = ast.unparse(before)
-            cause = f"After `{text[:60]}` a comma is missing, so Python takes what comes next for {_NEXT[type(node)]} it."
+            cause = f"A comma is missing after `{text[:60]}`, so Python takes what follows as {_NEXT[type(node)]} it."
             fix = f"write a comma after `{text[:60]}`"
             yield Finding(missing, cause, source.at(before.end_lineno), fix)
     yield from _tuple_faults(source)
@@ -89,9 +89,9 @@ def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
             segment = (ast.get_source_segment(source.text, value) or "").strip()
             if isinstance(value.elts[0], ast.Call) and not segment.startswith("(("):
                 line = value.end_lineno or value.lineno
-                cause = f"The comma at the end makes a tuple of `{ast.unparse(value.elts[0]).splitlines()[0][:60]}`."
+                cause = f"The comma at the end turns `{ast.unparse(value.elts[0]).splitlines()[0][:60]}` into a tuple."
                 yield Finding(
-                    "comma-tuple", cause, source.at(line), "take the comma at the end of this line away"
+                    "comma-tuple", cause, source.at(line), "remove the comma at the end of this line"
                 )
 
 
@@ -112,7 +112,7 @@ def path_faults(source: PythonSource) -> Iterator[Finding]:
                 ):
                     yield Finding(
                         "path-absolute",
-                        f"{part.value!r} begins with a slash, so os.path.join forgets all that stands before it.",
+                        f"{part.value!r} begins with a slash, so os.path.join drops everything before it.",
                         source.at(part),
                         f"write {part.value.lstrip('/')!r}",
                     )
@@ -122,21 +122,21 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
     text = ast.unparse(value)
     match value:
         case ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]):
-            cause = f"`{text}` only compares, and nothing is done with what comes of it."
+            cause = f"`{text}` only compares, and its result is not used."
             fix = f"write {ast.unparse(left)} = {ast.unparse(right)}"
             yield Finding("comparison-unused", cause, source.at(value), fix)
         # `self.subscription`, which tutorials write so that it counts as used, holds something and is no function.
         case ast.Attribute() | ast.Name() if text not in source.stored and not (
             source.resolve(value) or ""
         ).startswith(("rclpy.spin", "rclpy.init")):
-            cause = f"`{text}` only names {text.rpartition('.')[2]}, and does nothing: without parentheses it is not called."
+            cause = f"`{text}` only names {text.rpartition('.')[2]} and does nothing: without parentheses it is not called."
             takes = "msg" if text.endswith("publish") else ""
             yield Finding("no-effect", cause, source.at(value), f"write {text}({takes})")
         case ast.BinOp() | ast.UnaryOp():
             if not any(isinstance(n, (ast.Call, ast.Await, ast.Yield)) for n in ast.walk(value)):
-                cause = f"`{text}` is computed, and nothing is done with what comes of it."
+                cause = f"`{text}` is computed, but its result is not used."
                 yield Finding(
-                    "no-effect", cause, source.at(value), "assign it to something, or take the line away"
+                    "no-effect", cause, source.at(value), "assign it to a variable, or remove the line"
                 )
 
 
@@ -159,14 +159,14 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                 sign = "==" if isinstance(operator, ast.Is) else "!="
                 yield Finding(
                     "literal-comparison",
-                    f"`{ast.unparse(node)}` asks whether both are one object, which a text that was received never is.",
+                    f"`{ast.unparse(node)}` asks whether both are the same object, which is never true of a received string.",
                     source.at(node),
                     f"write {ast.unparse(one)} {sign} {ast.unparse(other)}",
                 )
             elif isinstance(one, ast.Attribute) and one.attr in _CHANGES_CASE and texts:
                 yield Finding(
                     "no-effect",
-                    f"`{ast.unparse(one)}` names the method {one.attr} and does not call it, so it never equals a text.",
+                    f"`{ast.unparse(one)}` names the method {one.attr} without calling it, so it never equals a string.",
                     source.at(node),
                     f"write {ast.unparse(one)}()",
                 )
@@ -196,7 +196,7 @@ def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
         ] if text:
             yield Finding(
                 "text-as-condition",
-                f"`{ast.unparse(test)}` does not compare {ast.unparse(other)}: a text by itself is always true.",
+                f"`{ast.unparse(test)}` does not compare {ast.unparse(other)}: a string by itself is always true.",
                 source.at(test),
                 f"write {ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(other)})",
             )
@@ -241,9 +241,9 @@ def chain_faults(source: PythonSource) -> Iterator[Finding]:
                 continue
             first = chain[undone[0]]
             name = min(_stored(first.body) & _stored(rest))
-            cause = f"Where `{ast.unparse(first.test)}` holds, the if of line {last.lineno} is asked, too, and its else sets {name} once more."
+            cause = f"Even when `{ast.unparse(first.test)}` is true, the if on line {last.lineno} is checked too, and its else sets {name} again."
             *others, end = (str(one.lineno) for one in chain[undone[0] + 1 :])
-            where = f" in lines {', '.join(others)} and {end}" if others else ""
+            where = f" on lines {', '.join(others)} and {end}" if others else ""
             yield Finding(
                 "replaced", cause, source.at(chain[undone[0] + 1]), f"write elif instead of if{where}"
             )
@@ -285,7 +285,7 @@ def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
         sign, target = found["sign"], ast.unparse(node.targets[0])
         yield Finding(
             "no-effect",
-            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time, and adds nothing to it.",
+            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time instead of changing it by that.",
             source.at(node),
             f"write {target} {sign}= {ast.unparse(node.value.operand)}",
         )
@@ -308,14 +308,14 @@ def _key_again(source: PythonSource, key: object, values: list[ast.expr]) -> Fin
     is_pair = len(values) == 2
     often = {2: "twice", 3: "three times"}.get(len(values), f"{len(values)} times")
     lost = (
-        f"that of line {others[0]}"
+        f"the one on line {others[0]}"
         if is_pair
-        else f"those of lines {', '.join(others[:-1])} and {others[-1]}"
+        else f"the ones on lines {', '.join(others[:-1])} and {others[-1]}"
     )
-    cause = f"The dictionary has the key {key!r} {often}, and what stands in line {last} replaces {lost}."
+    cause = f"The dictionary has the key {key!r} {often}; the value on line {last} replaces {lost}."
     away = "this entry" if is_pair else "the others"
-    fix = f"write another key instead of {key!r}, or take {away} away"
+    fix = f"write another key instead of {key!r}, or remove {away}"
     if all(isinstance(value, ast.List) for value in values):
-        lists = "both lists hold" if is_pair else "all of these lists hold"
-        fix = f"put what {lists} into the one of line {others[0]}, and take {away} away"
+        lists = "both lists hold" if is_pair else "these lists hold"
+        fix = f"put everything that {lists} into the one on line {others[0]}, and remove {away}"
     return Finding("replaced", cause, source.at(values[1]), fix)

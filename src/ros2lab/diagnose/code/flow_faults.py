@@ -62,7 +62,7 @@ def _bound_late(source: PythonSource) -> Iterator[Finding]:
             late = sorted(asked & names - {one.arg for one in (*given.args.args, *given.args.kwonlyargs)})
             if late:
                 takes = [*filter(None, [ast.unparse(given.args)]), *(f"{name}={name}" for name in late)]
-                cause = f"This lambda asks for {late[0]} only when it is called, and then the loop is over: each of them gets the last {late[0]}."
+                cause = f"This lambda looks up {late[0]} only when it is called, after the loop has ended, so every lambda gets the last {late[0]}."
                 fix = f"write `lambda {', '.join(takes)}: {ast.unparse(given.body)}`"
                 yield Finding("computed-once", cause, source.at(given), fix)
 
@@ -75,11 +75,15 @@ def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
         text = ast.unparse(given)
         is_cut = "//" in text
         why = " (// divides without a remainder)" if is_cut else ""
-        cause = f"The period {text} is {period:g}{why}: this timer calls without a pause."
-        fix = f"write `{text.replace('//', '/')}`" if is_cut else "write more than 0, in seconds, such as 0.1"
+        cause = f"The period {text} is {period:g}{why}: this timer fires without a pause."
+        fix = (
+            f"write `{text.replace('//', '/')}`"
+            if is_cut
+            else "write a period above 0, in seconds, such as 0.1"
+        )
         yield Finding("period", cause, creation.source.at(given), fix)
     if type(period) is int and period >= _LONGEST_PERIOD and period % 60:
-        cause = f"This timer calls its callback every {period:g} s, for a period is given in seconds."
+        cause = f"This timer calls its callback every {period:g} s, because a period is given in seconds."
         fix = f"write {period / 1000:g}, if milliseconds were meant"
         yield Finding("period", cause, creation.source.at(creation.call), fix)
 
@@ -99,7 +103,7 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     ]
     value = values[0] if len(values) == 1 else sources.value(creation.source, given)
     if isinstance(value, (int, float)) and value >= 1:
-        cause = f"{text} is a frequency by its name, and a timer takes its period, in seconds: it calls every {value:g} s."
+        cause = f"Judging by its name, {text} is a frequency, but a timer takes a period in seconds: this one fires every {value:g} s."
         yield Finding("period", cause, creation.source.at(given), f"write 1.0 / {text}")
 
 
@@ -120,7 +124,7 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
                 stem = here.name.rpartition(".")[2]
                 yield Finding(
                     "name-twice",
-                    f"The nodes of {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
+                    f"The nodes in {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
                     here.at(place),
                     f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}",
                 )
@@ -152,9 +156,9 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
             )
             yield Finding(
                 "unreachable",
-                f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, such as `{ast.unparse(after).splitlines()[0]}`.",
+                f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`.",
                 source.at(after),
-                f"move the {type(before).__name__.lower()} to the end, or below the condition for which it is meant",
+                f"move the {type(before).__name__.lower()} to the end, or below the condition it belongs to",
             )
 
 
@@ -168,11 +172,8 @@ def _never_true(source: PythonSource) -> Iterator[Finding]:
         for number, later in enumerate(chain):
             taken = next((one for one in chain[:number] if _takes_all(one.test, later.test)), None)
             if taken:
-                cause = (
-                    f"Whatever meets `{ast.unparse(later.test)}` meets `{ast.unparse(taken.test)}` in line "
-                    f"{taken.lineno}, too, so this is never reached."
-                )
-                fix = f"ask `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` after it"
+                cause = f"Whenever `{ast.unparse(later.test)}` is true, so is `{ast.unparse(taken.test)}` on line {taken.lineno}, so this is never reached."
+                fix = f"check `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` after it"
                 yield Finding("unreachable", cause, source.at(later), fix)
 
 
@@ -208,7 +209,7 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
         if number < first and last in _ENDS and "rclpy.init" not in names[number:first]:
             yield Finding(
                 "life-order",
-                f"`{ast.unparse(block[number])}` stands before the spin, which then has nothing left to spin.",
+                f"`{ast.unparse(block[number])}` comes before the spin, which then has nothing left to spin.",
                 source.at(block[number]),
                 "move it after rclpy.spin(node), to the end of main",
             )
@@ -216,7 +217,7 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
         if number > first and made:
             yield Finding(
                 "life-order",
-                f"`{ast.unparse(block[number])}` comes after the spin, which goes on until Ctrl-C: it is not reached before.",
+                f"`{ast.unparse(block[number])}` comes after the spin, which runs until Ctrl-C, so it is not reached before then.",
                 source.at(block[number]),
                 "move it before rclpy.spin(node)",
             )
@@ -247,9 +248,9 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
         if node.type is None or getattr(node.type, "id", "") in ("Exception", "BaseException"):
             yield Finding(
                 "errors-hidden",
-                f"In {function.name}() each error is caught and nothing is said of it, so what fails there fails silently.",
+                f"{function.name}() catches every error without reporting it, so failures there stay silent.",
                 source.at(node),
-                "write `except ValueError as error:`, or whatever may come, and self.get_logger().error(str(error)) below it",
+                "write `except ValueError as error:`, or whichever error you expect, and self.get_logger().error(str(error)) below it",
             )
 
 
@@ -263,8 +264,7 @@ def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
         if method in ("create_publisher", "create_subscription") and id(node) not in guards:
             yield Finding(
                 "made-again",
-                f"{function.name}() is called again and again, and each time makes a new {method.removeprefix('create_')}, "
-                "which nobody has met yet when it is used.",
+                f"{function.name}() is called repeatedly and makes a new {method.removeprefix('create_')} each time, which is not yet connected when it is used.",
                 source.at(node),
                 f"move {method}(...) into __init__, and keep it as an attribute of self",
             )
@@ -296,7 +296,7 @@ def _deadlocks(source: PythonSource, function: Function) -> Iterator[Finding]:
         if is_spin or (name.endswith(".call") and name.removesuffix(".call") in clients):
             yield Finding(
                 "callback-waits",
-                f"{function.name}() is a callback, and {name}() in it waits for an answer, which cannot come before the callback returns.",
+                f"{function.name}() is a callback, and {name}() in it waits for a response that cannot arrive until the callback returns.",
                 source.at(node),
                 "write future = client.call_async(request), and future.add_done_callback(self.answered)",
             )
@@ -324,14 +324,14 @@ def _never_started(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
         if is_end and is_self_attribute(given) and given.attr in made:
             yield Finding(
                 "never-started",
-                f"`{ast.unparse(call)}` in __init__ ends self.{given.attr} before it is ever used.",
+                f"`{ast.unparse(call)}` in __init__ stops self.{given.attr} before it is ever used.",
                 source.at(call),
-                f"take the line `{ast.unparse(call)}` away, or move it to where self.{given.attr} is to end",
+                f"remove the line `{ast.unparse(call)}`, or move it to where self.{given.attr} should stop",
             )
     for node in walk(constructor):
         if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
-            cause = "autostart=False makes a timer that waits for its reset(), which nothing calls."
-            yield Finding("never-started", cause, source.at(node.value), "take autostart=False away")
+            cause = "autostart=False makes a timer that starts only when its reset() is called, and nothing calls it."
+            yield Finding("never-started", cause, source.at(node.value), "remove autostart=False")
 
 
 def _names(owner: NodeClass, name: str) -> bool:

@@ -53,17 +53,17 @@ def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
         made = _first_statement(function, there)
         before = [one for one in used if made is not None and _comes_before(one, made, loops)]
         if before:
-            cause = f"{name} is {outer[name]}, and this function makes a variable of that name (line {there[0].lineno}), so here {name} has no value yet."
+            cause = f"{name} is {outer[name]}, but this function makes a variable of that name (line {there[0].lineno}), so {name} has no value here yet."
         else:
             before = [one for one in used if _is_value_called(nodes, there, one)]
-            cause = f"{name} is {outer[name]}, and line {there[0].lineno} makes a variable of that name, which cannot be called."
+            cause = f"{name} is {outer[name]}, but line {there[0].lineno} makes a variable of that name, which cannot be called."
         if before:
             yield Finding("name-hidden", cause, source.at(before[0]), fix_of(name, function.name))
 
 
 def known_names(source: PythonSource) -> dict[str, str]:
     """Return what a file may call or ask for something: Python's own, and what it imports or defines at its top."""
-    found = {name: "a function of Python itself" for name in dir(builtins) if name[:1].islower()}
+    found = {name: "one of Python's built-in functions" for name in dir(builtins) if name[:1].islower()}
     found |= {one.local: "an imported name" for one in source.imports}
     defined = [one for one in source.tree.body if isinstance(one, FUNCTIONS)]
     return found | {one.name: "a function of this file" for one in defined}
@@ -71,7 +71,7 @@ def known_names(source: PythonSource) -> dict[str, str]:
 
 def fix_of(name: str, function: str) -> str:
     """Return how a variable gets another name."""
-    return f"give the variable {name} of {function}() another name in all its places, such as {name}_value; leave the {name} that is called or asked for something"
+    return f"rename the variable {name} everywhere in {function}(), for example to {name}_value, but leave {name} where the original is used"
 
 
 def _used(nodes: tuple[ast.AST, ...], name: str) -> list[ast.AST]:

@@ -48,9 +48,9 @@ def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[st
             continue
         yield Finding(
             "name-shadowed",
-            f"{own.name} beside this file has the name of the module {top}, and may be imported in its place.",
+            f"{own.name}, next to this file, has the same name as the module {top} and may be imported instead of it.",
             source.at(one.line),
-            f"rename {own.name}, for example to my_{own.name}, and whatever imports it",
+            f"rename {own.name}, for example to my_{own.name}, and update whatever imports it",
         )
 
 
@@ -69,9 +69,9 @@ def hidden_types(source: PythonSource) -> Iterator[Finding]:
         better = f"{node.name}Node" if what == "class" else f"{node.name}_node"
         yield Finding(
             "name-shadowed",
-            f"The {what} {node.name} has the name of the message type that line {one.line} imports, so below it {node.name} is the {what} and not the message.",
+            f"The {what} {node.name} has the same name as the message type imported on line {one.line}, so from here on {node.name} means the {what}, not the message.",
             source.at(node),
-            f"call the {what} {better}, here and where it is {'made' if what == 'class' else 'called'}",
+            f"rename the {what} to {better}, here and where it is {'used' if what == 'class' else 'called'}",
             (node.name,),
         )
 
@@ -92,7 +92,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 "ros1-import",
                 f"{top} belongs to ROS 1; in ROS 2 it is {ROS_1[top]}.",
                 source.at(one.line),
-                f"import {ROS_1[top]}, and write the node as a class derived from rclpy.node.Node",
+                f"import {ROS_1[top]}, and write the node as a subclass of rclpy.node.Node",
             )
         elif top in interfaces.PACKAGES and one.is_from:
             yield from _wrong_home(source, one)
@@ -113,7 +113,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
         if name in sources.members_at(source, node):
             yield Finding(
                 "name-undefined",
-                f"{name} belongs to the class, and its methods find it only as self.{name}.",
+                f"{name} belongs to the class, so its methods can use it only as self.{name}.",
                 source.at(node),
                 f"write self.{name}",
             )
@@ -136,7 +136,7 @@ def bare_import(whole: str, name: str, place: str) -> Finding:
     """Say that a module of a package is imported without the package's name."""
     return Finding(
         "import-wrong",
-        f"{name} is a module of the package {whole.removesuffix(f'.{name}')}, and is imported by its whole name.",
+        f"{name} is a module of the package {whole.removesuffix(f'.{name}')} and must be imported by its full name.",
         place,
         f"write {whole} instead of {name} there, and build again",
     )
@@ -150,33 +150,35 @@ def _own_package(name: str, own_modules: Collection[str]) -> str | None:
 
 
 def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
-    cause, place = f"{name} is used here and never imported or defined.", source.at(node)
+    cause, place = f"{name} is used here but never imported or defined.", source.at(node)
     if alias := next((one for one in source.imports if one.target == name and one.local != name), None):
-        cause = f"{name} is imported under the name {alias.local}, so here there is no {name}."
-        return Finding("name-undefined", cause, place, f"write `import {name}` in line {alias.line}")
+        cause = f"{name} is imported as {alias.local}, so there is no {name} here."
+        return Finding("name-undefined", cause, place, f"write `import {name}` on line {alias.line}")
     if homes := interfaces.homes_for(name, [one.target for one in source.imports]):
         return Finding("name-undefined", cause, place, f"write `from {homes[0]} import {name}` at the top")
     here = _bound(source)[0]
     known = sorted(here | set(dir(builtins)))
     meant = _FOREIGN.get(name.lower()) or next((one for one in known if one.lower() == name.lower()), None)
     if meant:
-        return Finding("name-undefined", f"Python has no {name}; it writes {meant}.", place, f"write {meant}")
+        return Finding(
+            "name-undefined", f"Python has no {name}; in Python it is {meant}.", place, f"write {meant}"
+        )
     close = nearest(name, here) or nearest(name, dir(builtins), 0.85)
     if close:
         cause, fix = f"{cause} Did you mean {close}?", f"write {close} instead of {name}"
     elif function := _hands_on(source, name, node):
         first = source.text.splitlines()[function.lineno - 1].strip()
-        cause = f"{name} is handed on here, and {function.name}() has no parameter of that name."
+        cause = f"{name} is passed on here, but {function.name}() has no parameter of that name."
         new = re.sub(r"\)(?=[^)]*$)", f"{', ' if function.args.args else ''}{name}=None)", first, count=1)
-        fix = f"write `{new}` in line {function.lineno}"
+        fix = f"write `{new}` on line {function.lineno}"
     else:
         is_called = any(isinstance(one, ast.Call) and one.func is node for one in source.nodes)
         fix = (
-            f"write the object that has {name}, and a dot, before it"
+            f"write the object that {name} belongs to, and a dot, before it"
             if is_called
-            else f"put it in quotes if it is a text ('{name}')"
+            else f"put it in quotes if it is a string ('{name}')"
         )
-        fix += "; else import or define it above"
+        fix += "; otherwise import or define it above"
     return Finding("name-undefined", cause, place, fix)
 
 
@@ -215,9 +217,9 @@ def _own_module(source: PythonSource, one: Import, own_modules: Collection[str])
         kind = module.rpartition(".")[2]
         yield Finding(
             "module-missing",
-            f"{module} would hold messages of this package's own, and a package of type ament_python makes none of its .{kind} files.",
+            f"{module} would hold this package's own messages, but a package of type ament_python cannot generate them from its .{kind} files.",
             source.at(one.line),
-            f"put the .{kind} files into a package of their own, of type ament_cmake, with rosidl_generate_interfaces in CMakeLists.txt, and import from that",
+            f"put the .{kind} files into a separate ament_cmake package, with rosidl_generate_interfaces in CMakeLists.txt, and import from that",
         )
         return
     if module not in own_modules and one.target not in own_modules:
@@ -226,7 +228,7 @@ def _own_module(source: PythonSource, one: Import, own_modules: Collection[str])
             "module-missing",
             f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
             source.at(one.line),
-            f"write {close} instead of {module}" if close else "fix the name, or make the file",
+            f"write {close} instead of {module}" if close else "fix the name, or create the file",
         )
 
 

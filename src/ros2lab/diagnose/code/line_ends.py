@@ -39,12 +39,12 @@ def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
                 text = ast.unparse(side) if side is not None else ""
                 if side is not None and (id(function), text) not in told:  # one for all branches of an if
                     told.add((id(function), text))
-                    cause = f"A line that is read from a file ends with its line end '\\n', so `{ast.unparse(node)[:70]}` does not hold for it."
+                    cause = f"A line read from a file ends with '\\n', so `{ast.unparse(node)[:70]}` is not true for it."
                     yield Finding(
                         "never-equal",
                         cause,
                         source.at(node),
-                        f"write {text}.strip() instead of {text}, in each comparison of it",
+                        f"write {text}.strip() instead of {text} in each comparison",
                     )
 
 

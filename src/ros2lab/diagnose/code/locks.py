@@ -73,11 +73,11 @@ class _Held:
         line = f"line {getattr(last, 'lineno', 0)}"
         if isinstance(first, ast.Call) and len(way) > 1:
             name = ast.unparse(first.func)
-            cause = f"{name}() is called while {self.lock} is held (line {node.lineno}), and {line} takes {self.lock} again, so it waits for ever."
+            cause = f"{name}() is called while {self.lock} is held (line {node.lineno}), and {line} acquires {self.lock} again, so it waits forever."
             fix = f"call {name}() after the with, or write threading.RLock() instead of threading.Lock()"
         else:
-            cause = f"{self.lock} is taken again in {line} while it is held (line {node.lineno}), so it waits for ever."
-            fix = f"take the lock only in line {node.lineno}, or write threading.RLock() instead of threading.Lock()"
+            cause = f"{self.lock} is acquired again on {line} while it is already held (line {node.lineno}), so it waits forever."
+            fix = f"acquire the lock only on line {node.lineno}, or write threading.RLock() instead of threading.Lock()"
         return Finding("lock-held", cause, self.source.at(first), fix)
 
     def _takes(self, node: ast.AST) -> bool:

@@ -48,7 +48,7 @@ def _kept(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
                     owner.source,
                     value,
                     text,
-                    f"{method.name}() is called again and again: from the second call on",
+                    f"{method.name}() is called repeatedly: from the second call on",
                 )
                 break
 
@@ -76,15 +76,15 @@ def _walked_twice(sources: NodeSources, source: PythonSource, function: Function
             if isinstance(n, _LOOPS) and any(first in walk(s) for s in n.body) and made not in walk(n)
         ]
         if around and not _leaves(around[-1].body):
-            yield _finding(source, value, name, "the loop around it goes on: from its second turn on")
+            yield _finding(source, value, name, "this is inside a loop: from the second pass on")
         elif len(loads) > 1 and _is_sure(function, first, loads[1]):
-            yield _finding(source, value, name, f"line {first.lineno} has taken all of them: here")
+            yield _finding(source, value, name, f"line {first.lineno} has used it up: here")
 
 
 def _finding(source: PythonSource, value: ast.expr, name: str, then: str) -> Finding:
     written = ast.unparse(value)
-    what = "A file" if written.startswith("open(") else f"What `{written[:60]}` gives"
-    cause = f"{what} can be walked through once only, and {then}, {name} has nothing left."
+    what = "A file" if written.startswith("open(") else f"The result of `{written[:60]}`"
+    cause = f"{what} can be iterated over only once, and {then}, {name} has nothing left."
     if isinstance(value, ast.GeneratorExp):
         kept = f"[{written[1:-1]}]"
     else:

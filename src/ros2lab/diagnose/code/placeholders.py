@@ -23,14 +23,14 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
         if isinstance(node, ast.JoinedStr):
             texts = [one.value for one in node.values if isinstance(one, ast.Constant)]
             for name in _known(source, "".join(map(str, texts))):
-                cause = f"In an f-string, doubled braces stand for braces, so {{{name}}} is shown as it is, and no value is filled in."
+                cause = f"In an f-string, doubled braces mean literal braces, so {{{name}}} is shown as it is and no value is filled in."
                 fix = f"write {{{name}}} instead of {{{{{name}}}}}"
                 yield Finding("text-not-filled", cause, source.at(node), fix)
                 break
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
             names = _FIELD.findall(node.value)
             if names and [*_known(source, node.value)] == names:
-                cause = f"The f before the text is missing, so {{{names[0]}}} stands in it as it is, and no value is filled in."
+                cause = f"The f before the string is missing, so {{{names[0]}}} is shown as it is and no value is filled in."
                 yield Finding(
                     "text-not-filled",
                     cause,
@@ -39,7 +39,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
                 )
     for text in _shown(source.nodes):
         if (found := _EMPTY.search(str(text.value))) and id(text) not in filled:
-            cause = f"{found[0]} stands in the text as it is: nothing says which value belongs there."
+            cause = f"{found[0]} is shown as it is: nothing says which value belongs there."
             fix = f"write f before the quote, and the value's name in braces instead of {found[0]}"
             yield Finding("text-not-filled", cause, source.at(text), fix)
 

@@ -24,18 +24,15 @@ def _taken_for_own(owner: NodeClass, base: NodeClass) -> Iterator[Finding]:
     of_base, of_owner = _Private(base), _Private(owner)
     for name, node in sorted(of_owner.read.items()):
         if name in of_base.made and name not in of_owner.made:
-            yield _finding(owner, base, name, node, f"{base.definition.name} makes another one")
+            yield _finding(owner, base, name, node, f"{base.definition.name} makes a different one")
     for name, node in sorted(of_owner.made.items()):
         if name not in of_owner.read and name in of_base.read and name in of_base.made:
-            yield _finding(owner, base, name, node, f"{base.definition.name} goes on with its own")
+            yield _finding(owner, base, name, node, f"{base.definition.name} keeps using its own")
 
 
 def _finding(owner: NodeClass, base: NodeClass, name: str, node: ast.AST, then: str) -> Finding:
     short = owner.definition.name
-    cause = (
-        f"A name with two underscores in front belongs to the class in which it is written: in {short}, {name} stands for "
-        f"_{short.lstrip('_')}{name}, and {then}, _{base.definition.name.lstrip('_')}{name}."
-    )
+    cause = f"A name that begins with two underscores is private to the class it is written in: in {short}, {name} means _{short.lstrip('_')}{name}, and {then}, _{base.definition.name.lstrip('_')}{name}."
     fix = f"write {name[1:]} instead of {name}, here and in {base.source.shown}"
     return Finding("private-name", cause, owner.source.at(node), fix)
 

@@ -47,7 +47,7 @@ def _no_answer(
             f"write `return SetParametersResult(successful=True)` as the last line of {method.name}(), "
             "with `from rcl_interfaces.msg import SetParametersResult` at the top"
         )
-        cause = f"{method.name}() returns nothing, and ROS asks it whether the new values are taken: it refuses all."
+        cause = f"{method.name}() returns nothing, but must tell ROS whether the new values are accepted, so every change is rejected."
         yield Finding("value-none", cause, source.at(method), fix)
 
 
@@ -85,11 +85,11 @@ def _never_sent(
             for n in own_nodes(function)
             if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish" and len(n.args) == 1
         ]
-        cause = f"{function.name}() fills {name}, and sends it nowhere"
+        cause = f"{function.name}() fills {name} but never sends it"
         if len(calls) == 1 and _may_be_message(source, owner, calls[0].args[0]):
             given = ast.unparse(calls[0].args[0])
             fix = f"write {ast.unparse(calls[0].func)}({name})"
-            yield Finding("never-sent", f"{cause}: it publishes {given}.", source.at(calls[0]), fix)
+            yield Finding("never-sent", f"{cause}: it publishes {given} instead.", source.at(calls[0]), fix)
         elif not calls and (publisher := _publisher(uses, owner, str(kind))):
             fix = f"write `{publisher}.publish({name})` as the last line of {function.name}()"
             yield Finding("never-sent", f"{cause}.", source.at(fills[-1]), fix)
@@ -163,14 +163,14 @@ def _lost_locals(
         name = node.id
         if not isinstance(node.ctx, ast.Store) or name in read or name.startswith("_"):
             continue
-        said = f"{function.name}() sets {name}, which is a local name of its own; "
+        said = f"{function.name}() sets {name}, which is a local variable; "
         if name in kept:
             fix = f"write self.{name} instead of {name}"
-            yield Finding("not-kept", f"{said}self.{name} stays as it was.", source.at(node), fix)
+            yield Finding("not-kept", f"{said}self.{name} does not change.", source.at(node), fix)
             return
         if name in source.assigned and name in read_elsewhere:
             fix = f"write `global {name}` as the first line of {function.name}()"
-            yield Finding("not-kept", f"{said}the global {name} stays as it was.", source.at(node), fix)
+            yield Finding("not-kept", f"{said}the global {name} does not change.", source.at(node), fix)
             return
         value = values.get(id(node))
         zeros = [(t, v) for t, v in filled(function) if isinstance(v, ast.Constant) and v.value == 0]
@@ -178,7 +178,7 @@ def _lost_locals(
             continue
         if len(zeros) == 1:
             target, zero = zeros[0]
-            cause = f"{function.name}() computes {name} and never uses it; {target} is always {ast.unparse(zero)}."
+            cause = f"{function.name}() computes {name} but never uses it; {target} is always {ast.unparse(zero)}."
             yield Finding("never-read", cause, source.at(zero), f"write {target} = {name}")
             return
 
@@ -206,8 +206,8 @@ def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
         for statement in method.body:
             fills, reads, binds = _changes_of(statement, name)
             if binds and pending is not None and not reads:
-                cause = f"{name} is made anew here, so what was filled in line {pending.lineno} is lost."
-                yield Finding("filling-lost", cause, source.at(statement), "take this line away")
+                cause = f"{name} is created again here, so what line {pending.lineno} filled in is lost."
+                yield Finding("filling-lost", cause, source.at(statement), "remove this line")
                 break
             if binds:
                 pending, sent = None, None
@@ -218,7 +218,7 @@ def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
         else:
             if pending is not None and sent is not None:
                 last = ast.unparse(sent).splitlines()[0]
-                cause = f"`{ast.unparse(pending).splitlines()[0]}` comes after `{last}`, so what was sent does not hold it."
+                cause = f"`{ast.unparse(pending).splitlines()[0]}` comes after `{last}`, so it is not in what was sent."
                 yield Finding(
                     "filling-lost",
                     cause,
@@ -261,7 +261,7 @@ def _result_lost(
             return  # only of a field or an attribute
     else:
         return
-    cause = f"`{text}` computes a new value and changes nothing, and nothing is done with what it returns."
+    cause = f"`{text}` returns a new value and changes nothing, and the return value is not used."
     yield Finding("no-effect", cause, source.at(value), f"write {target} = {text}")
 
 
@@ -293,7 +293,7 @@ def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: F
 def return_in_place(function: Function) -> str:
     """Return how a function gives back what it only prints; empty if it prints nothing last."""
     printed = shown_last(function.body)
-    returns = [f"`return {ast.unparse(one.args[0])}` in line {one.lineno}" for one in printed]
+    returns = [f"`return {ast.unparse(one.args[0])}` on line {one.lineno}" for one in printed]
     joined = f"{', '.join(returns[:-1])}, and {returns[-1]}" if len(returns) > 1 else "".join(returns)
     return f"write return instead of print: {joined}" if printed else ""
 

@@ -61,7 +61,7 @@ def _kept_in_loops(source: PythonSource, function: Function) -> Iterator[Finding
             changed = _first_change(inside, name)
             if made is None or changed is None or not bound.isdisjoint((name, kept.holder)):
                 continue
-            cause = f"{kept.holder} gets the same object in each turn of the loop, and {_line(changed)} changes it, so all that it holds shows the last value."
+            cause = f"{kept.holder} gets the same object each time through the loop, and {_line(changed)} changes it, so all its items show the last value."
             fix = f"move `{ast.unparse(made)}` into the loop"
             yield Finding("one-object", cause, source.at(kept.node), fix)
 
@@ -81,7 +81,7 @@ def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
                 continue
             cause = (
                 f"{kept.holder} gets the object {name} itself, not a copy, and {_line(changed)} changes it later, "
-                "so what was kept changes with it."
+                "so the stored one changes too."
             )
             fix = f"write copy.deepcopy({name}) instead of {name} here, and `import copy` at the top of the file"
             yield Finding("one-object", cause, owner.source.at(kept.node), fix)
@@ -116,7 +116,7 @@ def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
             case _:
                 continue
         if changed:
-            cause = f"{name} stands in the body of the class, so all objects of {owner.definition.name} share it, and {_line(changed)} changes it for all of them."
+            cause = f"{name} is set in the class body, so all instances of {owner.definition.name} share it, and {_line(changed)} changes it for all of them."
             fix = f"write `self.{name} = {ast.unparse(value)}` in __init__ instead"
             yield Finding("one-object", cause, owner.source.at(statement), fix)
 
@@ -137,7 +137,7 @@ def _repeated(source: PythonSource, node: ast.Assign | ast.AnnAssign) -> Iterato
     for target in _targets(node):
         name = dotted(target)
         if is_object and name and (changed := _change_below(source.nodes, name)):
-            cause = f"{name} has the same object {ast.unparse(one)} several times, so {_line(changed)} changes all of them."
+            cause = f"{name} holds the same object {ast.unparse(one)} several times, so {_line(changed)} changes all of them."
             yield Finding("one-object", cause, source.at(node), f"write {name} = {each}")
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.diagnose.sources.spelling import plain_signs
+from ros2lab.diagnose.sources.spelling import plain_signs, with_article
 
 _LONGEST = 500  # letters of a line in a file in which changes are tried
 _MOST_REPAIRS = 4  # lines that are changed, one after the other
@@ -64,15 +64,17 @@ def explained(
     if not repairs:
         return Finding(code, f"{what}: {_said(fault)}.", place, _fix(fault, source))
     first, *more = repairs
-    steps = [_step(first), *(f"in line {one.line} {_step(one)}" for one in more)]
+    steps = [_step(first), *(f"on line {one.line} {_step(one)}" for one in more)]
     cause = f"{what}: {first.why}."
     return Finding(code, cause, f"{place.rpartition(':')[0]}:{first.line}", "; ".join(steps))
 
 
 def _step(repair: Repair) -> str:
-    if re.search(r"spaces (?:more|are)|begins with \d", repair.why) and not repair.new.endswith(" pass"):
-        return f"let line {repair.line} begin with {len(repair.new) - len(repair.new.lstrip())} spaces and no tab"
-    return f"write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else "take the line away"
+    if re.search(r"indented further|spaces are|begins with \d", repair.why) and not repair.new.endswith(
+        " pass"
+    ):
+        return f"begin line {repair.line} with {len(repair.new) - len(repair.new.lstrip())} spaces and no tab"
+    return f"write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else "remove the line"
 
 
 def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
@@ -141,7 +143,9 @@ def _left_out(place: int, line: str) -> Iterator[Repair]:
     """Yield that a line is taken away which another program has left: a conflict of git, a fence, a prompt."""
     if re.match(r"\s*(?:([<=>`~|-])\1{2,}|[$%] )", line):
         yield Repair(
-            place, "", f"`{line.strip()[:_SHOWN]}` is no Python: git, a web page or a terminal has left it"
+            place,
+            "",
+            f"`{line.strip()[:_SHOWN]}` is not Python: it was left by git, a web page or a terminal",
         )
 
 
@@ -154,16 +158,16 @@ def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator
     before = len(lines[above - 1]) - len(lines[above - 1].lstrip())
     deeper = before + 4
     if "expected an indented block" in said:
-        why = f"what belongs to `{lines[above - 1].strip()}` must be indented by some spaces more than it"
+        why = f"the lines that belong to `{lines[above - 1].strip()}` must be indented further than it"
         if re.match(r"(def|class|@|else|elif|except|finally)\b", code):
             yield Repair(
-                above, f"{lines[above - 1]} pass", f"nothing stands below `{lines[above - 1].strip()}`"
+                above, f"{lines[above - 1]} pass", f"there is nothing below `{lines[above - 1].strip()}`"
             )
         yield Repair(place, " " * deeper + code, why)
     depths = {len(one) - len(one.lstrip()) for one in lines[: place - 1] if one.strip()}
     now = len(line) - len(line.lstrip())
     for depth in sorted(depths, key=lambda depth: abs(depth - now)):
-        why = f"`{code[:_SHOWN]}` begins with {now} spaces, and the lines to which it belongs with {depth}"
+        why = f"`{code[:_SHOWN]}` begins with {now} spaces, but the lines it belongs with begin with {depth}"
         why = "tabs and spaces are mixed in the indentation" if "\t" in line else why
         yield Repair(place, " " * depth + code, why)
 
@@ -174,31 +178,31 @@ def _rule(pattern: str, new: str, why: str) -> tuple[re.Pattern[str], str, str]:
 
 # How other languages write what Python writes in its own way; each is told only where Python reads on after it.
 _FOREIGN = (
-    _rule(r"(?<!=)(?<![\w)\]])(\+\+|--)([\w.]+)\s*;?\s*$", r"\2 \1= 1", "Python has no `++` and no `--`"),
+    _rule(r"(?<!=)(?<![\w)\]])(\+\+|--)([\w.]+)\s*;?\s*$", r"\2 \1= 1", "Python has no `++` or `--`"),
     _rule(r"([\w.\]]+)\s*\+\+\s*;?\s*$", r"\1 += 1", "Python has no `++`"),
     _rule(r"([\w.\]]+)\s*--\s*;?\s*$", r"\1 -= 1", "Python has no `--`"),
     _rule(r"\s*&&\s*", " and ", "Python writes `and` where other languages write `&&`"),
     _rule(r"\s*\|\|\s*", " or ", "Python writes `or` where other languages write `||`"),
     _rule(r"!(?!=)\s*", "not ", "Python writes `not` where other languages write `!`"),
     _rule(r"([=!])==", r"\1=", "Python compares with == and !="),
-    _rule(r"\(([\w, ]*)\)\s*=>\s*", r"lambda \1: ", "Python writes a small function with `lambda`"),
+    _rule(r"\(([\w, ]*)\)\s*=>\s*", r"lambda \1: ", "Python writes a short function with `lambda`"),
     _rule(
         r"(\w)\s*==\s*(?=[^()]*\)\s*(?:->.*)?:?\s*$)",
         r"\1=",
-        "a default, or a value by its name, is given with a single =",
+        "a default or a keyword argument is given with a single =",
     ),
-    _rule(r"=([<>])(?!=)", r"\1=", "the = of a comparison stands last, as in >= and <="),
+    _rule(r"=([<>])(?!=)", r"\1=", "in a comparison the = comes last, as in >= and <="),
     _rule(r"<>", "!=", "Python writes != where other languages write <>"),
     _rule(r"^(\s*)\}?\s*(?:else\s+if|elseif|elsif)\b", r"\1elif", "Python writes `elif` for `else if`"),
     _rule(r"^(\s*)\}\s*(else|elif|except|finally)\b", r"\1\2", "Python has no braces around blocks"),
-    _rule(r"\s*\{\s*$", ":", "Python begins a block with a colon, and not with a brace"),
-    _rule(r"^\s*[}]\s*;?\s*$", "", "Python ends a block by its indentation, and not with a brace"),
-    _rule(r"^\s*end\s*$", "", "Python ends a block by its indentation, and not with `end`"),
+    _rule(r"\s*\{\s*$", ":", "Python begins a block with a colon, not with a brace"),
+    _rule(r"^\s*[}]\s*;?\s*$", "", "Python ends a block by its indentation, not with a brace"),
+    _rule(r"^\s*end\s*$", "", "Python ends a block by its indentation, not with `end`"),
     _rule(r"\s+(?:then|do)\s*:?\s*$", ":", "Python begins a block with a colon"),
-    _rule(r"^(\s*)(?://|/\*|<!--)\s?(.*?)\s*(?:\*/|-->)?$", r"\1# \2", "a comment of Python begins with #"),
-    _rule(r"\s*//\s*(?=[A-Za-z]).*$", "", "a comment of Python begins with #, and not with //"),
+    _rule(r"^(\s*)(?://|/\*|<!--)\s?(.*?)\s*(?:\*/|-->)?$", r"\1# \2", "a comment in Python begins with #"),
+    _rule(r"\s*//\s*(?=[A-Za-z]).*$", "", "a comment in Python begins with #, not with //"),
     _rule(r"->|::", ".", "Python writes a dot where other languages write -> or ::"),
-    _rule(r"\bnew\s+(?=[A-Z])", "", "Python makes an object without `new`"),
+    _rule(r"\bnew\s+(?=[A-Z])", "", "Python creates an object without `new`"),
     _rule(
         r"^(\s*)catch\s*\(?\s*(\w+)(?:\s+(\w+))?\s*\)?\s*:?",
         r"\1except \2 as \3:",
@@ -221,15 +225,17 @@ _FOREIGN = (
     _rule(
         r"^(\s*)(?!def\b|class\b|async\b|if\b|elif\b|while\b|for\b|with\b|return\b)(?:[\w<>]+\s+)+(\w+)\s*(\(.*\))\s*[:{]?\s*$",
         r"\1def \2\3:",
-        "a function begins with `def`, and its type is not written in front of it",
+        "a function begins with `def`, without a type in front of it",
     ),
     _rule(
         r"^(\s*)(?!if\b|elif\b|while\b|return\b|del\b)[A-Za-z_][\w.:<>]*[&*]?\s+(?:\w+\s+)?((?:self\.)?\w+\s*=(?!=).*?);?\s*$",
         r"\1\2",
-        "a variable is made by giving it a value, without a type or a word in front of it",
+        "a variable is created by giving it a value, without a type or a keyword in front of it",
     ),
     _rule(
-        r"^(\s*(?:if|elif|while)\b[^=]*[^=!<>:])=(?!=)\s*", r"\1== ", "a single = gives a value; == compares"
+        r"^(\s*(?:if|elif|while)\b[^=]*[^=!<>:])=(?!=)\s*",
+        r"\1== ",
+        "a single = assigns a value; == compares",
     ),
     _rule(r"\b0+(?=[1-9]\d*\b)", "", "an integer may not begin with 0"),
     _rule(r"^(\s*(?:def|class)\s+)(\d+)(\w+)", r"\1\3\2", "a name may not begin with a digit"),
@@ -242,7 +248,7 @@ def _in_pythons_words(number: int, line: str) -> Iterator[Repair]:
     plain = plain_signs(line)
     if plain != line:
         strange = next(letter for letter in line if plain_signs(letter) != letter)
-        why = f"the letter {strange!r} (U+{ord(strange):04X}) was copied from a web page or a text"
+        why = f"the letter {strange!r} (U+{ord(strange):04X}) was copied from a web page or a document"
         yield Repair(number, plain, why)
     yield from _names(number, plain)
     versions = [(plain, "")]
@@ -261,10 +267,10 @@ def _names(number: int, line: str) -> Iterator[Repair]:
     for word in {*re.findall(r"(?<=\.)[a-z]+\b|\b[a-z]+(?=\s*=[^=])|(?<=def )[a-z]+\b", line)}:
         if keyword.iskeyword(word):
             new = re.sub(rf"(?<![\w]){word}(?!\w)(?=\s*[=.(\[,)]|\s*$)", f"{word}_", line)
-            yield Repair(number, new, f"{word} is a word of Python's own, and cannot be a name")
+            yield Repair(number, new, f"{word} is a Python keyword and cannot be used as a name")
     for name in re.findall(r"[A-Za-z_]\w*(?:-[A-Za-z_]\w*)+", line):
         new = line.replace(name, name.replace("-", "_"))
-        yield Repair(number, new, f"{name} holds a minus, which no name may")
+        yield Repair(number, new, f"{name} contains a minus sign, which a name may not")
 
 
 def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[Repair]:
@@ -285,7 +291,7 @@ def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[
         if above_it := re.search(r"on line (\d+)", said):
             opened_at = int(above_it[1])
             line = lines[opened_at - 1].rstrip()
-            why = f"the {wrong[1]} of line {opened_at} is never closed"
+            why = f"the {wrong[1]} on line {opened_at} is never closed"
             yield Repair(opened_at, f"{line[:-1]}{closer}," if line.endswith(",") else f"{line}{closer}", why)
     if "never closed" in said:
         opened = said[1]
@@ -294,7 +300,7 @@ def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[
         for number in range(place + 1, min(place + 40, len(lines)) + 1):
             line = lines[number - 1]
             if len(line) - len(line.lstrip()) <= depth or not line.strip():
-                why = f"the {opened} of line {place} is never closed"
+                why = f"the {opened} on line {place} is never closed"
                 last = max(n for n in range(place, number) if lines[n - 1].strip())
                 yield Repair(last, f"{lines[last - 1]}{closer}", why)
                 yield Repair(last, f"{lines[last - 1]}{closer},", why)
@@ -325,7 +331,7 @@ def _ended(number: int, line: str) -> Iterator[Repair]:
     for closer in ")]}":
         if code.endswith((closer, f"{closer},")):
             cut = code.rstrip(",")[:-1] + "," * code.endswith(",")
-            yield Repair(number, f"{cut}{comment}", f"one {closer} is too much at the end")
+            yield Repair(number, f"{cut}{comment}", f"there is one {closer} too many at the end")
 
 
 def _split(line: str) -> tuple[str, str]:
@@ -336,19 +342,21 @@ def _split(line: str) -> tuple[str, str]:
 
 def _quoted(number: int, line: str) -> Iterator[Repair]:
     """Yield a line with a quote or a brace more, or with other quotes around a text that holds one."""
-    yield Repair(number, re.sub(r"(\{[^{}'\"]*)(['\"])", r"\1}\2", line), "a brace } is missing in the text")
-    yield Repair(number, re.sub(r"(?<!\{)\}", "", line), "a brace } is too much in the text")
+    yield Repair(
+        number, re.sub(r"(\{[^{}'\"]*)(['\"])", r"\1}\2", line), "a brace } is missing in the string"
+    )
+    yield Repair(number, re.sub(r"(?<!\{)\}", "", line), "there is one brace } too many in the string")
     for quote, other in (("'", '"'), ('"', "'")):
         count = line.count(quote)
         first, last = line.find(quote), line.rfind(quote)
         if count >= 2:
             inner = line[first + 1 : last]
             if quote in inner and other not in inner:
-                why = f"the text holds a {quote}, which ends it too early"
+                why = f"the string contains a {quote}, which ends it too early"
                 yield Repair(number, f"{line[:first]}{other}{inner}{other}{line[last + 1 :]}", why)
                 yield Repair(number, f"{line[: first + 1]}{inner.replace(quote, other)}{line[last:]}", why)
         if count % 2:
-            why = f"the quote {quote} after the text is missing"
+            why = f"the closing quote {quote} is missing"
             end = len(line.rstrip()) - len(re.search(r"[)\]},:]*\s*$", line)[0].rstrip())  # type: ignore[index]
             for cut in range(end, len(line.rstrip()) + 1):
                 yield Repair(number, f"{line[:cut]}{quote}{line[cut:]}", why)
@@ -358,7 +366,7 @@ def _quoted(number: int, line: str) -> Iterator[Repair]:
                 yield Repair(
                     number,
                     f"{line[:cut]}{quote}{line[cut:]}",
-                    f"the quote {quote} before the text is missing",
+                    f"the opening quote {quote} is missing",
                 )
 
 
@@ -388,7 +396,7 @@ def _inserted(number: int, line: str) -> Iterator[Repair]:
     for before, token in itertools.pairwise(tokens):
         if token.type == before.type == tokenize.OP:
             new = f"{line[: begin + token.start[1]]}{line[begin + token.end[1] :]}"
-            yield Repair(number, new, f"the sign {token.string} does not belong there")
+            yield Repair(number, new, f"the character {token.string} does not belong there")
 
 
 _SIGNS = {":": "a colon", ",": "a comma", "=": "a single =", ".": "a dot"}
@@ -402,7 +410,7 @@ def _exchanged(number: int, line: str) -> Iterator[Repair]:
             if sign != found[0]:
                 new = f"{code[: found.start()]}{sign}{code[found.end() :]}{comment}"
                 yield Repair(
-                    number, new, f"{name} belongs where {found[0]} stands in `{code.strip()[:_SHOWN]}`"
+                    number, new, f"there should be {name} instead of {found[0]} in `{code.strip()[:_SHOWN]}`"
                 )
 
 
@@ -414,25 +422,22 @@ def _said(fault: SyntaxError) -> str:
     if isinstance(fault, IndentationError):
         return f"the indentation is wrong ({said})"
     if "codec" in said:
-        return f"it is not saved in UTF-8, so a letter with an accent or an umlaut cannot be read ({said})"
+        return f"it is not saved as UTF-8, so an accented letter cannot be read ({said})"
     return said.removesuffix(".").removesuffix("?")
-
-
-def _a(kind: str) -> str:
-    """Name one of a kind, such as `an async function` of `async function`."""
-    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _fix(fault: SyntaxError, source: PythonSource | None) -> str:
     """Say what to do about a syntax error of which no change of the line is known."""
     if isinstance(fault, IndentationError):
-        return "indent with four spaces everywhere, and never with tabs"
+        return "indent with four spaces everywhere, never with tabs"
     if "codec" in (fault.msg or ""):
-        return "save the file anew with the encoding UTF-8"
+        return "save the file again with the encoding UTF-8"
     if "never closed" in (fault.msg or "") or "EOF" in (fault.msg or ""):
         return "close the bracket or the quote"
     if (fault.msg or "invalid syntax") == "invalid syntax":
-        return "look at this line, and at the end of the one above: a comma, a bracket, a colon or a quote is missing"
+        return (
+            "look at this line and at the end of the one above for a missing comma, bracket, colon or quote"
+        )
     return _fix_said(fault, source)
 
 
@@ -441,8 +446,8 @@ def _fix_said(fault: SyntaxError, source: PythonSource | None) -> str:
     if twice := re.match(r"keyword argument repeated: (\w+)", fault.msg or ""):
         lines = enumerate(source.text.splitlines()[: (fault.lineno or 1) - 1] if source else (), 1)
         others = [number for number, line in lines if re.search(rf"\b{twice[1]}\s*=", line)]
-        where = f" in line {others[-1]}" if others else ""
-        return f"put what this one holds into the {twice[1]}{where}, too, and take this one away"
+        where = f" on line {others[-1]}" if others else ""
+        return f"move the contents of this one into the {twice[1]}{where}, and remove this one"
     if outside := re.match(r"'(\w+)' outside (?:of )?(.+)", fault.msg or ""):
-        return f"take {outside[1]} away, or put it into {_a(outside[2])}"
-    return "change in this line what that says"
+        return f"remove {outside[1]}, or put it inside {with_article(outside[2])}"
+    return "fix this line as the message says"

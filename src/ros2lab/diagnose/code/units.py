@@ -62,8 +62,8 @@ class _Times:
         if fine not in _NAMES or coarse not in _NAMES or _is_same(fine, coarse):
             return
         text, against = ast.unparse(side), ast.unparse(other)
-        said = f"counts {_NAMES[coarse]}" if len(sides) == 2 else f"is {value:g}"
-        cause = f"{text} counts {_NAMES[fine]}, and {against} {said}, so `{ast.unparse(node)}` mixes units."
+        said = f"is in {_NAMES[coarse]}" if len(sides) == 2 else f"is {value:g}"
+        cause = f"{text} is in {_NAMES[fine]}, but {against} {said}, so `{ast.unparse(node)}` mixes units."
         factor = f"1e{round(math.log10(coarse / fine))}"
         yield Finding(
             "unit-mixed",
@@ -79,9 +79,7 @@ class _Times:
         given = {one.arg: one.value for one in call.keywords}
         value = self._number(given.get("nanoseconds"))
         if len(given) == 1 and value and 1 < value < _TOO_SHORT / _NS:  # one is the least that there is
-            cause = (
-                f"{ast.unparse(call)} lasts {value:g} nanoseconds, which is over before anything can happen."
-            )
+            cause = f"{ast.unparse(call)} lasts only {value:g} nanoseconds, which is over before anything can happen."
             fix = f"write Duration(seconds={value:g}), or Duration(seconds={value / 1000:g}) if milliseconds are meant"
             yield Finding("unit-mixed", cause, self._source.at(call), fix)
 
