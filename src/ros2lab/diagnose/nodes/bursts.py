@@ -24,7 +24,7 @@ def burst_faults(sources: NodeSources) -> Iterator[Finding]:
             is_one = other.name == end.name and not other.is_publisher
             if is_one and depth is not None and 0 < depth < count and _reads_all(sources, other.creation):
                 where = _depth_node(other.creation)
-                cause = f"{function.name}() publishes {count} messages on {end.name} at once, and this queue keeps {depth}: each new one pushes out one that was not read yet."
+                cause = f"{function.name}() publishes {count} messages on {end.name} at once, but this queue holds only {depth}: each new message pushes out an unread one."
                 fix = f"give both ends of {end.name} a depth of {max(10, count)}, such as {max(10, count)} instead of {ast.unparse(where)}"
                 yield Finding("queue-short", cause, other.creation.source.at(where), fix)
 

@@ -37,8 +37,7 @@ def finding_of(fault: Fault) -> Finding | None:
         publisher, subscription = fault.publisher, fault.subscription
         return Finding(
             "topic-type",
-            f"On {publisher.topic}, {_short(publisher.node)} publishes {publisher.type} and "
-            f"{_short(subscription.node)} listens for {subscription.type}: they never hear each other.",
+            f"On {publisher.topic}, {_short(publisher.node)} publishes {publisher.type} but {_short(subscription.node)} subscribes with {subscription.type}, so no messages arrive.",
             "",
             "use the same type at both ends",
             (publisher.topic,),
@@ -55,9 +54,9 @@ def finding_of(fault: Fault) -> Finding | None:
     if isinstance(fault, SharedName):
         return Finding(
             "name-twice",
-            f"{fault.count} nodes are called {fault.node}, so what they publish comes {fault.count} times.",
+            f"{fault.count} nodes are named {fault.node}, so what they publish arrives {fault.count} times.",
             "",
-            "stop all but one of them",
+            "stop all but one",
         )
     return None
 
@@ -67,17 +66,16 @@ def _near_miss(fault: NearMiss) -> Finding:
     if fault.meant_ends:
         return Finding(
             "topic-near-miss",
-            f"{does} {fault.topic} and {_does(fault.meant_ends)} {fault.meant}: these are two topics, so they do "
-            "not meet.",
+            f"{does} {fault.topic} and {_does(fault.meant_ends)} {fault.meant}: these are two different topics, so they do not connect.",
             "",
-            f"use one of the two names in {who} and in {_who(fault.meant_ends)}",
+            f"use the same one of the two names in {who} and in {_who(fault.meant_ends)}",
             (fault.topic, fault.meant),
         )
     return Finding(
         "topic-near-miss",
-        f"{does} {fault.topic}, and {fault.meant} is another topic: they do not meet.",
+        f"{does} {fault.topic}, but {fault.meant} is a different topic, so they do not connect.",
         "",
-        f"write {fault.meant} in {who}, build it again and start it again",
+        f"write {fault.meant} in {who}, then build and start it again",
         (fault.topic,),
     )
 

@@ -72,7 +72,7 @@ def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
         }
         if has_managed and name in ("on_activate", "on_deactivate") and name not in called:
             does = name.removeprefix("on_")
-            cause = f"{name}() takes the place of the one that would {does} this node's lifecycle publishers, so they stay as they are."
+            cause = f"{name}() overrides the method that would {does} this node's lifecycle publishers, so their state does not change."
             given = ", ".join(one.arg for one in parameters(method)[1:]) or "state"
             yield Finding(
                 "transition-wrong",
@@ -81,7 +81,7 @@ def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
                 f"write `return super().{name}({given})` as its last line",
             )
         elif not returns_value(method) and not isinstance(method.body[-1], ast.Raise):
-            cause = f"{name}() returns nothing, and so the transition counts as failed."
+            cause = f"{name}() returns nothing, so the transition counts as failed."
             fix = "write `return TransitionCallbackReturn.SUCCESS` as its last line"
             yield Finding("transition-wrong", cause, owner.source.at(method), fix)
 
@@ -112,9 +112,9 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
             ):
                 yield Finding(
                     "shutdown-in-callback",
-                    f"{function.name} is called by spin() and calls rclpy.shutdown() itself, which may hang.",
+                    f"{function.name} is called by spin() and itself calls rclpy.shutdown(), which may hang.",
                     source.at(node),
-                    "take it away; where the program is to end, write `raise SystemExit`, and rclpy.try_shutdown() at the end of main",
+                    "remove it; write `raise SystemExit` where the program should end, and rclpy.try_shutdown() at the end of main",
                 )
         yield from _more_timers(sources, source, functions)
     yield from _rates(sources)
@@ -132,9 +132,9 @@ def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -
             if name.startswith("asyncio."):
                 yield Finding(
                     "callback-waits",
-                    f"{what[0].upper()}{what[1:]} is run by rclpy, which has no loop of asyncio, so {name}() fails.",
+                    f"{what[0].upper()}{what[1:]} is run by rclpy, which has no asyncio event loop, so {name}() fails.",
                     source.at(node),
-                    "take this line away; what is to happen later, let create_timer(period, self.callback) call",
+                    "remove this line, and use create_timer(period, self.callback) for what should happen later",
                 )
 
 
@@ -155,9 +155,9 @@ def _sent_early(sources: NodeSources) -> Iterator[Finding]:
         if sent and all(id(node) in early for node in sent):
             yield Finding(
                 "sent-early",
-                f"`{ast.unparse(sent[0].func)}(...)` runs once, while the node is being made: nobody has met the node then, so nobody hears it.",
+                f"`{ast.unparse(sent[0].func)}(...)` runs once, in the constructor, before any subscriber is connected, so nothing receives the message.",
                 one.source.at(sent[0]),
-                "publish in a method, and let create_timer(1.0, self.that_method) call it",
+                "publish in a method, and call it with a timer: create_timer(1.0, self.that_method)",
             )
 
 
@@ -178,9 +178,9 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
             if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer":
                 yield Finding(
                     "timer-in-callback",
-                    f"{functions[0].name} is called again and again, and each time one more timer begins, while the others go on.",
+                    f"{functions[0].name} is called repeatedly and starts another timer each time, while the earlier ones keep running.",
                     source.at(node),
-                    "make the timer once, in __init__, or cancel the old one before",
+                    "create the timer once, in __init__, or cancel the old one first",
                 )
 
 
@@ -194,9 +194,9 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
             if name == "rclpy.spin":
                 yield Finding(
                     "spin-inside",
-                    f"{what[0].upper()}{what[1:]} spins, so it never ends, and nothing after it is reached.",
+                    f"{what[0].upper()}{what[1:]} spins, so it never returns and nothing after it is reached.",
                     source.at(node),
-                    "take it away here, and write rclpy.spin(node) in main, after the node is made",
+                    "remove it here, and write rclpy.spin(node) in main, after the node is made",
                 )
             elif is_free:
                 continue
@@ -208,11 +208,11 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
             ):
                 yield Finding(
                     "callback-waits",
-                    f"{what[0].upper()}{what[1:]} waits in {name}(), and until it goes on no other callback is called.",
+                    f"{what[0].upper()}{what[1:]} waits in {name}(), and no other callback is called until it continues.",
                     source.at(node),
-                    "let create_timer(period, self.callback) call the next step instead of waiting"
+                    "do the next step in a timer callback, with create_timer(period, self.callback), instead of waiting"
                     if name == "time.sleep"
-                    else "ask in a thread of its own, and let the callback only use what it has got",
+                    else "make the request in a separate thread, and let the callback only use the result",
                 )
 
 
@@ -236,10 +236,8 @@ def _waits_for_another(
                     if method.name != "__init__" and method not in functions and _stores(method, name)
                 ]
                 if others:
-                    cause = f"In {what} a loop waits for self.{name}, which {others[0]}() sets, and rclpy calls that only when this one is done: it waits for ever."
-                    fix = (
-                        f"keep here what is to be done, and do it in {others[0]}(), when self.{name} has come"
-                    )
+                    cause = f"In {what}, a loop waits for self.{name}, which {others[0]}() sets; but rclpy calls {others[0]}() only after this one returns, so it waits forever."
+                    fix = f"do the work that needs self.{name} in {others[0]}(), once it has been set"
                     yield Finding("callback-waits", cause, source.at(loop), fix)
 
 
@@ -272,9 +270,9 @@ def _loops(source: PythonSource, functions: list[Function], what: str) -> Iterat
             if isinstance(node, ast.While) and _is_endless(source, node):
                 yield Finding(
                     "endless-loop",
-                    f"In {what} a loop goes on for ever, so nothing else of the node is ever called.",
+                    f"In {what}, a loop runs forever, so no other callback of the node is ever called.",
                     source.at(node),
-                    "take the loop away, and let create_timer(period, self.callback) call its body",
+                    "remove the loop, and run its body in a timer callback: create_timer(period, self.callback)",
                 )
 
 
@@ -321,7 +319,7 @@ def _rates(sources: NodeSources) -> Iterator[Finding]:
         ):
             yield Finding(
                 "rate-without-thread",
-                "A rate sleeps until somebody spins the node, and here nobody does while it sleeps: it hangs.",
+                "A rate can wake up only while the node is being spun, and nothing spins it during the sleep, so it hangs.",
                 source.at(made[0]),
-                "use create_timer in its place, or spin the node in a thread of its own",
+                "use create_timer instead, or spin the node in a separate thread",
             )

@@ -13,7 +13,7 @@ from ros2lab.diagnose.sources.calls import fitting, meant_call
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
-from ros2lab.diagnose.sources.spelling import did_you_mean
+from ros2lab.diagnose.sources.spelling import did_you_mean, with_article
 
 _NUMBERS = frozenset(("bool", "int", "float"))
 # With which kinds a plain kind may be equal.
@@ -90,8 +90,7 @@ def _described(kind: str) -> str:
     """Say what a value is, such as `an int` or `a Twist`."""
     if kind.startswith(CLASS):
         return "the class itself, without ()"
-    name = "text" if kind == "str" else kind.rpartition(".")[2]
-    return f"an {name}" if name[0] in "AEIaei" else f"a {name}"
+    return with_article("string" if kind == "str" else kind.rpartition(".")[2])
 
 
 def _assignment_faults(scope: Scope, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:
@@ -113,7 +112,7 @@ def _constructor_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         if keyword.arg:
             yield from _value_faults(scope, message, keyword.arg, keyword.value, keyword.value)
     if node.args:
-        cause = f"{_short(message)} takes its fields by name, and a value stands here without one."
+        cause = f"{_short(message)} takes its fields as keyword arguments, but this value has no name."
         yield Finding("argument-missing", cause, scope.source.at(node), meant_call(scope.source, node))
 
 
@@ -162,20 +161,17 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
         [n.value for n in value.elts if isinstance(n, ast.Constant)] if isinstance(value, ast.Tuple) else []
     )
     if given == PARAMETER:
-        cause = (
-            f"{which} holds {_described(wanted)}, and {text} is a Parameter, which holds its value in .value."
-        )
+        cause = f"{which} holds {_described(wanted)}, but {text} is a Parameter, whose value is in .value."
         yield Finding("field-type", cause, place, f"write {text}.value")
     elif len(digits) == 2 and wanted == "float":
-        cause = f"{which} holds a float, and {text} is two numbers: the comma makes a tuple of them."
-        yield Finding("field-type", cause, place, f"write {digits[0]!s}.{digits[1]!s}, with a point")
+        cause = f"{which} holds a float, but {text} is two numbers: the comma makes them a tuple."
+        yield Finding("field-type", cause, place, f"write {digits[0]!s}.{digits[1]!s}, with a decimal point")
     elif wanted == "float" and given == "int":
         yield Finding(
             "int-in-float",
-            f"{which} holds a float, and {text} is an int: without a check, ROS reads the wrong bytes and sends a "
-            "number like 4e-323, which is as good as 0.",
+            f"{which} holds a float, but {text} is an int: ROS does not check it, reads the wrong bytes and sends a number like 4e-323, practically 0.",
             place,
-            f"write {text}.0 and not {text}" if text.lstrip("-").isdigit() else f"write float({text})",
+            f"write {text}.0 instead of {text}" if text.lstrip("-").isdigit() else f"write float({text})",
         )
     elif wanted == "str" and given in PLAIN:
         what = (
@@ -183,10 +179,10 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
             if not isinstance(value, ast.Tuple)
             else f"the comma makes a tuple: {text}"
         )
-        cause = f"{which} holds a text, and {what}."
+        cause = f"{which} holds a string, but {what}."
         yield Finding("string-data-type", cause, place, f"write {fitting('str', value) or f'str({text})'}")
     elif not (wanted in ("int", "float") and given == "bool") and (wanted != "float" or given in PLAIN):
-        cause = f"{which} holds {_described(wanted)}, and {text} is {_described(given)}."
+        cause = f"{which} holds {_described(wanted)}, but {text} is {_described(given)}."
         fix = f"give it {_described(wanted)}"
         yield Finding("field-type", cause, place, f"write {text}()" if given == f"{CLASS}{wanted}" else fix)
 
@@ -203,7 +199,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             if inner
             else f"write one of: {', '.join(fields)}"
             if fields
-            else f"leave {name} out, or take another message",
+            else f"remove {name}, or use another message type",
             (str(message),),
         )
 
@@ -226,7 +222,7 @@ def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[
         text, kind = ast.unparse(messages[0]), str(scope.kind(messages[0]))
         yield Finding(
             "message-compared",
-            f"`{text}` is {_described(kind)}, which is never equal to {_described(str(others[0]))}.",
+            f"`{text}` is {_described(kind)}, which never equals {_described(str(others[0]))}.",
             scope.source.at(messages[0]),
             f"compare {text}.{_first_field(kind)[0]}",
             (kind,),
@@ -250,10 +246,7 @@ def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
             if equals and kinds and all(kind in PLAIN and kind not in equals for kind in kinds):
                 wanted = str(scope.kind(field))
                 holds = "never" if isinstance(operator, (ast.Eq, ast.In)) else "always"
-                cause = (
-                    f"`{ast.unparse(field)}` holds {_described(wanted)}, and {ast.unparse(others[0])} is "
-                    f"{_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
-                )
+                cause = f"`{ast.unparse(field)}` holds {_described(wanted)}, but {ast.unparse(others[0])} is {_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
                 fix = _asked_rightly(field, wanted, holds == "never", others)
                 yield Finding("never-equal", cause, scope.source.at(node), fix)
                 break
@@ -301,7 +294,7 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         code, fix = "publish-type", f"write publish({ast.unparse(node.args[0].value)})"
     else:
         code, fix = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
-    cause = f"publish() wants {_described(message)}, and {text} is {_described(given)}."
+    cause = f"publish() needs {_described(message)}, but {text} is {_described(given)}."
     yield Finding(code, cause, place, fix, (message,))
 
 
@@ -316,14 +309,14 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
     if len(node.args) > 1:
         yield Finding(
             "logger-arguments",
-            f"{function.attr}() of a logger takes one text, and {len(node.args)} values are given.",
+            f"A logger's {function.attr}() takes one string, but is given {len(node.args)} values.",
             scope.source.at(node),
             f"write {function.attr}({_one_text(node.args)})",
         )
     elif kind is not None and kind != "str" and not kind.startswith(PUBLISHER):
         yield Finding(
             "logger-arguments",
-            f"{function.attr}() of a logger takes a text, and {value} is {_described(kind)}.",
+            f"A logger's {function.attr}() takes a string, but {value} is {_described(kind)}.",
             scope.source.at(node),
             f"write {function.attr}(str({value}))",
         )

@@ -44,7 +44,7 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
         if name and not _NODE_NAME.fullmatch(name):
             yield Finding(
                 "node-name-invalid",
-                f"{name!r} cannot be a node's name: only letters, digits and _ may be in it, and no digit at its beginning.",
+                f"{name!r} is not a valid node name: it may contain only letters, digits and _, and must not begin with a digit.",
                 source.at(node),
                 f"write {re.sub(r'[^A-Za-z0-9_]', '_', name).lstrip('0123456789') or 'a_name'!r}",
             )
@@ -60,7 +60,7 @@ def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Findin
         if misspelt is not None and any(base in NODE_CLASSES for base in one.bases):
             yield Finding(
                 "super-misspelt",
-                f"The method {misspelt.name} is not the constructor: that is called __init__, with two underscores on each side of init.",
+                f"The method {misspelt.name} is not the constructor, which is __init__, with two underscores on each side of init.",
                 one.source.at(misspelt),
                 f"write def __init__({ast.unparse(misspelt.args)}):",
             )
@@ -91,7 +91,7 @@ def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Findin
                 given = ", ".join(map(ast.unparse, node.args))
                 yield Finding(
                     "argument-missing",
-                    f"`{ast.unparse(node.func)}` is called of the class, and then self must be given first.",
+                    f"`{ast.unparse(node.func)}` is called on the class, so self must be the first argument.",
                     one.source.at(node),
                     f"write super().__init__({given})",
                 )
@@ -105,8 +105,7 @@ def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Findin
     if init_line is None:
         yield Finding(
             "super-missing",
-            f"The constructor of {one.definition.name} never calls super().__init__(), so the node does not exist "
-            "when it is used.",
+            f"The constructor of {one.definition.name} never calls super().__init__(), so there is no node when it is used.",
             one.source.at(constructor),
             "write super().__init__('node_name') as the first line of __init__",
         )
@@ -145,9 +144,9 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
             told.add(node.attr)
             yield Finding(
                 "callback-missing",
-                f"self.{node.attr} is given a value here, and hides the method {node.attr} of the same name.",
+                f"self.{node.attr} is assigned here, which hides the method of the same name.",
                 one.source.at(node),
-                f"give the method another name, such as {node.attr}_callback, also where it is given to ROS",
+                f"rename the method, for example to {node.attr}_callback, also where it is passed to ROS",
             )
         if isinstance(node.ctx, ast.Store) and node.attr in taken.keys() - own:
             told.add(node.attr)
@@ -192,8 +191,8 @@ def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
             else "outside the class"
         )
         return (
-            f": its definition stands {inside} ({line}), because of its indentation.",
-            f"indent def {name} and its body as the other methods of {one.definition.name}",
+            f": its indentation puts its definition {inside} ({line}).",
+            f"indent def {name} and its body like the other methods of {one.definition.name}",
         )
     for local in one.methods.values():
         set_here = [
@@ -225,7 +224,7 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
     place = source.at(creation.call)
     fix = meant_call(source, creation.call) or f"write {_EXAMPLES[creation.method]}"
     if "queue_size" in arguments:
-        cause = "queue_size belongs to ROS 1; in ROS 2 the queue's length is the last argument."
+        cause = "queue_size belongs to ROS 1; in ROS 2 the queue depth is the last argument."
         yield Finding("queue-size", cause, place, fix)
         return
     if fault := _order_fault(sources, creation):
@@ -235,8 +234,8 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
     missing = [name for name in names if name not in arguments]
     if missing:
         code = "qos-missing" if missing == ["qos_profile"] else "argument-missing"
-        what = "the queue's length" if code == "qos-missing" else " and ".join(missing)
-        yield Finding(code, f"{creation.method} lacks {what}.", place, fix)
+        what = "the queue depth" if code == "qos-missing" else " and ".join(missing)
+        yield Finding(code, f"{creation.method} is missing {what}.", place, fix)
         return
     yield from _type_fault(sources, creation)
     yield from _topic_fault(sources, creation)
@@ -259,7 +258,7 @@ def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
             number = ast.unparse(inner)
             return Finding(
                 "dot-for-comma",
-                f"In `{text}` a dot stands where a comma belongs.",
+                f"In `{text}` there is a dot where a comma should be.",
                 creation.source.at(value),
                 f"write {number}, {text.removeprefix(number).removeprefix('.')}",
             )
@@ -271,8 +270,7 @@ def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
         return None
     return Finding(
         "argument-order",
-        f"The arguments of {creation.method} stand in the wrong order, or one is missing: {' and '.join(wrong)} "
-        f"{'are' if len(wrong) > 1 else 'is'} not what belongs there.",
+        f"The arguments of {creation.method} are in the wrong order, or one is missing: {' and '.join(wrong)} {'do' if len(wrong) > 1 else 'does'} not belong there.",
         creation.source.at(creation.call),
         _in_order(creation, wanted, kinds) or f"write them in the order of {_EXAMPLES[creation.method]}",
     )
@@ -319,7 +317,7 @@ def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
         fix = text.removesuffix("()") if is_instance else "String"
         yield Finding(
             "type-not-a-message",
-            f"{creation.method} wants a message type such as String, and {text} is none.",
+            f"{creation.method} needs a message type such as String, and {text} is not one.",
             creation.source.at(value),
             f"write {fix}, with `from std_msgs.msg import String` at the top"
             if fix == "String"
@@ -334,7 +332,7 @@ def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
         better = re.sub(r"_*/_*", "/", re.sub(r"[^\w~{}/]+", "_", name.strip())).rstrip("/_")
         yield Finding(
             "topic-name-invalid",
-            f"{name!r} cannot be a topic's name: between slashes only letters, digits and _ may stand, and no digit first.",
+            f"{name!r} is not a valid topic name: between slashes it may contain only letters, digits and _, and no part may begin with a digit.",
             creation.source.at(value),
             f"write {better!r}",
         )
@@ -345,9 +343,9 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
     if isinstance(given, ast.Constant):
         yield Finding(
             "callback-missing",
-            f"{ast.unparse(given)} is no function that ROS could call.",
+            f"{ast.unparse(given)} is not a function that ROS could call.",
             place,
-            "give a method, such as self.callback",
+            "pass a method, such as self.callback",
         )
         return
     if isinstance(given, ast.Call):
@@ -355,7 +353,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         if inner is not None and not returns_value(inner):
             yield Finding(
                 "callback-called",
-                f"`{ast.unparse(given)}` calls the function here and now, and ROS is given what it returns, which is nothing.",
+                f"`{ast.unparse(given)}` calls the function right here, so ROS is given its return value, which is None.",
                 place,
                 f"write {ast.unparse(given.func)} without parentheses",
             )
@@ -372,7 +370,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         response = parameters(function)[-1].arg
         yield Finding(
             "callback-arguments",
-            f"{function.name}() answers a service and returns nothing, so the node ends at the first request.",
+            f"{function.name}() is a service callback but returns nothing, so the node crashes at the first request.",
             creation.source.at(function),
             f"write `return {response}` as the last line of {function.name}()",
         )
@@ -382,10 +380,8 @@ def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
     """Yield a callback of which a yield makes a generator, so that nothing of it ever runs."""
     for node in own_nodes(function):
         if isinstance(node, (ast.Yield, ast.YieldFrom)):
-            cause = (
-                f"The yield makes {function.name}() a generator: ROS calls it, and nothing in it ever runs."
-            )
-            fix = f"take the yield away: call or publish what {function.name}() is to give, or return"
+            cause = f"The yield makes {function.name}() a generator: ROS calls it, but none of its code ever runs."
+            fix = f"remove the yield: publish or return the value, or call the function, in {function.name}()"
             yield Finding("never-called", cause, creation.source.at(node), fix)
             return
 
@@ -400,9 +396,9 @@ def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
         return
     if creation.method == "create_subscription" and takes == 2:
         return
-    what = "without a value" if not wanted else f"with {wanted.replace(', ', ' and ')}"
+    what = "without arguments" if not wanted else f"with {wanted.replace(', ', ' and ')}"
     right = f"lambda {wanted}".strip()
-    cause = f"The function of {creation.method} is called {what}, and `{ast.unparse(given)}` takes {takes or 'none'}."
+    cause = f"The callback of {creation.method} is called {what}, but `{ast.unparse(given)}` takes {takes or 'none'}."
     yield Finding(
         "callback-arguments", cause, creation.source.at(given), f"write {right}: {ast.unparse(given.body)}"
     )
@@ -433,9 +429,9 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
     called_with = "the message" if rest == "msg" else rest or "nothing"
     yield Finding(
         "callback-arguments",
-        f"{function.name} is a method, and self, which is its first parameter, is missing."
+        f"{function.name} is a method, but its first parameter, self, is missing."
         if takes < 0
-        else f"{function.name} takes ({has}), and the callback of {creation.method} is called with {called_with}.",
+        else f"{function.name} takes ({has}), but the callback of {creation.method} is called with {called_with}.",
         f"{creation.source.shown}:{function.lineno}",
         f"write def {function.name}({right}):",
     )

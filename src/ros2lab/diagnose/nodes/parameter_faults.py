@@ -43,14 +43,14 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                 continue
             name = sources.value(source, node.args[0])
             if isinstance(name, str) and name not in declared and name != "use_sim_time":
-                there = f" Declared are: {', '.join(sorted(declared))}." if declared else ""
+                there = f" The declared parameters are: {', '.join(sorted(declared))}." if declared else ""
                 close = nearest(name, declared, 0.5)
                 declare = f"self.declare_parameter({name!r}, 1.0) in the constructor before it is read"
                 yield Finding(
                     "parameter-undeclared",
-                    f"The parameter {name!r} is read and never declared.{there}",
+                    f"The parameter {name!r} is read but never declared.{there}",
                     source.at(node),
-                    f"write {close!r} if that is meant; else {declare}" if close else f"write {declare}",
+                    f"write {close!r} if that is meant; otherwise {declare}" if close else f"write {declare}",
                 )
 
 
@@ -75,7 +75,7 @@ def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Itera
                     default = declared.get(name, UNKNOWN) if isinstance(name, str) else UNKNOWN
                     right = _FIELDS.get(type(default), field)
                     if right != field:
-                        cause = f"The parameter {name} is declared with {default!r}, and so stands in {right}; {field} of it is always 0 or empty."
+                        cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {field} is always 0 or empty."
                         yield Finding(
                             "parameter-type", cause, source.at(node), f"write .{right} instead of .{field}"
                         )
@@ -114,20 +114,20 @@ def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
     number, is_number = digits[0].replace(",", ".") if digits else "", digits is not None
     point = number if "." in number else f"{number}.0"
     fixes = {
-        "DOUBLE": f"write {name}: {point}, without quotes and with a point, and in a command -p {name}:={point}"
+        "DOUBLE": f"write {name}: {point}, without quotes and with a decimal point; in a command: -p {name}:={point}"
         * is_number,
-        "INTEGER": f"write {name}: {number.partition('.')[0]}, a whole number without a point and quotes"
+        "INTEGER": f"write {name}: {number.partition('.')[0]}, a whole number without a decimal point or quotes"
         * is_number,
-        "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command -p {name}:=\"'{value}'\"",
-        "BOOL": f"write {name}: true or false, in small letters and without quotes",
+        "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command: -p {name}:=\"'{value}'\"",
+        "BOOL": f"write {name}: true or false, in lower case and without quotes",
     }
     if wanted == "INTEGER" and kind == "DOUBLE" and is_number:
         return f"declare {name} with a default of type DOUBLE, such as declare_parameter('{name}', {number}): a parameter keeps the type of its default"
     if wanted == "BYTE_ARRAY" and kind.endswith("ARRAY"):
-        return f"write declare_parameter('{name}', Parameter.Type.{kind}) in the node, with `from rclpy.parameter import Parameter`: an empty list as the default does not tell of what it is a list"
+        return f"write declare_parameter('{name}', Parameter.Type.{kind}) in the node, with `from rclpy.parameter import Parameter`: an empty list as the default does not say what type its items have"
     if wanted == "DOUBLE_ARRAY" and kind == "INTEGER_ARRAY":
         points = re.sub(r"-?\d+", lambda number: f"{number[0]}.0", value)
-        return f"write each number with a point: {name}: {points}"
+        return f"write each number with a decimal point: {name}: {points}"
     if wanted.endswith("ARRAY") and not kind.endswith("ARRAY"):
         return f"write a list: {name}: [{value}]"
     return (
@@ -149,12 +149,12 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
     shown = files[0][0].shown(str(files[0][1].relative_to(files[0][0].folder))) if files else match["file"]
     place = at(shown, int(match["line"]) if match["line"] else None)
     if "opening" in said:
-        cause = f"There is no parameter file {match['file']}, seen from the folder in which this was typed."
+        cause = f"There is no parameter file {match['file']} in the folder where the command was typed."
         return Finding(
             "file-not-found",
             cause,
             "",
-            f"give it as {shown}, seen from the workspace" if files else "give the whole path of the file",
+            f"give it as {shown}, from the workspace folder" if files else "give the full path of the file",
         )
     try:
         for _, path in files[:1]:
@@ -167,7 +167,7 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
         "parameter-file-syntax",
         f"{shown} cannot be read as parameters: {said}.",
         place,
-        "indent with spaces, write a space after each colon, and the node's name, then ros__parameters:, above the values",
+        "indent with spaces, write a space after each colon, and put the node's name and then ros__parameters: above the values",
     )
 
 
@@ -238,7 +238,7 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
         if isinstance(content, Mapping) and BELOW in text:
             yield from _content_faults(content, names, declared, lines_of)
         elif isinstance(content, Mapping) and (near := _nearly_below(content)):
-            cause = f"{shown} calls the line above the parameters {near}:, and ROS reads only what stands below {BELOW}:."
+            cause = f"In {shown} the line above the parameters is {near}:, but ROS reads only what is below {BELOW}:."
             yield Finding(
                 "parameter-file-node",
                 cause,
@@ -296,8 +296,7 @@ def _content_faults(
         if near or len(wrong) == len(sections):
             yield Finding(
                 "parameter-file-node",
-                f"The file gives parameters to a node {short}, and the nodes here are called {', '.join(own)}: "
-                "they keep their defaults, and nothing says so.",
+                f"The file gives parameters to a node {short}, but the nodes here are named {', '.join(own)}: they silently keep their defaults.",
                 lines.at(key.rpartition("/")[2] if not key.startswith("/") else key),
                 f"write {likely} instead of {short}",
             )
@@ -309,8 +308,7 @@ def _content_faults(
                 shown = lines.written(name) or str(value)
                 yield Finding(
                     "parameter-type",
-                    f"The parameter {name} is declared as {wanted}, and the file gives it {shown}, of type {given}: "
-                    "the node does not start.",
+                    f"The parameter {name} is declared as {wanted}, but the file gives it {shown}, of type {given}, so the node does not start.",
                     lines.at(name),
                     value_fix(name, shown, given, wanted),
                 )
@@ -319,7 +317,7 @@ def _content_faults(
                 if near:
                     yield Finding(
                         "parameter-name",
-                        f"The file gives the parameter {name}, and the node declares {near}: it keeps its default.",
+                        f"The file sets the parameter {name}, but the node declares {near}, which keeps its default.",
                         lines.at(name),
                         f"write {near} instead of {name}",
                     )

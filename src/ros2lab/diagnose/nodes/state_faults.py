@@ -73,7 +73,7 @@ def _quoted(state: State) -> Iterator[Finding]:
                     ("msg.data", "message.data")
                 )
                 meant = f"str({text})" if is_number and is_shown else text
-                cause = f"{text!r} in quotes is a text, which says only what the attribute {text} is called."
+                cause = f"{text!r} in quotes is only a string with the name of the attribute {text}, not its value."
                 yield Finding("text-not-filled", cause, state.at(given), f"write {meant} without quotes")
 
 
@@ -99,7 +99,7 @@ def _computed_once(state: State) -> Iterator[Finding]:
         line = f"{text} = {ast.unparse(value)}"
         yield Finding(
             "computed-once",
-            f"{text} is computed only once, in __init__, and stays as it is when {by}() changes {one}.",
+            f"{text} is computed only once, in __init__, and is not updated when {by}() changes {one}.",
             state.at(state.stores[text][0][1]),
             f"write `{line}` as the first line of {readers[0][0].name}()",
         )
@@ -143,17 +143,14 @@ def _never_read(state: State) -> Iterator[Finding]:
             continue
         near = next((one for one in sorted(own & state.read) if is_near_miss(name, one)), None)
         if near:
-            cause = f"{method.name}() sets self.{name}, which nothing reads; what is read is self.{near}."
+            cause = f"{method.name}() sets self.{name}, which is never read; self.{near} is read instead."
             fix = f"write self.{near} instead of self.{name}"
             yield Finding("never-read", cause, state.at(node), fix)
             continue
         for target, other in filled(method):
             initial = state.initial(dotted(other) or "")
             if isinstance(initial, ast.Constant):
-                cause = (
-                    f"{method.name}() sets self.{name}, which nothing reads; {target} is filled with "
-                    f"{ast.unparse(other)}, which always stays {initial.value!r}."
-                )
+                cause = f"{method.name}() sets self.{name}, which is never read; {target} is set from {ast.unparse(other)}, which is always {initial.value!r}."
                 yield Finding("never-read", cause, state.at(other), f"write {target} = self.{name}")
                 break
 
@@ -180,7 +177,7 @@ def _never_equal(state: State) -> Iterator[Finding]:
             if not isinstance(text, str) or text in given:
                 continue
             near = nearest(text, unused, 0.6)
-            cause = f"{name} is compared with {text!r}, and is only ever set to {known}."
+            cause = f"{name} is compared with {text!r}, but is only ever set to {known}."
             place = state.at(given[near] if near else node)
             fix = f"write {text!r} instead of {near!r} here" if near else f"compare with one of {known}"
             yield Finding("never-equal", cause, place, fix)
@@ -222,17 +219,17 @@ def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If
     test, place = ast.unparse(statement.test), state.at(statement)
     name = next(ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node))
     if not hidden:
-        cause = f"{name} is {value.value!r} at first, and is changed only under `if {test}:`, which it never passes."
+        cause = f"{name} starts as {value.value!r} and is changed only inside `if {test}:`, which is then never true."
         return Finding(
-            "never-passed", cause, place, f"change {name} before this line, or ask for something else"
+            "never-passed", cause, place, f"change {name} before this line, or test something else"
         )
-    cause = f"{name} is {value.value!r} from the beginning and nothing changes it, so {hidden}() in {method.name}() is never reached."
+    cause = f"{name} starts as {value.value!r} and nothing changes it, so {hidden}() in {method.name}() is never reached."
     if isinstance(value.value, bool):
         begin = f"such as in __init__ (line {value.lineno})"
         return Finding(
-            "never-passed", cause, place, f"write `{name} = {not value.value}` where it is to begin, {begin}"
+            "never-passed", cause, place, f"write `{name} = {not value.value}` where it should begin, {begin}"
         )
-    fix = f"give {name} its value where that is known, such as in the callback that receives it"
+    fix = f"set {name} where its value is known, such as in the callback that receives it"
     return Finding("never-passed", cause, place, fix)
 
 
@@ -269,12 +266,12 @@ def _never_called(state: State) -> Iterator[Finding]:
         takes = [one.arg for one in parameters(method)][1:]
         why, begun = "", ""
         if _is_callback(state, method, takes):
-            why = "it is given to no timer, subscription or service"
+            why = "it is not passed to any timer, subscription or service"
             begun = f"write `{_given_to(name, len(takes))}` in __init__"
         elif not state.uses.named[name] and (changed := _changed_alone(state, method)):
             why, begun = f"only it changes {changed}", _call_of(state, name, takes)
         if begun:
-            cause = f"{name}() is defined, and nothing calls it: {why}."
+            cause = f"{name}() is defined but never called: {why}."
             yield Finding("never-called", cause, state.at(method), begun)
 
 
@@ -382,7 +379,7 @@ def _never_published(state: State) -> Iterator[Finding]:
         kept = name if name.startswith("self.") else f"self.{name}"
         fix = f"write {kept}.publish(msg) in the callback that has the message"
         fix = fix if kept == name else f"write {kept} instead of {name}, and {fix.removeprefix('write ')}"
-        cause = f"{name} is a publisher, and nothing publishes with it."
+        cause = f"{name} is a publisher, but nothing publishes with it."
         yield Finding("never-sent", cause, state.at(creation.call), fix)
 
 
@@ -392,9 +389,7 @@ def _never_shown(state: State) -> Iterator[Finding]:
     logs = [n for one in own for n in own_nodes(one) if isinstance(n, ast.Call) and is_log(n)]
     is_quiet = all(getattr(log.func, "attr", "") == "debug" for log in logs)
     if logs and is_quiet and all(map(_only_logs, own)) and not state.uses.named["set_level"]:
-        cause = (
-            "What is logged with debug() is not shown: a terminal shows what is logged with info() or above."
-        )
+        cause = "Messages logged with debug() are not shown: a terminal shows only info() and above."
         fix = "write info instead of debug; or start the node with --ros-args --log-level debug"
         yield Finding("never-shown", cause, state.at(logs[0]), fix)
 
@@ -414,8 +409,8 @@ def _overwritten(state: State) -> Iterator[Finding]:
                 case _:
                     continue
             if first := kept.get(name):
-                cause = f"{name} is given another {how.removeprefix('create_')} here, so nothing uses the one of line {first.lineno}, `{ast.unparse(first.value)}`."
-                fix = f"write another name here, such as {name}_2, and use that where this one is meant"
+                cause = f"{name} is replaced by another {how.removeprefix('create_')} here, so the one from line {first.lineno}, `{ast.unparse(first.value)}`, is never used."
+                fix = f"write another name here, such as {name}_2, and use it wherever this one is meant"
                 yield Finding("replaced", cause, state.at(statement), fix)
             kept[name] = statement
 
@@ -436,7 +431,7 @@ def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
                 if not users - {"__init__"}:
                     yield Finding(
                         "begun-anew",
-                        f"{method.name}() sets self.{name} back with `{ast.unparse(begun[name])}` each time, so it never grows.",
+                        f"{method.name}() resets self.{name} with `{ast.unparse(begun[name])}` each time, so it never grows.",
                         state.at(begun[name]),
-                        f"take the line `{ast.unparse(begun[name])}` away here; it belongs into __init__",
+                        f"remove the line `{ast.unparse(begun[name])}` here; it belongs in __init__",
                     )

@@ -28,8 +28,8 @@ def _same_modules(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
         for name in dict.fromkeys(one.partition(".")[0] for one in package.packages or ()):
             other = first.setdefault(name, package)
             if other is not package and other.name != package.name:
-                cause = f"{other.name} and {package.name} both install a Python package {name}: Python finds one of the two, and the other one's modules are missing."
-                fix = f"move {package.shown(name)} into {package.shown(package.name)}, take {name!r} out of packages in setup.py, and import it as {package.name}.{name}; best so in both"
+                cause = f"{other.name} and {package.name} both install a Python package {name}: Python finds only one of them, and the other one's modules are missing."
+                fix = f"move {package.shown(name)} into {package.shown(package.name)}, take {name!r} out of packages in setup.py, and import it as {package.name}.{name}; it is best to do so in both"
                 place = (
                     at(package.setup.source.shown, package.setup.line("packages")) if package.setup else ""
                 )
@@ -43,8 +43,8 @@ def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
             {one.partition(".")[0] for one in package.packages or ()}
             & sys.stdlib_module_names - interfaces.PROGRAMS
         ):
-            cause = f"The Python package {name} has the name of a module of Python's own, which the libraries import: they get this one."
-            fix = f"give it another name, such as my_{name}: the folder {package.shown(name)}, and each place in setup.py, setup.cfg, package.xml, resource and the imports"
+            cause = f"The Python package {name} has the same name as a standard-library module; libraries that import that get this one."
+            fix = f"rename it, for example to my_{name}: the folder {package.shown(name)}, and every use in setup.py, setup.cfg, package.xml, resource and the imports"
             yield Finding("name-shadowed", cause, package.shown(name), fix)
 
 
@@ -52,9 +52,9 @@ def hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tupl
     """Yield by its name each method that hides what every node has."""
     for method in one.methods.values():
         if method.name in properties and not method.decorator_list:
-            why = f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own."
+            why = f"Every node already has `{method.name}`, which this method hides, so choose another name."
         elif least := _demanded_by_node(method):
-            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more."
+            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with at least {least} argument{'s' * (least != 1)}."
         else:
             continue
         fix = f"call it {method.name}_ or another name, also where it is used"
@@ -68,14 +68,14 @@ def taken_attributes(one: NodeClass) -> dict[str, tuple[str, str]]:
     for node in walk(one.definition):
         match node:
             case ast.Attribute(attr=name, ctx=ast.Store()) if is_self_attribute(node) and name in properties:
-                cause = f"Every node already has `{name}`, which cannot be set, so it is no name for something of your own."
+                cause = f"Every node already has `{name}`, which cannot be set, so choose another name."
                 found[name] = cause, f"write self.{name}_ or another name"
             case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=value) if is_self_attribute(
                 target
             ):
                 is_rclpys = name in members and re.match(r"_[a-z]", name)
                 if is_rclpys and f".get{name}(" not in ast.unparse(value):
-                    cause = f"Every node keeps something of rclpy's in self.{name}, which this takes away."
+                    cause = f"rclpy itself uses self.{name} in every node, and this overwrites it."
                     found[name] = cause, f"write self.{name[1:]} or another name, also where it is used"
     return found
 

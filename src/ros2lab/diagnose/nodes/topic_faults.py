@@ -171,7 +171,7 @@ def service_faults(files: Iterable[NodeSources]) -> Iterator[Finding]:
         if near:
             yield Finding(
                 "topic-near-miss",
-                f"This node asks the service {name!r}, and the other one offers {near!r}: nobody answers.",
+                f"This node calls the service {name!r}, but the other one offers {near!r}, so nothing responds.",
                 clients[name].source.at(clients[name].call),
                 f"write the same name in both: {near!r} here, or {name!r} in {servers[near].source.at(servers[near].call)}",
             )
@@ -193,8 +193,8 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
         meant = others if there[0].is_private else [*others, *COURSE_TOPICS]
         wanted = next((name for name in meant if is_near_miss(topic, name)), None)
         if wanted:
-            verb = "publishes on" if is_publisher else "listens to"
-            who = "whoever listens to" if is_publisher else "what is said on"
+            verb = "publishes on" if is_publisher else "subscribes to"
+            who = "any subscriber to" if is_publisher else "what is published on"
             other = (
                 f"{who} {wanted!r} is not reached by it"
                 if wanted in others
@@ -202,9 +202,9 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
             )
             yield Finding(
                 "topic-near-miss",
-                f"This node {verb} {topic!r}, and {other}: the names differ.",
+                f"This node {verb} {topic!r}, but {other}: the names differ.",
                 there[0].place,
-                f"write {wanted!r} if that is meant (a slash at its beginning may stay)",
+                f"write {wanted!r} if that is meant (a leading slash may stay)",
                 (topic, wanted),
             )
 
@@ -226,7 +226,7 @@ def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
                 end for shown, end in files.items() if _in_name(topic, shown) and not _in_name(other, shown)
             ]
             if len(files) > 1 and len(named) == 1:
-                cause = f"Two programs publish on {other!r}, and none on {topic!r}, to which {there[0].creation.source.shown} subscribes."
+                cause = f"Two programs publish on {other!r}, but none on {topic!r}, which {there[0].creation.source.shown} subscribes to."
                 fix = f"write {topic!r} instead of {other!r} here"
                 yield Finding("topic-near-miss", cause, named[0].place, fix, (topic, other))
 
@@ -255,8 +255,7 @@ def _types(topic: str, there: list[End]) -> Iterator[Finding]:
         if right and end.type != right:
             yield Finding(
                 "topic-type",
-                f"On {topic!r} this node uses {end.type}, and {'the course' if wanted else 'another node'} uses {right}: "
-                "they never hear each other.",
+                f"On {topic!r} this node uses {end.type}, but {'the course' if wanted else 'another node'} uses {right}, so no messages arrive.",
                 end.place,
                 f"write {right.rpartition('.')[2]}, with `from {right.rpartition('.')[0]} import {right.rpartition('.')[2]}`",
                 (topic, right),
@@ -273,8 +272,7 @@ def _qualities(topic: str, there: list[End]) -> Iterator[Finding]:
                 if listener.qos.get(policy) == strict and publisher.qos.get(policy) == weak:
                     yield Finding(
                         "qos-mismatch",
-                        f"The subscription to {topic!r} wants {policy} {strict}, and the publisher offers {weak}: "
-                        "nothing arrives.",
+                        f"The subscription to {topic!r} requires {policy} {strict}, but the publisher offers {weak}, so nothing arrives.",
                         listener.place,
                         f"give both the same {policy}",
                     )
@@ -337,7 +335,7 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
             if not has_period(seconds, period):
                 yield Finding(
                     "period",
-                    f"{topic!r} is published every {seconds:g} s, and the course asks for every {period:g} s.",
+                    f"{topic!r} is published every {seconds:g} s, but the course asks for every {period:g} s.",
                     timer.source.at(timer.call),
                     f"write create_timer({period}, ...)",
                     (topic,),
@@ -391,11 +389,8 @@ def _answers_itself(topic: str, there: list[End]) -> Iterator[Finding]:
             is_own = creation.owner is not None and end.creation.owner is creation.owner
             sent = calls.get(f"{_kept_as(end)}.publish") if end.is_publisher and is_alike and is_own else None
             if sent is not None:
-                cause = (
-                    f"The callback of {topic} publishes on {topic}, so the node receives its own message and "
-                    "answers it, again and again."
-                )
-                fix = "publish on another topic, or only under a condition that ends it"
+                cause = f"The callback of {topic} publishes on {topic}, so the node receives its own messages and answers them endlessly."
+                fix = "publish on another topic, or only under a condition that eventually becomes false"
                 yield Finding("endless-loop", cause, creation.source.at(sent), fix)
 
 

@@ -64,7 +64,7 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
             if made
             else f"write `node = {name}()` in main, and `rclpy.spin(node)` below it"
         )
-        cause = f"The class {name} is defined, and nothing makes an object of it, so none of its code is run."
+        cause = f"The class {name} is defined but never instantiated, so none of its code runs."
         yield Finding("never-made", cause, source.at(made or main), fix)
 
 
@@ -98,8 +98,7 @@ def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
             shown = [sources.sources[one].shown.rpartition("/")[2] for one in (name, reader)]
             yield Finding(
                 "never-passed",
-                f"{shown[0]} changes {ast.unparse(node)}, and {shown[1]} reads it: they are two programs, and each has a copy "
-                "of its own.",
+                f"{shown[0]} changes {ast.unparse(node)} and {shown[1]} reads it, but they are two programs, each with its own copy.",
                 sources.sources[name].at(node),
                 f"publish it on a topic of its own in {shown[0]}, such as /robot/state, and subscribe to that in {shown[1]}",
             )
@@ -129,15 +128,15 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             last = given[-1].call
             fix = (
                 f"write another name here, such as `def {name}_2`, and give self.{name}_2 to "
-                f"{given[-1].method} in line {last.lineno}"
+                f"{given[-1].method} on line {last.lineno}"
             )
         elif isinstance(statement, FUNCTIONS) and name != "__init__":
-            fix = f"move the lines of line {first.lineno} on into this one, or take this one away"
+            fix = f"move the lines from line {first.lineno} on into this one, or remove this one"
         else:
-            fix = f"join both into one, and take the one of line {first.lineno} away"
+            fix = f"merge the two, and remove the one on line {first.lineno}"
         yield Finding(
             "replaced",
-            f"{what}{where} is defined twice: this one replaces the one of line {first.lineno}, which is never called.",
+            f"{what}{where} is defined twice: this one replaces the one on line {first.lineno}, which is never called.",
             source.at(statement),
             fix,
         )
@@ -176,7 +175,7 @@ def _parameters_unread(uses: Uses) -> Iterator[Finding]:
             field = _filled_with(owner, node.args[1] if len(node.args) > 1 else None)
             if field is None:
                 continue  # it may be there to be asked for from outside
-            cause = f"The parameter {name!r} is declared, and nothing reads it: setting it changes nothing."
+            cause = f"The parameter {name!r} is declared but never read, so setting it changes nothing."
             fix = f"write {ast.unparse(field.targets[0])} = self.get_parameter({name!r}).value"
             yield Finding("parameter-unread", cause, source.at(field), fix)
 
