@@ -29,7 +29,7 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
     ):
         yield Finding(
             "entry-points-key",
-            f"setup.py writes {wrong!r} in entry_points, and the key is 'console_scripts', so no executable is installed.",
+            f"setup.py has {wrong!r} in entry_points, but the key must be 'console_scripts', so no executable is installed.",
             place,
             "write 'console_scripts' with an s",
         )
@@ -64,7 +64,7 @@ def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Fi
     is_same = (point.module, point.function) == (first.module, first.function)
     return Finding(
         "entry-point-twice",
-        f"The executable {point.name} is named twice in entry_points, so setuptools refuses setup.py.",
+        f"The executable {point.name} is listed twice in entry_points, so setuptools rejects setup.py.",
         at(setup.source.shown, point.line),
         f"remove this line: line {first.line} says the same"
         if is_same
@@ -99,7 +99,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     elif not point.function:
         yield Finding(
             "entry-point-no-function",
-            f"The executable {point.name} names the module {point.module} and no function in it.",
+            f"The entry point {point.name} names the module {point.module} but no function in it.",
             place,
             f"write '{point.name} = {point.module}:{meant_function(package, point.module)}'",
         )
@@ -108,7 +108,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     ):
         yield Finding(
             "entry-point-function",
-            f"The executable {point.name} calls the class {point.function}, and must call a function that runs a node of it.",
+            f"The executable {point.name} calls the class {point.function}, but it must call a function that makes and runs the node.",
             place,
             f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
         )
@@ -120,7 +120,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         given = ", ".join(f"{name}={value}" for name, value in zip(names, values, strict=True))
         yield Finding(
             "entry-point-function",
-            f"`ros2 run` calls {point.function}() without anything, and it demands {', '.join(names[: len(names) - len(function.args.defaults)])}.",
+            f"`ros2 run` calls {point.function}() without arguments, but it requires {', '.join(names[: len(names) - len(function.args.defaults)])}.",
             source.at(function),
             f"write def {point.function}({given}):",
         )
@@ -190,20 +190,20 @@ def _missing_function(
     source: PythonSource, sources: Mapping[str, PythonSource], point: EntryPoint, place: str
 ) -> Finding:
     """Return what is to be said of an entry point whose module has not the function that it names."""
-    calls = f"The executable {point.name} calls {point.function}() in {source.shown}, and"
+    calls = f"The executable {point.name} calls {point.function}() in {source.shown}, but"
     homes = [name for name, one in sources.items() if not one.fault and _has(one, point.function)]
     if (below := _below_guard(source)) is not None:
-        cause = f"{calls} that file runs its code only below `if __name__ == '__main__':`, which `ros2 run` never does."
+        cause = f"{calls} that file runs its code only under `if __name__ == '__main__':`, which is not true under `ros2 run`."
         fix = f"write `def {point.function}(args=None):` instead of that line, and at the end of the file that line with `{point.function}()` below it"
         return Finding("entry-point-function", cause, source.at(below), fix)
     if inner := _indented(source, point.function):
         holder, line = inner
-        cause = f"{calls} `def {point.function}` in line {line} is indented, so it belongs to {holder} and not to the module."
-        fix = f"take the spaces before `def {point.function}` and as many before each line below it away"
+        cause = f"{calls} `def {point.function}` on line {line} is indented, so it belongs to {holder} instead of the module."
+        fix = f"remove the spaces before `def {point.function}`, and the same number before each line of its body"
         return Finding("entry-point-function", cause, source.at(line), fix)
     if homes:
         meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
-        cause = f"{calls} it stands in {', '.join(homes)}."
+        cause = f"{calls} it is in {', '.join(homes)}."
         return Finding(
             "entry-point-function", cause, place, f"write '{point.name} = {meant}:{point.function}'"
         )
@@ -213,13 +213,13 @@ def _missing_function(
     ]
     if not functions:
         what = "there is no such function." if source.text.strip() else "the file is empty."
-        fix = f"{define} in {source.shown}, or write the function's right name in setup.py"
+        fix = f"{define} in {source.shown}, or write the correct function name in setup.py"
         return Finding("entry-point-function", f"{calls} {what}", source.at(1), fix)
     return Finding(
         "entry-point-function",
         f"{calls} there is no such function.{did_you_mean(point.function, functions)}",
         place,
-        f"write the function that is meant in setup.py ({source.shown} has {', '.join(functions)}), or {define} there",
+        f"write the function you mean in setup.py ({source.shown} has {', '.join(functions)}), or {define} there",
     )
 
 
@@ -241,7 +241,7 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
         shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
         return Finding(
             "entry-point-module",
-            f"The executable {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} in its place.",
+            f"The entry point {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} instead.",
             place,
             f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
             (shown[0],),
@@ -249,13 +249,13 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
     close = nearest(point.module, known or installed)
     return Finding(
         "entry-point-module",
-        f"The executable {point.name} names the module {point.module}, and "
-        + ("there is no such file." if is_own else "no such package is in this folder.")
+        f"The entry point {point.name} names the module {point.module}, but "
+        + ("there is no such file." if is_own else "there is no such package in this folder.")
         + (f" Did you mean {close}?" if close else ""),
         place,
         f"write '{point.name} = {known[0]}:{point.function or 'main'}', and build again"
         if len(known) == 1
-        else "write the module as the file is called, or the file as the module is called, and build again",
+        else "use the file's name as the module, or rename the file to match, and build again",
         (close,) if close else (),
     )
 
@@ -291,7 +291,7 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
     if rest.count("=") >= 1:
         return Finding(
             "entry-point-comma",
-            f"Two entry points stand in one text: {point.text!r}; each has its own quotes, with a comma between two.",
+            f"Two entry points are in one string: {point.text!r}; each needs its own quotes, with a comma between them.",
             place,
             f"write {', '.join(map(repr, parts))}"
             if len(parts) > 1
@@ -300,9 +300,9 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
     if meant := _of_its_parts(package, point):
         return _put_in_order(package, point, meant, place)
     if "/" in point.text:
-        why = "has a slash where a dot belongs"
+        why = "has a slash where a dot should be"
     elif "(" in point.text:
-        why = "calls the function with parentheses, and only its name belongs there"
+        why = "has parentheses after the function, but only its name belongs there"
     elif not rest:
         why = "has no `=` between the executable and the module"
     elif point.text.count(":") > 1:
@@ -331,7 +331,7 @@ def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: 
         return Finding("entry-point-spec", cause, place, f"write {meant!r}")
     shown = package.sources[module].shown
     folder, _, file = shown.rpartition("/")
-    cause = f"{shown} has a hyphen in its name, and what Python imports has none."
+    cause = f"{shown} has a hyphen in its name, so Python cannot import it."
     written = meant.replace(module, module.replace("-", "_"))
     moved = f"mv {shown} {folder}/{file.replace('-', '_')}"
     return Finding("entry-point-spec", cause, place, f"{moved}, and write {written!r}")

@@ -28,7 +28,7 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
         if (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
             yield Finding(
                 "not-built",
-                f"The package {package.name} is in src and not in install: it was never built, or its build failed.",
+                f"The package {package.name} is in src but not in install: it was never built, or its build failed.",
                 package.shown(""),
                 f"{_BUILD} {package.name}, and read what it says",
             )
@@ -36,12 +36,12 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
     by_hand = dict(edited(root, package))
     for shown, copy in by_hand.items():
         is_since = (root / shown).stat().st_mtime > _built_at(root)
-        save = f"compare the two (diff {shown} {copy}), and write into {shown} what you want to keep"
+        save = f"compare the two (diff {shown} {copy}), and copy into {shown} what you want to keep"
         yield Finding(
             "edited-in-install",
-            f"{copy} was changed by hand after the build, and what is in src differs: the next build writes over it.",
+            f"{copy} was edited by hand after the build and differs from src: the next build will overwrite it.",
             str(copy),
-            f"{save if is_since else f'cp {copy} {shown}'}, then {_BUILD} {package.name}, and edit only what is in src",
+            f"{save if is_since else f'cp {copy} {shown}'}, then {_BUILD} {package.name}, and edit only files in src",
         )
     yield from _links(root, package, prefix)
     yield from _left_over(root, package, prefix)
@@ -55,9 +55,9 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
         )
         yield Finding(
             "install-stale",
-            f"Since the last build {what}, so what runs is not what you see in src.",
+            f"Since the last build {what}, so what runs is not what is in src.",
             changed[0] if changed else package.shown("setup.py"),
-            f"{_BUILD} {package.name} (with --symlink-install, edits of Python files need no new build)",
+            f"{_BUILD} {package.name} (with --symlink-install, edits to Python files need no rebuild)",
             (*(PurePosixPath(shown).name for shown in changed), *missing),
         )
 
@@ -169,10 +169,14 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
         )
         if whole.exists() and not (is_moved and package.name in target.parts):
             continue
-        why = "the workspace was built in another folder" if is_moved else "that was moved or renamed since"
+        why = (
+            "the workspace was built in another folder"
+            if is_moved
+            else "that has since been moved or renamed"
+        )
         yield Finding(
             "link-stale",
-            f"{shown_path(path, root)} leads to {target}, and {why}.",
+            f"{shown_path(path, root)} points to {target}, but {why}.",
             shown_path(path, root),
             f"rm -r {shown_path(build, root)} {shown_path(prefix, root)}, then {_BUILD} {package.name} --symlink-install",
         )
@@ -206,7 +210,7 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
         shown = shown_path(path, root)
         yield Finding(
             "left-over",
-            f"{shown} is left from an earlier build: setup.py names it no more, and it can still be started.",
+            f"{shown} is left over from an earlier build: setup.py no longer names it, but it can still be started.",
             shown,
             f"rm {shown}; or name it in setup.py, if it is still wanted, and build again",
         )
@@ -261,17 +265,16 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
         elif not _same(on_path[0], own):
             yield Finding(
                 "overlay-order",
-                f"{on_path[0]} comes before this workspace in AMENT_PREFIX_PATH and has a package {name}, too: "
-                "that one runs.",
+                f"{on_path[0]} comes before this workspace in AMENT_PREFIX_PATH and also has a package {name}, so that one runs.",
                 "",
-                f"open a new terminal, source the other workspace first and {root}/install/setup.bash last",
+                f"open a new terminal, then source the other workspace first and {root}/install/setup.bash last",
             )
     if missing:
         is_earlier = any(prefix.is_relative_to(root / "install") for prefix in prefixes)
         has = f"sourced it before {', '.join(missing)} was built" if is_earlier else "not sourced it"
         yield Finding(
             "not-sourced",
-            f"The workspace is built and this terminal has {has}, so ROS does not find {', '.join(missing)}.",
+            f"The workspace is built but this terminal has {has}, so ROS does not find {', '.join(missing)}.",
             "",
             f"source {root}/install/setup.bash",
         )

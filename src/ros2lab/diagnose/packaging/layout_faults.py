@@ -49,7 +49,7 @@ def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[
         for package in packages if old not in names and prefix_of(root, old) else ():
             now = {point.name for point in (package.setup.entry_points if package.setup else None) or ()}
             if programs and programs <= now:
-                cause = f"install/{old} is left of a package that src has no more, and `ros2 run {old}` still starts what was built then; now it is called {package.name}."
+                cause = f"install/{old} is left over from a package no longer in src, and `ros2 run {old}` still starts the old build; the package is now called {package.name}."
                 fix = f"rm -r build/{old} install/{old}, and type `ros2 run {package.name} ...`"
                 yield Finding("left-over", cause, f"install/{old}", fix)
 
@@ -67,20 +67,20 @@ def hidden(one: PassedOver) -> Finding:
         where = shown_path(one.by / file, root)
         return Finding(
             "package-passed-over",
-            f"colcon takes the folder {one.by} for a package, because of {where}, so it does not look for {name} in it.",
+            f"colcon takes the folder {one.by} for a package because of {where}, so it does not look inside for {name}.",
             where,
             f"mv {where} {where}.away, and build again",
         )
     if one.is_nested:
         return Finding(
             "package-passed-over",
-            f"The package {name} lies inside the package {one.by.name}, and colcon does not look into packages.",
+            f"The package {name} is inside the package {one.by.name}, and colcon does not look inside packages.",
             folder,
             f"mv {folder} {shown_path(one.by.parent, one.package.root)}/, and build again",
         )
     return Finding(
         "package-passed-over",
-        f"colcon passes over the package {name}, because of the file {by}.",
+        f"colcon skips the package {name} because of the file {by}.",
         by,
         f"rm {by}, and build again",
     )
@@ -93,7 +93,7 @@ def outside(root: Path, name: str = "") -> Iterator[Finding]:
         if root not in (file.parent, *file.parents) and name in ("", package.name):
             yield Finding(
                 "package-outside",
-                f"The package {package.name} lies in {file.parent}, outside the workspace {root}, so it is not built.",
+                f"The package {package.name} is in {file.parent}, outside the workspace {root}, so it is not built.",
                 str(file.parent),
                 f"mv {file.parent} {root / 'src'}/, and run colcon build in {root}",
             )
@@ -115,7 +115,7 @@ def _built_elsewhere(root: Path, packages: Collection[SourcePackage]) -> Iterato
         remove = f"rm -r {' '.join(f'{where}/{name}' for name in made or own)}, then "
         yield Finding(
             "build-elsewhere",
-            f"colcon build was run in {where}, so what it built lies there, and not in {root}/install.",
+            f"colcon build was run in {where}, so what it built is there, not in {root}/install.",
             f"{where}/install",
             f"{'' if is_edited or folder == root.parent else remove}cd {root}, run colcon build there, and source install/setup.bash",
         )

@@ -41,7 +41,7 @@ def manifest_faults(
     if not package.has("package.xml") and (other := renamed_manifest(package)):
         yield Finding(
             "manifest-invalid",
-            f"The manifest is called {other}, and must be called package.xml: colcon does not take this for a ROS package.",
+            f"The manifest is called {other} but must be called package.xml, so colcon does not treat this as a ROS package.",
             package.shown(other),
             f"mv {package.shown(other)} {shown}",
         )
@@ -50,14 +50,14 @@ def manifest_faults(
         yield no_manifest(package)
         return
     if package.manifest_fault:
-        fix = "fix what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)"
+        fix = "fix in package.xml what it says, and check with `colcon list` that the package is (ros.ament_python)"
         line, right = repaired(read_text(package.folder / "package.xml")) or (package.manifest_line, "")
         if version := re.search(r'version "([\d.]+)"', package.manifest_fault):
             parts = [*filter(None, version[1].split(".")), "0", "0"][:3]
             line, right = manifest_line(package, version[1]), f"write `<version>{'.'.join(parts)}</version>`"
         yield Finding(
             "manifest-invalid",
-            f"package.xml is not valid, so colcon does not take this for a ROS package: {package.manifest_fault}",
+            f"package.xml is not valid, so colcon does not treat this as a ROS package: {package.manifest_fault}",
             at(shown, line),
             right or fix,
         )
@@ -70,9 +70,9 @@ def no_manifest(package: SourcePackage) -> Finding:
     """Say that a package that is meant for ROS has no package.xml."""
     return Finding(
         "manifest-invalid",
-        f"The package {package.name} has no package.xml, so colcon and ROS do not take it for a ROS package.",
+        f"The package {package.name} has no package.xml, so colcon and ROS do not treat it as a ROS package.",
         package.shown("package.xml"),
-        "write a package.xml beside setup.py; `ros2 pkg create --build-type ament_python` makes one",
+        "write a package.xml next to setup.py; `ros2 pkg create --build-type ament_python` creates one",
     )
 
 
@@ -89,11 +89,11 @@ def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
         package = by_name[user]
         yield Finding(
             "dependency-circle",
-            f"colcon finds no package to build first, because each of these needs the next: {' -> '.join(circle[::-1])}.",
+            f"colcon cannot decide which package to build first, because each of these depends on the next: {' -> '.join(circle[::-1])}.",
             at(package.shown("package.xml"), manifest_line(package, wanted)),
             f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
             if not _uses(package, wanted)
-            else f"move what {user} uses of {wanted} into a package of its own, on which both depend, and remove this dependency",
+            else f"move what {user} uses from {wanted} into a separate package that both depend on, and remove this dependency",
         )
 
 
@@ -115,29 +115,28 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
     if not package.has("setup.py") and not package.has("CMakeLists.txt") and kind == "ament_python":
         yield Finding(
             "setup-missing",
-            f"The package {package.name} is an ament_python package and has no setup.py, which says what is installed.",
+            f"The package {package.name} is an ament_python package but has no setup.py, which says what to install.",
             package.shown("setup.py"),
-            f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, and copy setup.py, "
-            f"setup.cfg and resource from there beside package.xml; put the executables into its entry_points",
+            f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points",
         )
     if kind is None and not has_cmake:
         yield Finding(
             "build-type-missing",
-            "package.xml has no <build_type>, so colcon takes this for an old catkin package and wants a CMakeLists.txt.",
+            "package.xml has no <build_type>, so colcon takes this for an old catkin package and expects a CMakeLists.txt.",
             shown,
             _PYTHON_LINE,
         )
     elif kind is not None and kind not in BUILD_TYPES:
         yield Finding(
             "build-type-unknown",
-            f"package.xml gives the build type {kind!r}, which colcon does not know, so it builds nothing.",
+            f"package.xml has the build type {kind!r}, which colcon does not know, so nothing is built.",
             at(shown, manifest_line(package, kind or "build_type")),
             _PYTHON_LINE,
         )
     elif kind in ("ament_cmake", "cmake", "catkin") and not has_cmake:
         yield Finding(
             "build-type-cmake",
-            f"package.xml gives the build type {kind}, which needs a CMakeLists.txt, and this is a Python package.",
+            f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but this is a Python package.",
             at(shown, manifest_line(package, "build_type")),
             _PYTHON_LINE,
         )
@@ -149,7 +148,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         folder = package.shown("").rstrip("/")
         yield Finding(
             "build-type-cmake",
-            f"{name} is a CMake package, as `ros2 pkg create` makes it without --build-type ament_python, and {file} in it is Python.",
+            f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python.",
             at(shown, manifest_line(package, "build_type")),
             f"touch {folder}/COLCON_IGNORE, then mv {folder} {folder}_old, then cd {folder.rpartition('/')[0] or '.'} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
         )
@@ -195,7 +194,7 @@ def _dependency_faults(
         if name in sys.stdlib_module_names:
             yield Finding(
                 "dependency-not-ros",
-                f"package.xml declares {name}, which is a part of Python and no package, so rosdep cannot find it.",
+                f"package.xml declares {name}, which is part of Python, not a package, so rosdep cannot find it.",
                 place,
                 f"remove the line with {name}",
                 (name,),
@@ -203,7 +202,7 @@ def _dependency_faults(
         elif wanted := next((one for one in sorted(known) if is_near_miss(name, one)), None):
             yield Finding(
                 "dependency-unknown",
-                f"package.xml declares {name}, and there is no such package; the name is {wanted}.",
+                f"package.xml declares {name}, but there is no such package; the name is {wanted}.",
                 place,
                 f"write {wanted} instead of {name}",
                 (name,),
@@ -227,8 +226,7 @@ def _undeclared(package: SourcePackage, declared: set[str], known: Collection[st
                     continue  # it is declared, and misspelt; that is told already
                 yield Finding(
                     "dependency-undeclared",
-                    f"{source.shown} imports {name}, and package.xml does not declare it: on another machine "
-                    "it may be missing, and colcon may build in the wrong order.",
+                    f"{source.shown} imports {name}, but package.xml does not declare it: it may be missing on another machine, and colcon may build in the wrong order.",
                     source.at(one.line),
                     f"add <depend>{name}</depend> to package.xml",
                     (name,),

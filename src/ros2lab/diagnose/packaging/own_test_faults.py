@@ -49,11 +49,11 @@ def _not_looked_into(source: PythonSource) -> Iterator[Finding]:
     tests = _checks(source)
     if tests:
         new = f"test_{source.name.removesuffix('_tests').removesuffix('_checks')}.py"
-        cause = f"pytest looks only into files called test_*.py, so {tests[0]}() in {source.name}.py is never run."
-        others = [name for name in tests if not name.startswith("test")]
-        more = (
-            f", and let the names of its functions begin with test_ ({', '.join(others)})" if others else ""
+        cause = (
+            f"pytest looks only at files named test_*.py, so {tests[0]}() in {source.name}.py is never run."
         )
+        others = [name for name in tests if not name.startswith("test")]
+        more = f", and begin the names of its functions with test_ ({', '.join(others)})" if others else ""
         fix = f"mv {source.shown} {source.shown.rpartition('/')[0]}/{new}{more}"
         yield Finding("never-called", cause, source.shown, fix)
 
@@ -72,7 +72,7 @@ def _called_otherwise(source: PythonSource) -> Iterator[Finding]:
     """Yield functions that assert something and that pytest passes over, in a file in which it finds no test."""
     names = _checks(source)
     if names and not any(name.startswith("test") for name in names):
-        cause = f"pytest calls only functions called test_..., so {names[0]}() is never run."
+        cause = f"pytest runs only functions named test_..., so {names[0]}() is never run."
         yield Finding(
             "never-called",
             cause,
@@ -86,15 +86,15 @@ def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Fun
     setup = package.setup
     if setup is None or "pytest" in setup.source.text + read_text(package.folder / "setup.cfg"):
         return
-    cause = f"setup.py does not name pytest, so `colcon test` takes unittest, which does not find {test.name}() in {source.shown}."
+    cause = f"setup.py does not name pytest, so `colcon test` uses unittest, which does not find {test.name}() in {source.shown}."
     above = next(
         (name for name in ("install_requires", "packages", *setup.lines) if name in setup.lines), None
     )
     if above is None:  # all stands in setup.cfg
-        fix = "write [options.extras_require] at the end of setup.cfg, and test = pytest below that; then build again"
+        fix = "write [options.extras_require] at the end of setup.cfg, with test = pytest below it, then build again"
         yield Finding("tests-not-run", cause, package.shown("setup.cfg"), fix)
         return
-    fix = f"write extras_require={{'test': ['pytest']}}, as a line of its own above {above}=..., and build again"
+    fix = f"write extras_require={{'test': ['pytest']}}on its own line above {above}=..., and build again"
     yield Finding("tests-not-run", cause, at(setup.source.shown, setup.line(above)), fix)
 
 
@@ -111,14 +111,12 @@ def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str])
         same = next((one for one in functions if one.name == name), None)
         makes = next((one for one in functions if one.name.endswith(f"_{name}") and not one.args.args), None)
         if same:
-            fix = f"write @pytest.fixture above `def {name}` in line {same.lineno}, and import pytest at the top"
+            fix = f"write @pytest.fixture above `def {name}` on line {same.lineno}, and import pytest at the top"
         elif makes:
             fix = f"write `def {test.name}():`, and {name} = {makes.name}() as its first line"
         else:
-            fix = f"write above it: @pytest.fixture, and below that a function {name}() that returns what the test needs; import pytest at the top"
-        cause = (
-            f"pytest gives {test.name}() what a fixture called {name} returns, and there is no such fixture."
-        )
+            fix = f"write above it @pytest.fixture and, below that, a function {name}() that returns what the test needs; import pytest at the top"
+        cause = f"pytest must fill the argument {name} of {test.name}() from a fixture of that name, and there is none."
         yield Finding("test-fixture", cause, source.at(test), fix)
 
 

@@ -74,7 +74,7 @@ def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
         number = next(n for n, line in enumerate(text.splitlines(), 1) if "project" in line)
         yield Finding(
             "entry-points-missing",
-            "pyproject.toml has a table [project], so setuptools does not take the entry points of setup.py, and installs no executable.",
+            "pyproject.toml has a [project] table, so setuptools ignores the entry points in setup.py and installs no executable.",
             at(package.shown("pyproject.toml"), number),
             f"rm {package.shown('pyproject.toml')}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]",
         )
@@ -91,7 +91,7 @@ def _undefined(setup: SetupScript) -> Iterator[Finding]:
         line = lines.get(name, "from setuptools import setup" if name == "setup" else f"import {name}")
         yield Finding(
             "setup-import" if is_import else "name-undefined-in-setup",
-            f"setup.py uses {name} and never imports or defines it.",
+            f"setup.py uses {name} but never imports or defines it.",
             setup.source.at(node),
             f"write `{line}` at the top of setup.py"
             if is_import
@@ -111,25 +111,23 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             line = setup.line("package_dir") or _line_with(setup.source, "package_dir", 1)
             yield Finding(
                 "package-folder-missing",
-                f"package_dir lets setup.py look for {name} in another folder, and it lies beside setup.py.",
+                f"package_dir makes setup.py look for {name} in another folder, but it is next to setup.py.",
                 at(setup.source.shown, line),
-                "take the line with package_dir away",
+                "remove the line with package_dir",
             )
             continue
         if name != package.name and package.name in names:
             left = [one for one in names if _folder_of(package, one).is_dir()]
-            cause = (
-                f"setup.py installs the Python package {name}, and there is no folder {name} beside setup.py."
-            )
+            cause = f"setup.py installs the Python package {name}, but there is no folder {name} next to setup.py."
             yield Finding("package-folder-missing", cause, place, f"write packages={left!r}")
             continue
         beside = [path.name for path in package.folder.glob("*.py") if path.name != "setup.py"]
         yield Finding(
             "package-folder-missing",
-            f"setup.py installs the Python package {name}, and there is no folder {name} beside setup.py"
-            + (f" ({', '.join(sorted(beside))} lie there directly)." if beside else "."),
+            f"setup.py installs the Python package {name}, but there is no folder {name} next to setup.py"
+            + (f" ({', '.join(sorted(beside))} are directly there)." if beside else "."),
             place,
-            f"make the folder {name} in {package.shown('')}, with an empty __init__.py, and put the nodes into it",
+            f"create the folder {name} in {package.shown('')} with an empty __init__.py, and put the nodes into it",
         )
     for name in dict.fromkeys(_needed_packages(package, setup)):
         if name in names:
@@ -139,7 +137,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
             yield Finding(
                 "init-file-missing",
-                f"The folder {folder} has no __init__.py, so find_packages() passes it over and nothing of it is installed.",
+                f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed.",
                 package.shown(f"{folder}/__init__.py"),
                 f"touch {package.shown(folder)}/__init__.py, and build again",
             )
@@ -148,9 +146,9 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
                 "package-not-listed",
                 f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
                 place,
-                f"write {name!r} into the list of packages in setup.py"
+                f"add {name!r} to the list of packages in setup.py"
                 if names
-                else f"write packages={[name]!r} instead of what stands there",
+                else f"write packages={[name]!r} instead of what is there",
             )
 
 
@@ -195,7 +193,7 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
     if not any(target == INDEX for target, _ in setup.data_files):
         yield Finding(
             "marker-not-installed",
-            "setup.py does not install the marker by which ROS finds the package; colcon does it for you with a warning.",
+            "setup.py does not install the marker file that ROS uses to find the package; colcon does it for you with a warning.",
             place,
             f"add ('{INDEX}', ['resource/{package.name}']) to data_files",
         )
@@ -211,7 +209,7 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             written, line = setup.written(target)
             yield Finding(
                 "installed-elsewhere",
-                f"{relative} is installed into {target}, and ROS looks for it in {share}.",
+                f"{relative} is installed into {target}, but ROS looks for it in {share}.",
                 at(setup.source.shown, line),
                 f"write '{share}/{folder}' instead of {written}, and build again",
                 (path.name,),
@@ -229,10 +227,10 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
     line = _line_with(setup.source, word, setup.line("data_files")) or setup.line("data_files")
     place = at(setup.source.shown, line)
     if is_marker:
-        cause = f"The file {file}, by which ROS knows the package, is missing; it is empty and easily lost."
+        cause = f"The file {file}, which ROS uses to find the package, is missing; it is an empty file and easily lost."
         return Finding("marker-missing", cause, place, f"touch {package.shown('resource')}/{package.name}")
-    cause = f"setup.py installs {file}, and there is no such file."
-    fix = f"make the file, or take {file} out of data_files"
+    cause = f"setup.py installs {file}, but there is no such file."
+    fix = f"create the file, or remove {file} from data_files"
     return Finding("data-file-missing", cause, place, fix, (file.rpartition("/")[2],))
 
 
@@ -242,15 +240,15 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
     for pattern in _patterns(setup.source):
         # In other capitals it is the file that is called wrongly.
         if pattern.lower() != meant.lower() and is_near_miss(pattern, meant):
-            cause = f"The pattern {pattern!r} in setup.py takes no file, and {relative} is called otherwise: it is not installed."
+            cause = f"The pattern {pattern!r} in setup.py matches no file, so {relative} is not installed."
             place = at(setup.source.shown, _line_with(setup.source, pattern, 1))
             fix = f"write {meant!r} instead of {pattern!r}, and build again"
             return Finding("not-in-data-files", cause, place, fix, (path.name,))
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
-    only = f" (which takes {' and '.join(patterns)})" if patterns else ""
+    only = f" (which matches {' and '.join(patterns)})" if patterns else ""
     return Finding(
         "not-in-data-files",
-        f"{relative} is not in data_files of setup.py{only}, so it is not installed and cannot be found.",
+        f"{relative} is not in data_files in setup.py{only}, so it is not installed and cannot be found.",
         at(setup.source.shown, setup.line("data_files")),
         f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
         (path.name,),
@@ -280,7 +278,7 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     shown = package.shown("setup.cfg")
     wanted = f"lib/{package.name}"
     fix = f"write in setup.cfg: [develop] script_dir=$base/{wanted} and [install] install_scripts=$base/{wanted}"
-    lost = "the executables go to bin, where `ros2 run` does not look"
+    lost = "the executables go into bin, where `ros2 run` does not look"
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
     if fault is not None:
         return  # it is told of its form
@@ -295,7 +293,7 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
                 continue  # this setuptools only warns, and installs there nevertheless
             yield Finding(
                 "setup-cfg-dashes",
-                f"setup.cfg writes {dashed}, and setuptools wants {key} with an underscore.",
+                f"setup.cfg has {dashed}, but setuptools needs {key}, with an underscore.",
                 at(shown, _cfg_line(package, dashed)),
                 f"write {key} instead of {dashed}",
             )
@@ -306,7 +304,7 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
         elif value is not None and not value.strip().rstrip("/").endswith(wanted):
             yield Finding(
                 "setup-cfg-missing",
-                f"setup.cfg installs the executables in {value.strip()}, and `ros2 run` looks in {wanted}.",
+                f"setup.cfg installs the executables in {value.strip()}, but `ros2 run` looks in {wanted}.",
                 at(shown, _cfg_line(package, key)),
                 fix,
             )

@@ -53,7 +53,7 @@ def shape_faults(package: SourcePackage, setup: SetupScript, *, is_for_ros: bool
         yield _value(
             setup,
             "packages",
-            f"packages is the text {packages!r}, and must be a list",
+            f"packages is the string {packages!r} but must be a list",
             f"write packages=[{packages!r}]",
         )
 
@@ -70,15 +70,15 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
         better = package.name.replace("-", "_")
         yield Finding(
             "package-name",
-            f"The name {package.name} has a hyphen, and a Python package's name may have none; ROS writes an underscore.",
+            f"The name {package.name} has a hyphen, which a Python package name may not have; use an underscore.",
             package.shown(""),
-            f"make the package anew with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and as the names of the folders",
+            f"create the package again with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and rename the folders",
         )
     elif isinstance(name, str) and given and name.replace("-", "_") != given:
         if (package.folder / name).is_dir() and not (package.folder / given).is_dir():
             yield Finding(
                 "package-name",
-                f"package.xml gives the package the name {given}, and its folder and setup.py call it {name}: colcon goes by package.xml.",
+                f"package.xml names the package {given}, but its folder and setup.py name it {name}: colcon goes by package.xml.",
                 at(package.shown("package.xml"), manifest_line(package, given)),
                 f"write <name>{name}</name> in package.xml, then rm -r build install, and build again",
                 (name,),
@@ -88,7 +88,7 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
         line = next((n for n, text in enumerate(lines, 1) if name in text), setup.line("name"))
         yield Finding(
             "package-name",
-            f"setup.py gives the package the name {name}, and package.xml calls it {given}.",
+            f"setup.py names the package {name}, but package.xml names it {given}.",
             at(setup.source.shown, line),
             f"write {given} instead of {name}",
         )
@@ -98,7 +98,7 @@ def _keywords(setup: SetupScript) -> Iterator[Finding]:
     asked = _asked(setup)
     for keyword in _GROUPS:
         if line := setup.lines.get(keyword):
-            cause = f"In setup.py, {keyword} stands beside entry_points in setup(), and belongs into it."
+            cause = f"In setup.py, {keyword} is next to entry_points in setup(), but belongs inside it."
             fix = f"write entry_points={{'{keyword}': [...]}}, with the list as it is"
             yield Finding("setup-value", cause, at(setup.source.shown, line), fix)
     for keyword, (said, better) in _refused(repr(asked)).items() if asked else ():
@@ -106,13 +106,13 @@ def _keywords(setup: SetupScript) -> Iterator[Finding]:
             # What is about the value itself, and not about a line of setuptools, helps.
             is_clear = keyword in said or repr(asked[keyword]) in said
             why = f": {said.partition(chr(10))[0].rstrip('.:')}" if is_clear else ""
-            cause = f"setuptools refuses {keyword}={asked[keyword]!r}{why}"
+            cause = f"setuptools rejects {keyword}={asked[keyword]!r}{why}"
             new = _AS_CREATED.get(keyword) if better is None else better
-            yield _value(setup, keyword, cause, f"write {keyword}={new!r}" if new else f"take {keyword} away")
+            yield _value(setup, keyword, cause, f"write {keyword}={new!r}" if new else f"remove {keyword}")
         elif keyword not in _FORMER:
             wanted = nearest(keyword, better, 0.6)
-            cause = f"setup() knows no {keyword}, and passes over what it is given there"
-            fix = f"write {wanted} instead of {keyword}" if wanted else f"take {keyword} away"
+            cause = f"setup() has no keyword argument {keyword} and ignores it"
+            fix = f"write {wanted} instead of {keyword}" if wanted else f"remove {keyword}"
             yield _value(setup, keyword, cause, fix)
 
 
@@ -180,7 +180,7 @@ def _refused(given: str) -> Mapping[str, tuple[str, Any]]:
 def _entry_points(setup: SetupScript) -> Iterator[Finding]:
     value = setup.keywords.get("entry_points")
     if isinstance(value, (list, tuple)):
-        cause = "entry_points is a list, and must be a dict that holds it under 'console_scripts'"
+        cause = "entry_points is a list but must be a dict that holds the list under 'console_scripts'"
         yield _value(
             setup,
             "entry_points",
@@ -190,14 +190,14 @@ def _entry_points(setup: SetupScript) -> Iterator[Finding]:
     scripts = value.get("console_scripts") if isinstance(value, dict) else None
     if isinstance(scripts, dict):
         name, target = next(iter(scripts.items()), ("talk", "my_package.talk:main"))
-        cause = "'console_scripts' holds a dict, and must be a list of texts"
+        cause = "'console_scripts' holds a dict but must hold a list of strings"
         yield _value(setup, "entry_points", cause, f"write 'console_scripts': ['{name} = {target}']")
 
 
 def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     value = setup.keywords.get("data_files")
     if isinstance(value, dict):
-        cause = "data_files is a dict, and must be a list of pairs of a folder and its files"
+        cause = "data_files is a dict but must be a list of pairs of a folder and its files"
         yield _value(setup, "data_files", cause, f"write data_files={[*value.items()]!r}")
     given = [n.value for n in setup.source.nodes if isinstance(n, ast.keyword) and n.arg == "data_files"]
     items = given[0].elts if given and isinstance(given[0], ast.List) else []
@@ -205,17 +205,17 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
     for number, entry in enumerate(value) if isinstance(value, (list, tuple)) else ():
         match entry:
             case [str() as target, str() as file] if "/" in target or target == "share":
-                cause = f"the files for {target} are the text {file!r}, and must be a list"
+                cause = f"the files for {target} are the string {file!r} but must be a list"
                 yield _value(setup, "data_files", cause, f"write brackets around it: [{file!r}]")
             case str():
-                cause = f"data_files holds the text {entry!r} where a pair of a folder and a list of files belongs"
+                cause = f"data_files holds the string {entry!r} where a pair of a folder and a list of files should be"
                 yield _value(
                     setup, "data_files", cause, f"write (os.path.join('share', package_name), [{entry!r}])"
                 )
             case [str(), [*files]]:
                 yield from _files(package, setup, files)
                 if number in lists:
-                    cause = f"the folder {entry[0]} and its files stand in [ ], and colcon wants each such pair in ( )"
+                    cause = f"the folder {entry[0]} and its files are in [ ], but colcon needs each such pair in ( )"
                     yield _value(
                         setup,
                         "data_files",
@@ -228,7 +228,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
     for file in (one for one in files if isinstance(one, str) and one):
         path = package.folder / file
         if path.is_dir():
-            cause = f"data_files names the folder {file}, and only files can be installed"
+            cause = f"data_files names the folder {file}, but only files can be installed"
             yield _value(
                 setup,
                 "data_files",
@@ -239,7 +239,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
             shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
             yield Finding(
                 "data-file-missing",
-                f"setup.py installs {file}, and there is no such file; there is {close}.",
+                f"setup.py installs {file}, but there is no such file; there is {close}.",
                 at(setup.source.shown, setup.line("data_files")),
                 f"mv {shown} {wanted}",
             )

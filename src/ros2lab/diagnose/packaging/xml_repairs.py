@@ -32,7 +32,7 @@ def repaired(text: str) -> tuple[int, str] | None:
         line = text.count("\n", 0, begin) + 1
         return (
             line,
-            f"move this line to the very beginning of the file: nothing may stand before {declaration}",
+            f"move this line to the very beginning of the file: nothing may come before {declaration}",
         )
     lines = text.split("\n")
     # What is seen late was made before, and most often near.
