@@ -37,7 +37,7 @@ def launch_faults(
             ):
                 yield Finding(
                     "launch-package",
-                    f"The launch file starts a node of the package {node.package}, and the package is called {wanted}.",
+                    f"The launch file starts a node of the package {node.package}, but the package is called {wanted}.",
                     node.place,
                     f"write {wanted} instead of {node.package}",
                 )
@@ -46,12 +46,11 @@ def launch_faults(
             if there is not None and node.executable not in there:
                 yield Finding(
                     "launch-executable",
-                    f"The launch file starts {node.executable}, and {node.package} has no such executable: "
-                    f"it has {', '.join(sorted(there)) or 'none'}.{did_you_mean(node.executable, there)}",
+                    f"The launch file starts {node.executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{did_you_mean(node.executable, there)}",
                     node.place,
                     f"write {near} instead of {node.executable}"
                     if (near := nearest(node.executable, there, 0.6))
-                    else "write the executable's name as it stands in the entry points of setup.py",
+                    else "write the executable's name as it is in entry_points in setup.py",
                 )
             elif there is not None and node.output is None:
                 yield from _prints(packages[node.package], node)
@@ -70,12 +69,12 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
             wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
             yield Finding(
                 "parameter-file-missing",
-                f"The launch file gives the parameter file {path} of {package}, and there is no such file"
+                f"The launch file uses the parameter file {path} of {package}, but there is no such file"
                 + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
                 node.place,
                 f"write {wanted} instead of {path.rpartition('/')[2]} in the launch file"
                 if wanted
-                else f"make the file {path}, and add it to data_files in setup.py",
+                else f"create the file {path}, and add it to data_files in setup.py",
             )
 
 
@@ -93,11 +92,11 @@ def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
     if source and prints and not any(getattr(one.func, "attr", "") == "get_logger" for one in calls):
         logged = as_logged(prints[0], source)
         whole = f"write `{logged}` instead of `{ast.unparse(prints[0])}`" if logged else ""
-        others = ", and the other prints so" if whole and len(prints) > 1 else ""
+        others = ", and likewise for the other prints" if whole and len(prints) > 1 else ""
         fix = f"{whole}{others}{'; or ' if whole else ''}{'' if whole else 'write '}output='screen' in its Node(...) of the launch file"
         yield Finding(
             "never-shown",
-            f"{node.executable} prints with print(), and launch shows only what is logged, unless output='screen' is given.",
+            f"{node.executable} prints with print(), but launch shows only log messages unless output='screen' is given.",
             source.at(prints[0]),
             fix,
         )

@@ -117,10 +117,10 @@ def _without_return(source: PythonSource) -> Iterator[Finding]:
             fix = (
                 "write return in front of LaunchDescription(...)"
                 if is_made
-                else "end it with return and the LaunchDescription"
+                else "end it by returning the LaunchDescription"
             )
             fix = f"write return {ast.unparse(made[-1].targets[0])} as its last line" if made else fix
-            cause = "generate_launch_description() makes a description and returns nothing, so launch has nothing to start."
+            cause = "generate_launch_description() makes a description but returns nothing, so launch has nothing to start."
             yield Finding("launch-function", cause, source.at(last), fix)
 
 
@@ -132,7 +132,9 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
         # What launch says of a name that is not in its module at all is told where it is run.
         is_other = name != one.local or module.partition(".")[0] == "rclpy"
         if homes and is_other and module not in homes:
-            cause = f"{one.local} stands here for {one.target}, and the {one.local} of launch files is in {homes[0]}."
+            cause = (
+                f"{one.local} here is {one.target}, but the {one.local} for launch files is in {homes[0]}."
+            )
             fix = f"write `from {homes[0]} import {one.local}`"
             yield Finding("import-wrong", cause, source.at(one.line), fix)
     yield from comma_faults(source)
@@ -146,7 +148,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             if _lacks_brackets(source, node, keyword):
                 yield Finding(
                     "launch-argument",
-                    f"{keyword.arg} must be a list, and {ast.unparse(keyword.value)[:60]} is none: brackets are missing around it.",
+                    f"{keyword.arg} must be a list, but {ast.unparse(keyword.value)[:60]} is not one: the brackets around it are missing.",
                     source.at(keyword.value),
                     f"write {keyword.arg}={_as_list(keyword.value)}",
                 )
@@ -195,17 +197,15 @@ def _arguments(source: PythonSource) -> Iterator[Finding]:
     for name in used.keys() - declared.keys():
         # One that nobody declares here may be given by the launch file that includes this one.
         if near := nearest(name, declared.keys() - used.keys(), 0.6):
-            cause = (
-                f"LaunchConfiguration({name!r}) is used, and the argument that is declared is called {near}."
-            )
+            cause = f"LaunchConfiguration({name!r}) is used, but the declared argument is called {near}."
             yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
     if not used.keys() - declared.keys():
         for name in declared.keys() - used.keys():
             yield Finding(
                 "launch-unused",
-                f"The launch argument {name} is declared and used by nothing, so it changes nothing.",
+                f"The launch argument {name} is declared but never used, so it changes nothing.",
                 source.at(declared[name]),
-                f"give it to a node: parameters=[{{'{name}': LaunchConfiguration('{name}')}}]",
+                f"pass it to a node: parameters=[{{'{name}': LaunchConfiguration('{name}')}}]",
             )
 
 
@@ -298,7 +298,7 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
         if isinstance(content, Mapping) and "launch" in content:
             nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
             return LaunchFile(shown, tuple(nodes))
-        problem = "launch is not at its top"
+        problem = "its root element is not launch"
     except bounded_yaml.TooLargeError as error:
         mark = error.problem_mark
         return LaunchFile(shown, (), (not_read(shown, mark.line + 1 if mark else None, error.problem or ""),))
@@ -309,7 +309,9 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
         problem = getattr(error, "problem", None) or "it cannot be read"
         line = mark.line + 1 if mark else None
     cause = f"{shown} is not a valid launch file: {problem}."
-    fix = "fix this line or the one above" if line else "write launch at the top, and the nodes below it"
+    fix = (
+        "fix this line or the one above" if line else "make launch the root element, with the nodes inside it"
+    )
     return LaunchFile(shown, (), (Finding("launch-syntax", cause, at(shown, line), fix),))
 
 

@@ -176,7 +176,7 @@ def _torn(
                 is_meant = given.replace("/", "").endswith(f"share/{package.name}/{rest}".replace("/", ""))
                 for node, text in texts if is_meant else ():
                     if text and given.endswith(text) and not given.endswith(f"/{text}") and text[0] != "/":
-                        cause = f"A / is missing in the path {package.name}{text} of the parameter file, so it is not found and the nodes keep their defaults."
+                        cause = f"A / is missing in the parameter file's path {package.name}{text}, so it is not found and the nodes keep their defaults."
                         fix = f"write {'/' + text!r} instead of {text!r}"
                         yield Finding("parameter-file-missing", cause, source.at(node), fix)
 
@@ -192,7 +192,7 @@ def _from_here(
         is_given = text and text[0] != "/" and any(one.endswith(f"/{text}") for one in given)
         home = next((one for one in packages if is_given and (one.folder / text).is_file()), None)
         if home:
-            cause = f"The parameter file {text} is searched in the folder where `ros2 launch` is typed, and it is in the package {home.name}: the nodes keep their defaults."
+            cause = f"The parameter file {text} is looked for in the folder where `ros2 launch` is typed, but it is in the package {home.name}, so the nodes keep their defaults."
             parts = "".join(f", {part!r}" for part in text.split("/"))
             fix = f"write PathJoinSubstitution([FindPackageShare({home.name!r}){parts}]) instead of {text!r}"
             yield Finding("parameter-file-missing", cause, source.at(node), fix)
@@ -216,9 +216,7 @@ def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(lineno=line)) if (
                 line in lines and name not in read
             ):
-                cause = (
-                    f"The node {name} is made here and handed over to nothing, so launch does not start it."
-                )
+                cause = f"The node {name} is made here but is not in the launch description, so launch does not start it."
                 made = [
                     ast.unparse(n.targets[0])
                     for n in source.nodes
@@ -227,7 +225,7 @@ def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator
                 fix = (
                     f"write `{[*added, *made][0]}.add_action({name})` above its return"
                     if added or made
-                    else f"write {name} into the list in LaunchDescription([...])"
+                    else f"add {name} to the list in LaunchDescription([...])"
                 )
                 yield Finding("launch-lost", cause, source.at(line), fix)
 
@@ -239,9 +237,9 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
         faults = [fault for fault in told["faults"] if fault["tag"] == tag]
         missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
         strange = list(dict.fromkeys(name for fault in faults for name in fault.get("unexpected", ())))
-        lacks = f"{tag} needs {' and '.join(missing)}" if missing else f"launch takes {tag}"
-        has = f", and does not know {' and '.join(strange)}" if strange else ", which is not there"
-        fix = f"write {missing[0]} here" if missing else f"take {' and '.join(strange)} away"
+        lacks = f"{tag} needs {' and '.join(missing)}" if missing else f"launch has {tag}"
+        has = f", but does not know {' and '.join(strange)}" if strange else ", which is missing"
+        fix = f"write {missing[0]} here" if missing else f"remove {' and '.join(strange)}"
         fix = f"write {missing[0]} instead of {strange[0]}" if len(missing) == len(strange) == 1 else fix
         yield Finding("launch-argument", f"{lacks}{has}.", at(file.shown, _line(path, strange or [tag])), fix)
     error = told["error"]
@@ -260,8 +258,12 @@ def _lacking(
         return  # it may be found where it is installed
     near = nearest(name, own, 0.6)
     place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
-    cause = f"launch cannot load this file here: there is no {name}, neither in this workspace nor installed."
-    fix = f"write {near} instead of {name}" if near else f"correct the name {name}, or install what has it"
+    cause = f"launch cannot load this file: {name} is neither in this workspace nor installed."
+    fix = (
+        f"write {near} instead of {name}"
+        if near
+        else f"fix the name {name}, or install the package that provides it"
+    )
     yield Finding("launch-package", cause, place, fix, (name,))
 
 

@@ -27,8 +27,8 @@ def set_back(started: list[Started]) -> Iterator[Finding]:
             for name, value in _given_by(Path(given), node):
                 if name in known and known[name] != value:
                     shown = Path(given).name
-                    cause = f"{name} is {known[name]} here, and {shown}, which comes after it, makes it {value}: what stands last counts."
-                    fix = f"write {shown} first in parameters=[...], and what is to count after it"
+                    cause = f"{name} is {known[name]} here, but {shown}, which comes after it, sets it to {value}: the last value counts."
+                    fix = f"write {shown} first in parameters=[...], and the values that should win after it"
                     yield Finding("launch-argument", cause, node.launched.place, fix, (name,))
 
 

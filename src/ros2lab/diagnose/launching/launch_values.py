@@ -25,7 +25,7 @@ def used_too_early(source: PythonSource) -> Iterator[Finding]:
         early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
         if early:
             text = ast.unparse(early[0])
-            cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
+            cause = f"{text} gets its value only when launch runs; here, while the file is being read, it is not a string yet."
             fix = choice_when_it_runs(source, node, {*map(ast.unparse, early)})
             fix = fix or _when_it_runs(source, node, used, early)
             yield Finding("launch-argument", cause, source.at(node), fix)
@@ -40,7 +40,7 @@ def declared_late(source: PythonSource) -> Iterator[Finding]:
             names = {*_first_texts(source, action, "launch.substitutions.LaunchConfiguration")}
             declared = [*_first_texts(source, action, "launch.actions.DeclareLaunchArgument")][:1]
             for name in (one for one in declared if one in asked):
-                cause = f"The argument {name} is declared here, and an action above asks for it already: launch goes through the list from top to bottom."
+                cause = f"The argument {name} is declared here, but an action above already uses it: launch goes through the list from top to bottom."
                 fix = f"move DeclareLaunchArgument({name!r}, ...) above the action that uses it"
                 yield Finding("launch-argument", cause, source.at(action), fix)
             asked |= names
@@ -103,10 +103,10 @@ def _when_it_runs(
             text = next(n for n in source.nodes if isinstance(n, ast.JoinedStr) and node in n.values)
             parts = [one.value if isinstance(one, ast.FormattedValue) else one for one in text.values]
             return f"write [{', '.join(map(ast.unparse, parts))}] instead of {ast.unparse(text)}"
-    return f"give {ast.unparse(early[0])} itself to the action, or a list of texts and substitutions, which launch joins"
+    return f"pass {ast.unparse(early[0])} itself to the action, or a list of strings and substitutions, which launch joins"
 
 
-_WITHOUT_IF = "take the if away, put the action into the list always, and give it"
+_WITHOUT_IF = "remove the if, always put the action into the list, and give it"
 
 
 def _calculation(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> ast.expr | None:

@@ -34,10 +34,10 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
             if name not in known or is_other:
                 new = _options(keyword.value) if name == "ros_arguments" else f"{form}={written}"
                 what = {
-                    "parameters": "values of parameters by their names",
-                    "remappings": "pairs of an old and a new name",
+                    "parameters": "a dict of parameter values",
+                    "remappings": "pairs of old and new names",
                 }
-                cause = f"{name} is given {what[form]}, and does not take these."
+                cause = f"{name} is given {what[form]}, which belong elsewhere."
                 yield Finding(
                     "launch-argument",
                     cause,

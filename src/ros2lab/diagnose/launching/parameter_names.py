@@ -129,7 +129,7 @@ def _fault(giver: str, name: str, value: Any, takers: Collection[_Home], place: 
     # A node that declares nothing may do without the file on purpose.
     if declared:
         node = " and ".join(dict.fromkeys(module.rpartition(".")[2] for _, module in takers))
-        cause = f"{giver} gives the parameter {name}, and {node} does not declare it, so ROS passes it over; it declares {', '.join(sorted(declared))}."
+        cause = f"{giver} sets the parameter {name}, but {node} does not declare it, so ROS ignores it; {node} declares {', '.join(sorted(declared))}."
         declare = f"self.declare_parameter({name!r}, {value!r})"
         close = nearest(name, declared, 0.5)
         yield Finding(

@@ -167,8 +167,8 @@ def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
         ]
         name = node.launched.name
         if isinstance(name, str) and len(made) > 1:
-            cause = f"The launch file names {node.launched.executable} {name!r}, and that program makes {len(made)} nodes ({', '.join(made)}): name= renames each of them, so they all have one name."
-            fix = f"take name={name!r} away, so that each node keeps the name that its code gives it"
+            cause = f"The launch file names {node.launched.executable} {name!r}, but that program makes {len(made)} nodes ({', '.join(made)}): name= renames every one of them, so they all have the same name."
+            fix = f"remove name={name!r}, so that each node keeps the name from its code"
             yield Finding("name-twice", cause, node.launched.place, fix, (str(node.launched.executable),))
 
 
@@ -203,10 +203,7 @@ def _is_among(topic: str, names: set[str], node: Started) -> bool:
 def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
     """Say that the first name of a remapping is none of a node's names."""
     there = ", ".join(repr(name) for name in sorted(own))
-    cause = (
-        f"The launch file gives another name to {topic!r}, and {node.launched.executable} does not use that: the "
-        f"first name is the one in the code, where there is {there}."
-    )
+    cause = f"The launch file remaps {topic!r}, but {node.launched.executable} does not use it: the first name must be the one in the code, which uses {there}."
     is_turned = isinstance(new, str) and new.lstrip("/") in own
     wanted = nearest(topic.lstrip("/"), own, 0.6) or (min(own) if len(own) == 1 else "")
     fix = f"write one of these as the first name of the remapping: {there}"
@@ -227,7 +224,7 @@ def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
         left = [point.name for point in points if point.name not in started]
         if twin is not None and left:
             name = node.launched.executable
-            cause = f"The launch file starts {name} twice under one name, and {left[0]} never."
+            cause = f"The launch file starts {name} twice under the same name and never starts {left[0]}."
             yield Finding(
                 "launch-executable", cause, node.launched.place, f"write {left[0]} instead of {name} here"
             )
@@ -237,10 +234,10 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield a parameter file that lets a node wait for a simulated time that nobody gives."""
     if any(name == "/clock" and end.is_publisher for node in nodes for end, _, name in node.ends):
         return
-    cause = "use_sim_time lets the node wait for the time of a simulator on /clock, which nothing here publishes: its timers never fire."
+    cause = "use_sim_time makes the node wait for simulated time on /clock, which nothing here publishes, so its timers never fire."
     for node in nodes:
         if node.launched.values.get("use_sim_time") is True:
-            fix = "write False for use_sim_time, or take it away, unless a simulator runs"
+            fix = "set use_sim_time to False, or remove it, unless a simulator is running"
             yield Finding("period", cause, node.launched.place, fix)
     for home, path in dict.fromkeys(
         (node.package, path)
@@ -258,7 +255,7 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
             None,
         )
         if number:
-            fix = "write use_sim_time: false, unless a simulator runs"
+            fix = "write use_sim_time: false, unless a simulator is running"
             yield Finding("period", cause, f"{home.shown(path)}:{number}", fix)
 
 
@@ -297,10 +294,7 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
             meant = _meant(key, without)
             if meant is None:
                 continue
-            cause = (
-                f"The launch file starts {meant.launched.executable} as {meant.full_name}, and {shown} gives its "
-                f"parameters to {key}: the node keeps its defaults."
-            )
+            cause = f"The launch file starts {meant.launched.executable} as {meant.full_name}, but {shown} gives its parameters to {key}, so the node keeps its defaults."
             number = line_of(key, text)
             fix = f"write {meant.full_name}: instead of {key}:, or /**: for every node"
             yield Finding("parameter-file-node", cause, at(shown, number), fix)
@@ -352,7 +346,7 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
             moved = next((one for one in (other, node) if one.namespace or one.launched.remappings), None)
             if moved is None:
                 continue
-            meet = f"{other.launched.executable} publishes on {other_name}, and {node.launched.executable} subscribes to {name}"
+            meet = f"{other.launched.executable} publishes on {other_name}, but {node.launched.executable} subscribes to {name}"
             yield _moved(moved, meet, plain, are_together=node.namespace == other.namespace)
             break
 

@@ -35,7 +35,7 @@ def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Itera
     if any(source.fault or _reads_words(source) for source in files):
         return
     short = " ".join(words)[:60]
-    cause = f"arguments gives {node.executable} the words `{short}` of a command line, and its program reads none, so they change nothing."
+    cause = f"arguments passes `{short}` to {node.executable} on the command line, but it reads no command-line arguments, so they change nothing."
     yield Finding("words-unread", cause, node.place, _fix(words, declared_in(sources) or {}))
 
 
@@ -56,7 +56,7 @@ def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
     if all(word.endswith((".yaml", ".yml")) for word in words):
         return f"write parameters={[*words]!r} instead of arguments"
     known = next(iter(declared), "name")
-    return f"declare what the program should be given as a parameter, and write parameters=[{{{known!r}: ...}}] instead of arguments"
+    return f"declare the value as a parameter in the node, and write parameters=[{{{known!r}: ...}}] instead of arguments"
 
 
 def _value(text: str) -> object:
