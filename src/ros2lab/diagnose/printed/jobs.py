@@ -19,11 +19,8 @@ _THAT_RUN = frozenset(("run", "launch"))
 def frozen_faults(steps: Sequence[Step]) -> Iterator[Finding]:
     """Yield a program that stands still at the end, or did while a command asked for it and got no answer."""
     if frozen := _frozen(steps):
-        cause = f"Ctrl-Z has only frozen `{frozen}`: it is still there, and answers nobody."
-        fix = (
-            "type `bg`: it goes on, and this terminal takes commands; or type `fg`, leave it running, and use a second "
-            "terminal for them. Ctrl-C ends a node, and not Ctrl-Z"
-        )
+        cause = f"Ctrl-Z has only suspended `{frozen}`: it still exists but responds to nothing."
+        fix = "type `bg` to let it continue while this terminal takes commands, or type `fg`, leave it running and use a second terminal. To end a node, press Ctrl-C, not Ctrl-Z"
         yield Finding("not-running", cause, "", fix)
 
 

@@ -11,6 +11,7 @@ from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import Frame
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_source, read_text
+from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.diagnose.sources.static_value import expression
 
 
@@ -121,13 +122,19 @@ def place_of(frames: list[Frame], look: Look | None) -> str:
 
 def kind_in_words(name: str) -> str:
     """Return one of Python's types in words."""
-    words = {"str": "a text", "int": "an integer", "float": "a number", "NoneType": "None", "list": "a list"}
+    words = {
+        "str": "a string",
+        "int": "an integer",
+        "float": "a number",
+        "NoneType": "None",
+        "list": "a list",
+    }
     words |= {
         "dict": "a dict",
-        "sequence": "a text",
+        "sequence": "a string",
         "tuple": "a tuple",
         "bool": "True or False",
         "method": "a method",
         "type": "a class",
     }
-    return words.get(name, f"a {name}")
+    return words.get(name, with_article(name))
