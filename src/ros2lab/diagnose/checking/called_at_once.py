@@ -104,7 +104,7 @@ def _finding(source: PythonSource, given: _Given) -> Finding:
     written = f"lambda: {text}" if call.args or call.keywords else ast.unparse(call.func)
     return Finding(
         "callback-called",
-        f"`{text}` is called here and now, and {outer}(), which wants a function to call later, is given what it returns: nothing.",
+        f"`{text}` is called right here, so {outer}(), which needs a function to call later, is given its return value, None.",
         source.at(call),
         f"write `{f'{given.name}=' if given.name else ''}{written}`",
     )

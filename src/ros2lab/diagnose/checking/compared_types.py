@@ -20,7 +20,7 @@ _FAMILIES = (
         "a number",
         re.compile(r"int|float|bool|Literal\[(?:True|False|-?[\d.]+)(?:, ?(?:True|False|-?[\d.]+))*\]"),
     ),
-    ("a text", re.compile(r"str|Literal\[\".*\"\]")),
+    ("a string", re.compile(r"str|Literal\[\".*\"\]")),
     ("bytes", re.compile(r"bytes|bytearray|Literal\[b\".*\"\]")),
     ("a list", re.compile(r"list\[.*\]")),
     ("a tuple", re.compile(r"tuple\[.*\]")),
@@ -112,11 +112,11 @@ def _told(
         wanted = _family_of(one.constants[0].value)
         if "" in families or wanted in families:
             continue
-        if wanted != "a text" and any(_OBJECT.fullmatch(part) for part in parts):
+        if wanted != "a string" and any(_OBJECT.fullmatch(part) for part in parts):
             continue  # an object may be equal to a number
         text = ast.unparse(one.side)
         cause = (
-            f"`{text}` is {' or '.join(sorted(families))}, and {ast.unparse(one.constants[0])} is {wanted}, "
+            f"`{text}` is {' or '.join(sorted(families))}, but {ast.unparse(one.constants[0])} is {wanted}, "
             f"so `{ast.unparse(one.node)}` is {'never' if one.is_equal else 'always'} true."
         )
         yield Finding("never-equal", cause, source.at(one.node), _fix(one, families, wanted))
@@ -127,7 +127,9 @@ def _family(kind: str, own: Collection[str]) -> str:
     if UNKNOWN_TYPE.search(kind):
         return ""
     found = next((name for name, pattern in _FAMILIES if pattern.fullmatch(kind)), "")
-    return found or (f"an object of the class {kind}" if _OBJECT.fullmatch(kind) and kind not in own else "")
+    return found or (
+        f"an instance of the class {kind}" if _OBJECT.fullmatch(kind) and kind not in own else ""
+    )
 
 
 def _family_of(value: object) -> str:
@@ -135,7 +137,7 @@ def _family_of(value: object) -> str:
     if isinstance(value, (bool, int, float)):
         return "a number"
     if isinstance(value, str):
-        return "a text"
+        return "a string"
     return "bytes" if isinstance(value, bytes) else ""
 
 
@@ -148,15 +150,15 @@ def _fix(one: _Compared, families: Collection[str], wanted: str) -> str:
     match (next(iter(families)), value):
         case "a function", _:
             fix = f"write {text}() instead of {text}"
-        case "an object of the class Parameter", _:
+        case "an instance of the class Parameter", _:
             fix = f"write {text}.value instead of {text}"
         case "a number", str() if _NUMBER.fullmatch(value):
             fix = f"write `{text} {sign} {value.strip()}`"
         case "a number", str():
             fix = f"write `str({text}) {sign} {value!r}`"
-        case "a text", bytes():
+        case "a string", bytes():
             fix = f"write `{text} {sign} {value.decode(errors='replace')!r}`"
-        case "a text", _:
+        case "a string", _:
             fix = f"write `{text} {sign} {str(value)!r}`"
         case "bytes", str():
             fix = f"write `{text} {sign} {value.encode()!r}`"

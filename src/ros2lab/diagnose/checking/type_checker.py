@@ -180,7 +180,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         return Finding(code, cause, place, fix)
     made = ast.unparse(call.func)
     if code == "argument-missing" and made in _classes(spot.source) and made != short:
-        cause = f"{made} has no __init__ of its own, so {made}() takes what {short}() takes, and is called without {name}."
+        cause = f"{made} has no __init__ of its own, so {made}() takes the same arguments as {short}(), but is called without {name}."
         example = (
             f"'{re.sub(r'(?<!^)(?=[A-Z])', '_', made).lower()}'" if name == "node_name" else f"{name}=..."
         )
@@ -189,7 +189,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     good = first_that_stands(spot.source, call, list(ways))
     if rule == "invalid-argument-type" and _lacks_one(spot.source, call):
         code = "argument-missing"
-        cause = f"{short} is called with a value too few, so that what it is given stands in another's place."
+        cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
         good = good or first_that_stands(spot.source, call, list(ways), are_items_open=True)
     lines = missing_imports(spot.source, good)
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
@@ -333,22 +333,22 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
     owner, name = _owner_and_name(said)
     if rule == "unresolved-reference":
         homes = interfaces.homes_for(name, [one.target for one in spot.source.imports] if spot.source else ())
-        do = f"put it in quotes if it is a text ('{name}'); else import or define it above"
+        do = f"put it in quotes if it is a string ('{name}'); otherwise import or define it above"
         fix = f"write `from {homes[0]} import {name}` at the top" if homes else do
-        return "name-undefined", f"{name} is used here and never imported or defined.", fix
+        return "name-undefined", f"{name} is used here but never imported or defined.", fix
     if rule == "missing-union-attribute":
         fix = (
-            f"write `if ... is not None:` above this line, with what stands before .{name}, or set it earlier"
+            f"write `if ... is not None:` above this line, with the object before .{name}, or set it earlier"
         )
-        return "value-none", f"What stands before .{name} is still None when this runs.", fix
+        return "value-none", f"The object before .{name} is still None when this runs.", fix
     if rule == "missing-attribute":
         if method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner):
-            cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
+            cause = f"{method[1]} is a method and has no {name}: the parentheses that call it are missing."
             return "attribute-missing", cause, f"write {method[1]}() instead of {method[1]}"
         return "attribute-missing", *_no_attribute(owner, name, spot, look)
     if rule == "not-callable":
-        fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
-        return rule, f"What stands before the parentheses is {plain(owner)}, and no function.", fix
+        fix = "remove the parentheses; or, if a method was meant, give the attribute a different name from the method"
+        return rule, f"What comes before the parentheses is {plain(owner)}, not a function.", fix
     return "operand-type", *_of_operator(name, said, spot)
 
 
@@ -356,23 +356,25 @@ def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]
     """Return cause and fix of two values that an operator cannot join."""
     one, other = (plain(said[key] or said["both"]) for key in ("owner", "given"))
     if call := as_template(spot):
-        cause = f"{call.partition('(')[0]} is called as in C++: in Python `<` and `>` only compare."
+        cause = f"{call.partition('(')[0]} is called as in C++, but in Python `<` and `>` only compare."
         return cause, f"write `{call}`"
-    is_text = "text" in one + other
-    fix = "write str(...) around what is no text, or an f-string" if is_text else "make both of one kind"
+    is_text = "string" in one + other
+    fix = (
+        "write str(...) around what is not a string, or an f-string"
+        if is_text
+        else "convert both to the same type"
+    )
     return f"`{name}` cannot join {one} and {other}.", fix
 
 
 def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[str, str, str]:
     """Return code and cause of what a call gives, and the fix where the function itself is not known."""
     if short == "object":
-        cause = (
-            "super().__init__() is object's here, which takes no values: the class has no other base class."
-        )
+        cause = "super().__init__() takes no arguments here, because the class has no base class."
         return (
             "argument-unknown",
             cause,
-            "write the base class in parentheses after the name of the class, such as (Node)",
+            "write the base class in parentheses after the class name, such as (Node)",
         )
     if rule == "missing-argument":
         return (
@@ -381,21 +383,21 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
             f"add {name} in the parentheses of {short}(...)",
         )
     if rule == "unknown-argument":
-        fix = f"fix the spelling of {name}, or take it out"
-        return "argument-unknown", f"{short} takes nothing called {name}.", fix
+        fix = f"fix the spelling of {name}, or remove it"
+        return "argument-unknown", f"{short} has no argument called {name}.", fix
     if rule == "too-many-positional-arguments":
         is_method = "method" in said["what"] or said["owner"].endswith("__init__")
         takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
-        cause = f"{short} is called with {given} value{'s' * (given != 1)} without a name and takes {takes or 'none'}."
+        cause = f"{short} is called with {given} positional argument{'s' * (given != 1)} but takes {takes or 'none'}."
         return (
             "argument-unknown",
             cause,
-            "take out what is too much, or give it by its name, as in name=value",
+            "remove the extra arguments, or pass them as keyword arguments, as in name=value",
         )
     wanted = plain(said["wanted"])
     return (
         "argument-type",
-        f"{short} wants {wanted} here, and is given {plain(said['given'])}.",
+        f"{short} needs {wanted} here, but is given {plain(said['given'])}.",
         f"give it {wanted}",
     )
 
@@ -410,13 +412,15 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, s
             else (cause, f"write {close}")
         )
     if owner.startswith("Self@"):
-        cause = f"self.{name} is asked for here, and nothing in the class sets it."
-        return cause, f"write self.{name} = ... in __init__, with the value that it has at first"
+        cause = f"self.{name} is used here, but nothing in the class sets it."
+        return cause, f"write self.{name} = ... in __init__, with its initial value"
     if name in (interfaces.names_in("rclpy") or ()):
-        fix = f"write rclpy.{name}(...), with the node in the parentheses"
+        fix = f"write rclpy.{name}(...), with the node as its argument"
         return f"{cause} It is a function of rclpy.", fix
     methods = interfaces.methods_of(owner)
     return (
         cause,
-        f"use what a {owner} has: {methods}" if methods else f"fix the spelling of {name}, or define it",
+        f"use one of the methods of {owner}: {methods}"
+        if methods
+        else f"fix the spelling of {name}, or define it",
     )

@@ -14,14 +14,14 @@ def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
     assert spot.source is not None
     name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
     cause = (
-        f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
+        f"{name or 'The class'} is the class itself, not an instance: the parentheses after it are missing."
     )
     place = spot.source.at(spot.line)
     if made := _made_of(name, spot):
         return cause, place, f"write {made} instead of {name}"
     where = f", as in node = {name}()" if name else ""
     new = f"{name}()" if name else "() after the name of the class"
-    return cause, place, f"write {new} where the object is made{where}"
+    return cause, place, f"write {new} where the instance is made{where}"
 
 
 def _made_of(name: str, spot: Spot) -> str:
@@ -37,7 +37,7 @@ def _made_of(name: str, spot: Spot) -> str:
 def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     """Return a type in words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
-        return f"the text {text[2]!r}"
+        return f"the string {text[2]!r}"
     kind = re.sub(r"^Self@\w+", "self", kind)
     kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
     kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
@@ -52,9 +52,9 @@ def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     if made := re.fullmatch(r"type\[(.+)\]|<class '(.+)'>", kind):
         return f"the class {made[1] or made[2]} itself"
     if kind.startswith(("(", "def ", "bound method", "Callable")):
-        return "a function that is named without parentheses"
+        return "a function, not called"
     known = {
-        "str": "a text",
+        "str": "a string",
         "int": "an integer",
         "float": "a float",
         "None": "None",
