@@ -72,11 +72,9 @@ def of_class_body(kind: str, message: str, spot: Spot) -> Finding | None:
             return Finding("made-wrong", told[0], source.at(body.line), told[1])
     if body.field is None:
         return None
-    cause = (
-        f"The class {definition.name if definition else ''} cannot be made because of {body.name}: {message}."
-    )
+    cause = f"The class {definition.name if definition else ''} cannot be created because of {body.name}: {message}."
     return Finding(
-        "made-wrong", cause, source.at(body.line), f"change in this line what is said of {body.name}"
+        "made-wrong", cause, source.at(body.line), f"fix {body.name} on this line as the message says"
     )
 
 
@@ -112,7 +110,7 @@ def _mutable(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     made = empty.get(text) or (ast.unparse(value.func) if is_bare else f"lambda: {text}")  # type: ignore[attr-defined]
     name, needs = body.imported("field")
     kind = f": {ast.unparse(node.annotation)}" if isinstance(node, ast.AnnAssign) else ""
-    cause = f"{body.name} has `{text}` as its default, which all objects of the class would share; dataclass does not take that."
+    cause = f"{body.name} has the default `{text}`, which all instances would share; dataclass does not allow that."
     return cause, f"write {body.name}{kind} = {name}(default_factory={made}){needs}"
 
 
@@ -126,11 +124,9 @@ def _late(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     example = {"float": "0.0", "int": "0", "str": "''", "bool": "False"}.get(kind, "None")
     default = f"`{body.name}: {kind} = {example}`"
     if not before:
-        cause = (
-            f"{body.name} has no default, and a field of the class from which this one is derived has one."
-        )
+        cause = f"{body.name} has no default, but a field of the base class has one."
         return cause, f"write {default.strip(chr(96))}"
-    cause = f"{body.name} has no default, and comes after {_names(before[0])[0]}, which has one."
+    cause = f"{body.name} has no default but comes after {_names(before[0])[0]}, which has one."
     return cause, f"move this line above line {before[0].lineno}, or give it a default, as in {default}"
 
 
@@ -144,7 +140,7 @@ def _without_type(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     number = (plain.get(default[1]) or ("float" if "." in default[1] else "int")) if default else "..."
     kind = factory[1] if factory and factory[1] != "lambda" else number
     return (
-        f"{body.name} is made with field(), and has no type.",
+        f"{body.name} is made with field() but has no type.",
         f"write {body.name}: {kind} = {ast.unparse(node.value)}",
     )
 
@@ -153,8 +149,8 @@ def _twice(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
     first = next((one for one in _fields(body.definition) if match["name"] in _names(one)), None)
     if first is None or body.field is None or first is body.field:
         return None
-    cause = f"{body.name} stands in line {first.lineno} already, and each member of an Enum has a name of its own."
-    return cause, "give it another name in this line, or take the line away"
+    cause = f"{body.name} is already on line {first.lineno}, but each member of an Enum needs its own name."
+    return cause, "give it another name on this line, or remove the line"
 
 
 def _equal(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
@@ -162,15 +158,15 @@ def _equal(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
     if other not in body.fields or name not in body.fields:
         return None
     value = ast.unparse(body.fields[other].value or ast.Constant(None))
-    cause = f"{name} has the same value as {other} in line {body.fields[other].lineno}, {value}, and @unique allows each once."
-    return cause, f"give {name} another value in this line, or take @unique away"
+    cause = f"{name} has the same value as {other} on line {body.fields[other].lineno}, {value}, but @unique allows each value only once."
+    return cause, f"give {name} another value on this line, or remove @unique"
 
 
 def _bad_name(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
     name = match["name"]
     new = re.sub(r"\W", "_", name).strip("_") or "value"
     new = f"{new}_" if keyword.iskeyword(new) else f"x{new}" if new[0].isdigit() else new
-    cause = f"A named tuple has no field called {name!r}: it must be a name of letters, digits and _, without a _ in front, and no word of Python's."
+    cause = f"{name!r} cannot be a field of a named tuple: the name must consist of letters, digits and _, must not begin with _, and must not be a Python keyword."
     return cause, f"write {new} instead of {name}, also where it is used"
 
 
@@ -180,16 +176,16 @@ def _frozen(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
     name, _ = body.imported("dataclass")
     bases = ", ".join(map(ast.unparse, body.definition.bases))
     wanted = "(frozen=True)" if match["kind"] == "non-frozen" else ""
-    cause = f"{bases} is {'' if wanted else 'not '}frozen, and so must be each class that is derived from it."
+    cause = f"{bases} is {'' if wanted else 'not '}frozen, so its subclasses must {'be frozen too' if wanted else 'not be frozen either'}."
     return cause, f"write @{name}{wanted} above the class {body.definition.name}"
 
 
 def _extended(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
     base = match["base"]
-    cause = f"{base} is an Enum that has members, and no other Enum can be derived from it."
+    cause = f"{base} is an Enum with members, so it cannot be subclassed."
     return (
         cause,
-        f"write Enum instead of {base} in the parentheses, and give the class all members of its own",
+        f"write Enum instead of {base} in the parentheses, and write all the members in this class",
     )
 
 
@@ -198,7 +194,9 @@ def _order(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     if len(bases) < 2 or body.definition is None:
         return None
     swapped = ", ".join([*bases[1:], bases[0]])
-    cause = f"{bases[0]} stands before a class that is derived from it in the parentheses of {body.definition.name}."
+    cause = (
+        f"In the parentheses of {body.definition.name}, {bases[0]} comes before one of its own subclasses."
+    )
     return cause, f"write class {body.definition.name}({swapped}):"
 
 
@@ -206,14 +204,14 @@ def _twice_a_base(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     if body.definition is None:
         return None
     bases = ", ".join(dict.fromkeys(map(ast.unparse, body.definition.bases)))
-    return "A class stands twice in the parentheses.", f"write class {body.definition.name}({bases}):"
+    return "A class is listed twice in the parentheses.", f"write class {body.definition.name}({bases}):"
 
 
 def _slots(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     if not body.name:
         return None
-    cause = f"{body.name} stands in __slots__, and the class gives it a value, too."
-    return cause, f"take this line away, and set self.{body.name} in __init__"
+    cause = f"{body.name} is in __slots__, but the class also gives it a value."
+    return cause, f"remove this line, and set self.{body.name} in __init__"
 
 
 # What Python says as it makes a class, and what that means for its body; the first one that fits counts.

@@ -51,8 +51,5 @@ def _told(operand: ast.expr, made: ast.Call, source: PythonSource, spot: Spot) -
     is_time = source.resolve(made.func) == _TIME
     new = f"{name}({given + ', ' if given else ''}clock_type={clock}.clock_type)" if is_time else clock
     where = "" if made.lineno == spot.line else f" Line {spot.line} fails because of this one."
-    cause = (
-        f"`{ast.unparse(operand)}` is a time of the system's clock, for {text} is given no other one, and the node's "
-        f"times are of the ROS clock: the two are not compared or subtracted.{where}"
-    )
+    cause = f"`{ast.unparse(operand)}` is a system-clock time, because {text} names no other clock, but the node's times are ROS-clock times: the two cannot be compared or subtracted.{where}"
     return Finding("made-wrong", cause, source.at(made), f"write {new} instead of {text}")

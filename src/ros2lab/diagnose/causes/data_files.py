@@ -72,12 +72,12 @@ def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
             cause = f"json cannot read {name}: {repair.why}."
             fix = f"write `{after.splitlines()[line - 1].strip()}`, and build again"
             return Finding("python-error", cause, f"{shown}:{line}", fix)
-    cause = f"json cannot read {name}, which this program reads: {fault.msg} (column {fault.colno})."
+    cause = f"This program reads {name}, but json cannot parse it: {fault.msg} (column {fault.colno})."
     return Finding(
         "python-error",
         cause,
         f"{shown}:{fault.lineno}",
-        "compare this line, and the one before it, with a right file",
+        "compare this line and the one before it with a correct file",
     )
 
 
@@ -86,20 +86,22 @@ def _repairs(text: str, at: int) -> Iterator[Repair]:
     before, here = len(text[:at].rstrip()), text[at : at + 1]
     last = text[before - 1 : before]
     if here == "," and re.match(r",\s*[}\]]", text[at:]):  # as newer Pythons name it
-        yield Repair(at, at + 1, "", "a comma comes after the last element, where JSON allows none")
+        yield Repair(at, at + 1, "", "there is a comma after the last element, which JSON does not allow")
     if last == "," and here in ("}", "]"):
-        yield Repair(before - 1, before, "", "a comma comes after the last element, where JSON allows none")
+        yield Repair(
+            before - 1, before, "", "there is a comma after the last element, which JSON does not allow"
+        )
     if comment := re.match(r"(?:#|//).*", text[at:]):
-        yield Repair(at, at + comment.end(), "", "it has a comment, and JSON has none")
+        yield Repair(at, at + comment.end(), "", "it contains a comment, which JSON does not allow")
     if quoted := re.match(r"'([^'\"\n]*)'", text[at:]):
-        yield Repair(at, at + quoted.end(), f'"{quoted[1]}"', "a text stands in double quotes in JSON")
+        yield Repair(at, at + quoted.end(), f'"{quoted[1]}"', "JSON needs double quotes around a string")
     if word := re.match(r"[A-Za-z_]\w*", text[at:]):
         new = _WORDS.get(word[0], f'"{word[0]}"')
-        why = f"JSON writes {new} and not {word[0]}"
+        why = f"JSON needs {new} instead of {word[0]}"
         yield Repair(at, at + word.end(), new, why)
     if number := re.match(r"[+]?(\d*)\.(\d+)|[+](\d+)", text[at:]):
         new = number[3] or f"{number[1] or 0}.{number[2]}"
-        yield Repair(at, at + number.end(), new, f"JSON writes the number {new} and not {number[0]}")
+        yield Repair(at, at + number.end(), new, f"JSON needs {new} instead of the number {number[0]}")
     if before and last not in ",:{[":
         yield Repair(before, before, ",", "a comma is missing between two elements")
         yield Repair(before, before, ":", "a colon is missing after a name")

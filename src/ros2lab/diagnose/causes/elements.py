@@ -22,13 +22,13 @@ def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         match node:
             case ast.Subscript(value=value, slice=ast.Constant(value=str() as name)) if name in fields:
                 text = ast.unparse(value)
-                cause = f"{text} is {kind_in_words(kind)}, and its fields are taken with a dot and not with brackets."
+                cause = f"{text} is {kind_in_words(kind)}, whose fields are accessed with a dot, not with brackets."
                 return cause, f"write {text}.{name} instead of {ast.unparse(node)}"
-    cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has none."
+    cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has no elements."
     fix = (
-        "take its field that is a list or a text, such as msg.data"
+        "use its field that is a list or a string, such as msg.data"
         if fields
-        else "make a list or a dict of it first"
+        else "turn it into a list or a dict first"
     )
     return cause, fix
 
@@ -37,20 +37,24 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Return cause and fix of an element that is asked for, or replaced, and that is not there."""
     asked = key_asked(spot)
     if asked is None:
-        cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
-        return cause, "look at len(...) first; the first element has the number 0"
+        cause = (
+            f"`{spot.text}` asks for an element that does not exist: the list or string is shorter, or empty."
+        )
+        return cause, "check len(...) first; the first element has index 0"
     name, index = ast.unparse(asked.value), ast.unparse(asked.slice)
     if isinstance(asked.ctx, ast.Store):
-        cause = f"{name}[{index}] can only replace an element that is there, and {name} has not so many yet."
+        cause = (
+            f"{name}[{index}] can only replace an existing element, but {name} does not have that many yet."
+        )
         return cause, _put(spot, asked, name)
     made = [value for value in spot.assigned(name) if isinstance(value, (ast.List, ast.Tuple))]
-    count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
-    cause = f"{name}[{index}] asks for an element after the last one of {name}{count}."
+    count = f", which has {len(made[0].elts)} elements, starting at index 0" if len(made) == 1 else ""
+    cause = f"{name}[{index}] asks for an element past the end of {name}{count}."
     if isinstance(asked.slice, ast.Constant):
         return _too_few(spot, name, index, cause)
     return (
         cause,
-        f"write {name}[{index} % len({name})] to begin with the first one again, or ask `if {index} < len({name}):` before",
+        f"write {name}[{index} % len({name})] to start again at the first one, or check `if {index} < len({name}):` first",
     )
 
 
@@ -73,14 +77,12 @@ def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
     made = [one for one in spot.assigned(name) if isinstance(one, ast.Call)]
     split = next((one for one in reversed(made) if getattr(one.func, "attr", "") == "split"), None)
     if split is None:
-        fix = (
-            f"print {name} in the line above, and make sure that it has an element {index} whenever this runs"
-        )
+        fix = f"print {name} on the line above, and make sure it has an element {index} whenever this runs"
         return cause, fix
     text = ast.unparse(split.func).removesuffix(".split")
     sign = ast.unparse(split.args[0]) if split.args else "a space"
-    cause = f"`{ast.unparse(split)}` gave fewer parts than {name}[{index}] needs: {sign} does not stand so often in the text."
-    fix = f"print {text} above line {split.lineno}, and write there the sign that really stands between its parts instead of {sign}"
+    cause = f"`{ast.unparse(split)}` gave fewer parts than {name}[{index}] needs: {sign} does not occur that often in the string."
+    fix = f"print {text} above line {split.lineno}, and write the actual separator there instead of {sign}"
     return cause, fix
 
 
@@ -89,27 +91,30 @@ def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     asked = key_asked(spot, match["name"])
     if asked is None:
         cause = f"The dictionary in `{spot.text}` has no key {match['name']}."
-        return cause, "ask first with `if ... in` whether it has the key, and compare its keys, capitals too"
+        return (
+            cause,
+            "check first with `if ... in` whether the key is there, and compare the keys, including upper and lower case",
+        )
     name, key = ast.unparse(asked.value), ast.unparse(asked.slice)
     dicts = [one for one in spot.assigned(name) if isinstance(one, ast.Dict)]
     keys = [ast.unparse(one) for made in dicts for one in made.keys if one]
     near = nearest(match["name"], keys)
-    cause = f"The dictionary {name} has no key {match['name']}{f', and has {near}' if near else ''}."
+    cause = f"The dictionary {name} has no key {match['name']}{f', but has {near}' if near else ''}."
     if not isinstance(asked.slice, ast.Constant):
         if may_be_left(spot):
             return cause, left_out(f"{key} not in {name}", f"{key} in {name}", key, spot)
         return (
             cause,
-            f"write {name}.get({key}, ...) instead of {name}[{key}], with a value for all other keys",
+            f"write {name}.get({key}, ...) instead of {name}[{key}], with a default for missing keys",
         )
     if near:
         return cause, f"write {near} instead of {key}"
     if keys:
-        more = f"; or put {key}: ... into the dictionary in line {dicts[0].lineno}"
-        return f"{cause} It has {', '.join(keys)}.", f"ask for one of these instead of {key}{more}"
+        more = f"; or add {key}: ... to the dictionary on line {dicts[0].lineno}"
+        return f"{cause} It has {', '.join(keys)}.", f"use one of these instead of {key}{more}"
     return (
         cause,
-        f"print {name} in the line above, and ask for one of the keys that it shows instead of {key}",
+        f"print {name} on the line above, and use one of the keys it shows instead of {key}",
     )
 
 

@@ -39,22 +39,22 @@ def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Findi
         there = [one.name for one in package.folder.rglob("*") if "__pycache__" not in one.parts]
         near = nearest(name, there)
         cause = f"The package {package.name} has no file {inner}{f'; there is {near}' if near else ''}."
-        fix = f"write {near} instead of {name}" if near else f"make the file {package.shown(inner)}"
+        fix = f"write {near} instead of {name}" if near else f"create the file {package.shown(inner)}"
         return Finding("data-file-missing", cause, package.shown(""), fix, (name,))
     folders = {
         to for to, files in setup.data_files if any(PurePosixPath(lies) in _and_above(f) for f in files)
     }
     target = target.removesuffix("/.")
     if target in folders or f"{target}/{name}" in folders:
-        cause = f"setup.py installs {lies} of the package {package.name}, and it is not installed yet."
+        cause = f"setup.py installs {lies} of the package {package.name}, but it has not been installed yet."
         fix = f"{_BUILD} {package.name}, and run the same command again"
         return Finding("install-stale", cause, package.shown(lies), fix, (name,))
     place = at(setup.source.shown, setup.line("data_files"))
     if folders:
-        cause = f"setup.py installs {lies} into {min(folders)}, and it is looked for in {target}."
+        cause = f"setup.py installs {lies} into {min(folders)}, but the program looks for it in {target}."
         fix = f"write {target!r} instead of {min(folders)!r} in data_files, and build again"
         return Finding("installed-elsewhere", cause, place, fix, (name,))
-    cause = f"{lies} is in the package {package.name}, and setup.py does not install it, so it is not in {target}, where it is looked for."
+    cause = f"{lies} is in the package {package.name}, but setup.py does not install it, so it is not in {target}, where the program looks."
     row = installing(package, lies, inner)
     return Finding("not-in-data-files", cause, place, f"add {row} to data_files and build again", (name,))
 
@@ -70,14 +70,14 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
             (one.name for one in package.folder.iterdir() if one.name.lower() == Path(path).name.lower()), ""
         )
         if alike:
-            cause = f"There is no file {path}; there is {alike}, with other capitals."
+            cause = f"There is no file {path}; there is {alike}, with different upper and lower case."
             return Finding(SAID, cause, place, f"write {alike!r} instead of {path!r}")
-        cause = f"setup.py reads {path}, and there is no such file in the package."
-        fix = f"touch {package.shown(path)}, and write into it what it is to say; or take the line away that reads it"
+        cause = f"setup.py reads {path}, but there is no such file in the package."
+        fix = f"touch {package.shown(path)}, and fill it in; or remove the line that reads it"
         return Finding(SAID, cause, place, fix) if is_setup(place) else None
     parts = ", ".join(repr(part) for part in Path(lies).parts)
     share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
-    cause = f"{path} is looked for in the folder in which the terminal stands, and not in the package {package.name}."
+    cause = f"{path} is looked for in the terminal's current folder, not in the package {package.name}."
     is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
     more = "" if is_installed else f"; and add {installing(package, lies, lies)} to data_files in setup.py"
     source = spot_at(place, look).source

@@ -13,6 +13,7 @@ from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.kinds import Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.spelling import with_article
 
 
 def of_filled(message: str, spot: Spot) -> Finding | None:
@@ -36,9 +37,9 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
             texts.append(set_field(target, wanted, value))
     target, wanted, value = wrong[0]
     name = wanted.rpartition(".")[2]
-    given = f"a {name} of rclpy" if said["kind"] == name else kind_in_words(said["kind"])
-    cause = f"{ast.unparse(target)} holds the message {name}, and `{ast.unparse(value)}` is {given}; Python notices it only in publish()."
-    more = [f"in line {one[0].lineno} {text}" for one, text in zip(wrong[1:], texts[1:], strict=True)]
+    given = f"{with_article(name)} of rclpy" if said["kind"] == name else kind_in_words(said["kind"])
+    cause = f"{ast.unparse(target)} holds the message type {name}, but `{ast.unparse(value)}` is {given}; Python notices only in publish()."
+    more = [f"on line {one[0].lineno} {text}" for one, text in zip(wrong[1:], texts[1:], strict=True)]
     return Finding("field-type", cause, spot.source.at(target), "; ".join([texts[0], *more]))
 
 
@@ -91,7 +92,7 @@ def of_item(message: str, spot: Spot) -> Finding | None:
                 if called:
                     texts = [f"{ast.unparse(one.func)} instead of {ast.unparse(one)}" for one in called]
                     first = ast.unparse(called[0])
-                    cause = f"`{first}` calls the function already here, and keeps what it returns in {ast.unparse(target)}: nothing."
+                    cause = f"`{first}` calls the function right here and stores its return value, None, in {ast.unparse(target)}."
                     return Finding(
                         "callback-called", cause, spot.source.at(called[0]), f"write {', '.join(texts)}"
                     )

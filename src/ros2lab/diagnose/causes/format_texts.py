@@ -85,10 +85,10 @@ def _told(use: _Use, old: str, new: str, message: str, spot: Spot) -> Finding:
     same = use.source is spot.source
     there = f"line {use.node.lineno}" if same and use.node.lineno != spot.line else "this line"
     there = there if same else use.source.at(use.node)
-    cause = f"In the format text of {there}, `{old}` does not fit what is put into it: {message}."
+    cause = f"In the format string of {there}, `{old}` does not fit its value: {message}."
     fix = f"write `{new}` instead of `{old}`"
     if "for object of type 'str'" in message or "number is required, not str" in message:
-        fix += "; or, where the text holds a number, float(...) around the value"
+        fix += "; or, if the string holds a number, float(...) around the value"
     return Finding("made-wrong", cause, use.source.at(use.node), fix)
 
 

@@ -26,7 +26,9 @@ def left_out(lacks: str, has: str, name: str, spot: Spot) -> str:
     """
     function = spot.function
     if function is None or function.name == "__init__":
-        return f"write `if {has}:` above line {_head(spot, ())}, and indented below it all that uses {name}"
+        return (
+            f"write `if {has}:` above line {_head(spot, ())}, and indent everything that uses {name} below it"
+        )
     loops = [
         node
         for node in ast.walk(function)

@@ -36,7 +36,7 @@ def of_part(kind: str, spot: Spot) -> Finding | None:
         old = ast.unparse(call)
         whole = "service" if match["kind"] == "srv" else "action"
         cause = (
-            f"{written} is the whole {whole}, of which no object is made; what is needed here is its {part}."
+            f"{written} is the whole {whole} type, which cannot be instantiated; its {part} is needed here."
         )
         return Finding(
             "made-wrong",

@@ -103,8 +103,8 @@ def _of_leaf(leaf: _Leaf, origin: Origin, spot: Spot) -> _Told | None:
     use = spot.source.at(spot.line) if spot.source else origin.place
     call = leaf.node
     if not isinstance(call, ast.Call):
-        where = f"{leaf.function.name}() gives back" if leaf.function else "it comes from"
-        cause = f"{origin.name} is None in line {spot.line}: {where} the None of line {leaf.line}."
+        where = f"{leaf.function.name}() returns" if leaf.function else "it comes from"
+        cause = f"{origin.name} is None on line {spot.line}: {where} the None on line {leaf.line}."
         return cause, use, _asked_first(origin.name, spot)
     name = getattr(call.func, "attr", "")
     if name == "result" and not call.args:
@@ -119,15 +119,15 @@ def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use:
     if kind == "None" and call is origin.value:
         return of_what_gives_nothing(origin, call, spot)
     if kind == "None":
-        cause = f"`{leaf.text}` gives nothing back, so {leaf.function.name if leaf.function else 'it'}() returns None."
-        return cause, leaf.source.at(call), "return in this line what is to be given back"
+        cause = f"`{leaf.text}` returns nothing, so {leaf.function.name if leaf.function else 'it'}() returns None."
+        return cause, leaf.source.at(call), "return the intended value on this line"
     if kind and not re.search(r"\bNone\b|Unknown|Any\b", kind):
         return None
     if origin.name == leaf.text:
         return None  # nothing holds the value, so its line is the one that fails
-    own = f" in line {leaf.line}" if leaf.source is spot.source else f" ({leaf.source.at(call)})"
-    fitting = ", because the text does not fit the pattern" if leaf.text.startswith("re.") else ""
-    cause = f"{origin.name} is None in line {spot.line}: `{leaf.text}`{own} gave None{fitting}."
+    own = f" on line {leaf.line}" if leaf.source is spot.source else f" ({leaf.source.at(call)})"
+    fitting = ", because the string does not match the pattern" if leaf.text.startswith("re.") else ""
+    cause = f"{origin.name} is None on line {spot.line}: `{leaf.text}`{own} returned None{fitting}."
     return cause, use, _asked_first(origin.name, spot)
 
 
@@ -162,17 +162,19 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
         and n.lineno <= call.lineno
     ]
     if any(name in map(ast.unparse, n.args) for n in waits):
-        cause = f"`{leaf.text}` is None: the answer has not come in the time that line {waits[-1].lineno} waits for it."
+        cause = f"`{leaf.text}` is None: the response did not arrive in the time that line {waits[-1].lineno} waits."
         return (
             cause,
             spot.source.at(spot.line) if spot.source else origin.place,
             _asked_first(origin.name, spot),
         )
-    cause = f"`{leaf.text}` gives None as long as the answer has not come, and nothing waits for it before."
+    cause = (
+        f"`{leaf.text}` returns None until the response has arrived, and nothing before this waits for it."
+    )
     place = source.at(call)
     functions = [one for one in (leaf.function, spot.function) if one]
     if any(_is_called_back(source, one) for one in functions):
-        fix = f"write {name}.add_done_callback(self.answered) instead of it, and use future.result() in that method: def answered(self, future)"
+        fix = f"write {name}.add_done_callback(self.answered) instead, and use future.result() in that method: def answered(self, future)"
         return cause, place, fix
     node = _node_of(leaf, future, source)
     if not isinstance(future, (ast.Name, ast.Attribute)):
@@ -220,16 +222,12 @@ def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
     owner, key = ast.unparse(getattr(call.func, "value")), ast.unparse(call.args[0])  # noqa: B009
     place = leaf.source.at(call)
     if owner in ("os.environ", "environ"):
-        cause = (
-            f"`{leaf.text}` gives None, because the variable {key} is not set where the program was started."
-        )
+        cause = f"`{leaf.text}` returns None, because the variable {key} is not set where the program was started."
         return cause, place, f"type export {key.strip(chr(39))}=... in the terminal before the program"
     made = [n for n in Spot(leaf.source, call.lineno).assigned(owner) if isinstance(n, ast.Dict)]
     keys = [ast.unparse(one) for node in made for one in node.keys if one]
     near = nearest(key, keys) if isinstance(call.args[0], ast.Constant) else None
-    cause = (
-        f"{origin.name} is None in line {spot.line}: `{leaf.text}` gives None for a key that {owner} has not."
-    )
+    cause = f"{origin.name} is None on line {spot.line}: `{leaf.text}` returns None for a key that {owner} does not have."
     if near:
         return f"{cause} It has {near}.", place, f"write {near} instead of {key}"
     use = spot.source.at(spot.line) if spot.source else place
@@ -240,35 +238,37 @@ def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told:
     last, values = function.body[-1], returned(function)
     place = source.at(last)
     if values:
-        cause = f"{function.name}() gives nothing back where none of its conditions holds."
+        cause = f"{function.name}() returns nothing when none of its conditions is true."
         return (
             cause,
             place,
-            f"write another return at its end, for every other case, as in `{ast.unparse(values[0])}`",
+            f"add another return at its end for all other cases, as in `{ast.unparse(values[0])}`",
         )
     is_value = isinstance(last, ast.Expr) and not isinstance(last.value, ast.Call)
     fix = (
-        f"write return {ast.unparse(last)}" if is_value else "end it with return and what it should give back"
+        f"write return {ast.unparse(last)}"
+        if is_value
+        else "end it with return and the value it should return"
     )
-    return f"{function.name}() gives nothing back, because it has no return.", place, fix
+    return f"{function.name}() returns nothing, because it has no return statement.", place, fix
 
 
 def of_what_gives_nothing(origin: Origin, call: ast.Call, spot: Spot) -> _Told:
     """Say that a call gives nothing back, and how it is written so that its name keeps a value."""
     name, line, written = origin.name, origin.line, ast.unparse(call)
-    cause = f"`{written}` gives nothing back, so line {line} sets {name} to None."
+    cause = f"`{written}` returns nothing, so line {line} sets {name} to None."
     if isinstance(call.func, ast.Attribute) and not isinstance(call.func.value, (ast.Name, ast.Attribute)):
         made = ast.unparse(call.func.value)
         rest = written.removeprefix(made)
-        return cause, origin.place, f"write {name} = {made}, and {name}{rest} in a line of its own below it"
+        return cause, origin.place, f"write {name} = {made}, and {name}{rest} on a line of its own below it"
     kept = _kept(origin, call, spot)
     if not kept:
-        fix = f"write {written} in a line of its own, and {name} = ... below it, with the value that line {spot.line} needs"
+        fix = f"write {written} on a line of its own, and {name} = ... below it, with the value that line {spot.line} needs"
         return cause, origin.place, fix
     more = (
         f"and {name} = {kept} below it" if kept != name else f"without {name} ="
     )  # it has its value already
-    return cause, origin.place, f"write {written} in a line of its own, {more}"
+    return cause, origin.place, f"write {written} on a line of its own, {more}"
 
 
 def _kept(origin: Origin, call: ast.Call, spot: Spot) -> str:

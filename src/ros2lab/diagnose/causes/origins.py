@@ -120,7 +120,7 @@ def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
             if name in spot.holds(said["name"]):
                 old = ast.unparse(given)
                 new = re.sub(rf"\b{re.escape(old)}\b", f"{old}.{field}", ast.unparse(call), count=1)
-                cause = f"{function.name}() is given the whole message {old}, and works with what is in it."
+                cause = f"{function.name}() is given the whole message {old}, but works with its contents."
                 return Finding("made-wrong", cause, caller.source.at(call), f"write {new}")
     return None
 
@@ -285,8 +285,8 @@ def _told(origin: Origin, kinds: list[str], asked: str, spot: Spot) -> _Told | N
     if origin.line == spot.line:
         return None
     if origin.kind == "NoneType":
-        cause = f"Line {origin.line} sets {origin.name} to None, and nothing gives it another value."
-        fix = f"give it the value there that line {spot.line} needs, or write `if {origin.name} is not None:` first"
+        cause = f"Line {origin.line} sets {origin.name} to None, and nothing else sets it."
+        fix = f"give it the value that line {spot.line} needs there, or write `if {origin.name} is not None:` first"
         return cause, origin.place, fix
     return _of_literal(origin, ast.unparse(value), kinds, asked)
 
@@ -296,10 +296,10 @@ def _of_what_is_not_called(origin: Origin, value: ast.AST) -> _Told | None:
     if name == written or isinstance(value, ast.Lambda):
         return None
     if origin.kind == "type":
-        cause = f"Line {origin.line} puts the class {written} itself into {name}, and no object of it."
+        cause = f"Line {origin.line} assigns the class {written} itself to {name}, not an instance of it."
         return cause, origin.place, f"write {name} = {written}()"
-    cause = f"Line {origin.line} puts the function {written} itself into {name}, and does not call it."
-    return cause, origin.place, f"write {name} = {written}(...), with what it needs in the parentheses"
+    cause = f"Line {origin.line} assigns the function {written} itself to {name} without calling it."
+    return cause, origin.place, f"write {name} = {written}(...), with its arguments in the parentheses"
 
 
 def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _Told | None:
@@ -307,14 +307,12 @@ def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _
     name, line = origin.name, origin.line
     is_number = origin.kind == "str" and re.fullmatch(r"['\"][-+]?\d+(\.\d*)?['\"]", written) is not None
     if is_number and ({"int", "float"} & set(kinds) or kinds == ["str"]):
-        cause = f"Line {line} puts the text {written} into {name}, and a number is needed."
+        cause = f"Line {line} assigns the string {written} to {name}, but a number is needed."
         return cause, origin.place, f"write {name} = {written[1:-1]}"
     meant = [kind for kind in _EMPTY if asked and hasattr(getattr(builtins, kind), asked)]
     if not meant or origin.kind not in (*_EMPTY, "tuple", "str"):
         return None
-    cause = (
-        f"Line {line} makes {name} {kind_in_words(origin.kind)}, and {kind_in_words(meant[0])} has {asked}."
-    )
+    cause = f"Line {line} makes {name} {kind_in_words(origin.kind)}, but {asked} belongs to {kind_in_words(meant[0])}."
     here = f"; or here {name}[...] = ..." if origin.kind == "dict" else ""
     return cause, origin.place, f"write {name} = {_EMPTY[meant[0]]} there{here}"
 
@@ -324,18 +322,18 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
     name, written = origin.name, ast.unparse(call)
     store = f"{name} = " if name != written else ""
     if origin.kind == "Parameter":
-        cause = f"{written} is a parameter with its name and its type, and not yet its value."
+        cause = f"{written} is the parameter itself, with its name and type, not its value."
         return cause, origin.place, f"write {store}{written}.value"
     is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
     if origin.kind == "str" and (({"int", "float"} & set(kinds) and store) or (kinds == ["str"] and is_str)):
         number = ast.unparse(call.args[0]) if is_str else f"float({written})"
         fix = f"write {store}{number}" if store else f"write {number} instead of {written}"
-        return f"`{written}` is a text, and a number is needed.", origin.place, fix
+        return f"`{written}` is a string, but a number is needed.", origin.place, fix
     if "NoneType" not in kinds:
         return None
     if getattr(call.func, "attr", "") == "declare_parameter":
         cause = f"The parameter {ast.unparse(call.args[0])} is declared without a value, so {name} is None."
-        return cause, origin.place, f"write {written[:-1]}, ...), with a value that it has at first"
+        return cause, origin.place, f"write {written[:-1]}, ...), with its default value"
     return of_call_that_gave_none(origin, call, spot)
 
 
@@ -347,10 +345,10 @@ def _of_import(origin: Origin, imported: Import, asked: str, spot: Spot) -> _Tol
         inner = getattr(known, last, None)
         if inner is None or (asked and not hasattr(inner, asked)):
             return None
-        cause = f"{name} is the module {target}, and what is meant is {last} in it."
+        cause = f"{name} is the module {target}; its {last} is meant."
         return cause, origin.source.at(spot.line), f"write {_called_as(name, f'{name}.{last}', spot)}"
     if asked and hasattr(_object(module), asked):
-        cause = f"By its import, {name} is only {last} of the module {module}, and {asked} is another part of that module."
+        cause = f"As imported, {name} is only {last} from the module {module}, but {asked} is another part of that module."
         fix = f"write import {module}, and {module}.{last} wherever {last} alone is used"
         return cause, origin.place, fix
     return None

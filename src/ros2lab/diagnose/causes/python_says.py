@@ -16,7 +16,7 @@ from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import is_property, own_nodes
 
-_PRINT = "print what stands in this line just before it, and see which value is not the one that you expected"
+_PRINT = "print the values used on this line just above it, and see which one is not what you expected"
 
 
 _Said = Callable[[re.Match[str], Spot], tuple[str, str]]
@@ -36,15 +36,15 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
         return None
     if not isinstance(known, type) or not issubclass(known, Exception):
         refusal = re.sub(r", at /\S+", "", message).rstrip(".")
-        fix = "look at each value that this line gives, and at what it says of them"
+        fix = "check each value on this line against what the message says"
         return (
-            Finding(SAID, f"`{spot.text}` is refused: {refusal}.", place, fix)
+            Finding(SAID, f"`{spot.text}` is rejected: {refusal}.", place, fix)
             if spot.text and refusal
             else None
         )
     if kind == "TypeError" and (taken := _taken_out(message, spot)):
         name, held = taken
-        cause = f"{name} is {kind_in_words(held)}, and `{spot.text}` needs the value that it holds."
+        cause = f"{name} is {kind_in_words(held)}, but `{spot.text}` needs the value inside it."
         return Finding("python-error", cause, place, f"write {held_in(name, held)} instead of {name}")
     where = f"in `{spot.text}`" if spot.text else "at this line"
     what = (known.__doc__ or kind).splitlines()[0].rstrip(".").lower()
@@ -61,68 +61,68 @@ def _taken_out(message: str, spot: Spot) -> tuple[str, str] | None:
 
 
 def _other_class(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    cause = "super(...) is given another class than the one in which it stands."
+    cause = "super(...) is given a different class from the one it is used in."
     for node in spot.nodes:
         match node:
             case ast.Call(func=ast.Name(id="super"), args=[given, *_]):
                 return (
-                    f"super() is given {ast.unparse(given)}, and that is not the class in which it stands.",
+                    f"super() is given {ast.unparse(given)}, which is not the class it is used in.",
                     f"write super() instead of {ast.unparse(node)}",
                 )
-    return cause, "write super() without anything in its parentheses"
+    return cause, "write super() without arguments"
 
 
 def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     name, function, source = match["name"], spot.function, spot.source
     where = f"{function.name}()" if function else "this function"
-    cause = f"{where} assigns {name}, so {name} is a local variable of it all through, and here it has no value yet"
+    cause = f"{where} assigns {name}, so {name} is a local variable everywhere in it, and here it has no value yet"
     if source and any(one.local == name for one in source.imports):
         return (
             f"{cause}: it hides the imported {name}.",
-            f"call the variable by another name, such as {name.lower()}_",
+            f"rename the variable, for example to {name.lower()}_",
         )
     if source and function and name in (known := known_names(source)):
         return f"{cause}: it hides {known[name]}.", fix_of(name, function.name)
     at_top = [n for n in (source.tree.body if source else ()) if isinstance(n, (ast.Assign, ast.AnnAssign))]
     if any(isinstance(i, ast.Name) and i.id == name for n in at_top for i in ast.walk(n)):
         return (
-            f"{cause}: it is another one than the global {name}.",
+            f"{cause}: it is not the global {name}.",
             f"write self.{name} everywhere, and set it in __init__; or write `global {name}` as the first line of {where}",
         )
     return (
         f"{cause}.",
-        f"give {name} a value in the first line of {where}, for the case that no other line does",
+        f"give {name} a value on the first line of {where}, in case no other line does",
     )
 
 
 def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     kind = match["kind"]
     if not spot.is_innermost:
-        cause = f"What ROS was given to call is {kind_in_words(kind)} and no function."
+        cause = f"What was passed to ROS as a callback is {kind_in_words(kind)}, not a function."
         return (
             cause,
-            "give each create_timer and create_subscription a method, such as self.callback, without quotes and parentheses",
+            "pass each create_timer and create_subscription a method, such as self.callback, without quotes or parentheses",
         )
     calls = [node for node in spot.nodes if isinstance(node, ast.Call)]
     calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
     fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
     what = ast.unparse(fitting[0].func) if len({ast.unparse(n.func) for n in fitting}) == 1 else ""
     if hasattr(builtins, what) and spot.source and what not in spot.source.stored:
-        cause = f"{what}() calls one of the values that it is given, and that is {kind_in_words(kind)} and no function."
-        return cause, f"give {what}() a function there, by its name and without parentheses"
+        cause = f"{what}() calls one of its arguments, which is {kind_in_words(kind)}, not a function."
+        return cause, f"pass {what}() a function there, by name and without parentheses"
     is_set = len(fitting) == 1 and len(fitting[0].args) == 1 and isinstance(fitting[0].func, ast.Attribute)
     value = (
         f": a value is assigned with =, as in {what} = {ast.unparse(fitting[0].args[0])}" if is_set else ""
     )
-    cause = f"{what or 'Something in this line'} is {kind_in_words(kind)} and no function, so it cannot be called with parentheses."
-    return cause, f"take the parentheses after {what or 'it'} away{value}"
+    cause = f"{what or 'Something on this line'} is {kind_in_words(kind)}, not a function, so it cannot be called with parentheses."
+    return cause, f"remove the parentheses after {what or 'it'}{value}"
 
 
 def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     name = match["name"]
     owners = spot.holds(name)
-    owner = owners[0] if owners else f"what stands before .{name}"
-    why, fix = "", f"set {owner} before this line is reached, and look what it was given"
+    owner = owners[0] if owners else f"the object before .{name}"
+    why, fix = "", f"set {owner} before this line is reached, and check its value"
     for value in spot.assigned(owner):
         if isinstance(value, ast.Call) and spot.source:
             called = getattr(value.func, "attr", getattr(value.func, "id", ""))
@@ -131,10 +131,10 @@ def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
                 why, fix = f": {called}() returns nothing", f"write a return at the end of {called}()"
         elif isinstance(value, ast.Constant) and value.value is None and not why:
             why, fix = (
-                ": it was set to None, and to nothing else yet",
+                ": it was set to None and has no other value yet",
                 f"write these two lines above line {_head(spot)}: `if {owner} is None:`, and indented below it `return`",
             )
-    return f"{owner} is None when .{name} is asked of it{why}.", fix
+    return f"{owner} is None when .{name} is used{why}.", fix
 
 
 def _head(spot: Spot) -> int:
@@ -156,12 +156,12 @@ def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
             if homes and line:
                 meant = name.rpartition(".")[2].capitalize()
                 return (
-                    f"{name} is the module here, and no class.",
-                    f"write `from {homes[0]} import {meant}` in line {line}",
+                    f"{name} is the module here, not a class.",
+                    f"write `from {homes[0]} import {meant}` on line {line}",
                 )
     return (
-        f"In `{spot.text}` a module stands where a class belongs.",
-        "import the class from the module, and name it here",
+        f"In `{spot.text}` there is a module where a class should be.",
+        "import the class from the module, and use it here",
     )
 
 
@@ -172,28 +172,28 @@ def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         own = f"self.{function.name}"
         used = {ast.unparse(n): n for n in spot.nodes if isinstance(n, ast.Attribute)}
         if own in used:
-            what = "To set" if isinstance(used[own].ctx, ast.Store) else "To ask for"
-            cause = f"{what} {own} calls the property {function.name}() itself, again and again."
+            what = "To set" if isinstance(used[own].ctx, ast.Store) else "Reading"
+            cause = f"{what} {own} calls the property {function.name}() itself, endlessly."
             return (
                 cause,
-                f"write self._{function.name} instead of {own} here, and wherever the property keeps its value",
+                f"write self._{function.name} instead of {own} here, and wherever the property stores its value",
             )
-    cause = f"A function calls itself again and again: `{spot.text}`."
-    return cause, "call another function there, or give the method another name than the one that it calls"
+    cause = f"A function calls itself endlessly: `{spot.text}`."
+    return cause, "call another function there, or rename the method so that it differs from the one it calls"
 
 
 def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     name, text = match["name"], spot.source.text if spot.source else ""
     function = spot.function
     if function and function.name != "__init__" and _runs_again(spot, function.name):
-        cause = f"`{spot.text}` stands in {function.name}(), which runs again and again, and a parameter is declared once."
+        cause = f"`{spot.text}` is in {function.name}(), which runs repeatedly, but a parameter can be declared only once."
         return cause, "move this line into __init__, after super().__init__(...)"
     if len(re.findall(rf"declare_parameters?\(.*['\"]{re.escape(name)}['\"]", text)) == 1:
         return (
-            f"The node has the parameter {name} already when `{spot.text}` is reached.",
-            "take this line away",
+            f"The node already has the parameter {name} when `{spot.text}` is reached.",
+            "remove this line",
         )
-    return f"The parameter {name} is declared twice.", "take one of the two lines with declare_parameter away"
+    return f"The parameter {name} is declared twice.", "remove one of the two lines with declare_parameter"
 
 
 def _runs_again(spot: Spot, name: str) -> bool:
@@ -236,23 +236,23 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"attempted relative import",
         _plain(
-            "The file was started directly, so its relative import (with a dot) has no package to begin from.",
+            "The file was started directly, so its relative import (with a dot) has no package to start from.",
             "start it with `ros2 run` and the names of the package and its executable",
         ),
     ),
     (
         r"partially initialized module '(?P<name>[\w.]+)'",
         _plain(
-            "Two modules import each other, and {name} is asked for a name before it has made it.",
-            "move what both need into a third module, or take one of the two imports away",
+            "Two modules import each other, and {name} is asked for a name it has not defined yet.",
+            "move what both need into a third module, or remove one of the two imports",
         ),
     ),
     (r"KeyError: (?P<name>.+)", no_key),
     (
         r"Replacement index \d+ out of range|not enough arguments for format|not all arguments converted",
         _plain(
-            "In `{text}` the text has not as many places as it is given values.",
-            "write an f-string, in which each value stands where it belongs: f'... {{value}}'",
+            "In `{text}` the string does not have as many placeholders as there are values.",
+            "write an f-string, with each value in its place: f'... {{value}}'",
         ),
     ),
     (
@@ -270,15 +270,15 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"cannot unpack non-iterable (?P<kind>\w+)",
         _plain(
-            "`{text}` wants several values, and what stands on its right is one alone, of type {kind}.",
-            "give it as many values as there are names on the left, or leave one name there",
+            "`{text}` needs several values, but there is only one on the right, of type {kind}.",
+            "give it as many values as there are names on the left, or keep only one name there",
         ),
     ),
     (
         r"not enough values to unpack \(expected (?:at least )?(?P<wanted>\d+), got (?P<given>\d+)",
         _plain(
-            "`{text}` wants {wanted} values, and there came {given}.",
-            "keep what comes in one name first, and ask `if len(...) == {wanted}:` before it is taken apart",
+            "`{text}` needs {wanted} values but got {given}.",
+            "store the result in one variable first, and check `if len(...) == {wanted}:` before unpacking it",
         ),
     ),
     (r"too many values to unpack", python_values.taken_apart),
@@ -287,15 +287,15 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
         _plain(
-            "`{text}` goes through a list or a text, and is given a value of the type {kind}{kind2}.",
-            "take its field that is a list or a text, such as msg.data",
+            "`{text}` needs a list or a string, but is given a value of type {kind}{kind2}.",
+            "use its field that is a list or a string, such as msg.data",
         ),
     ),
     (
         r"'(?P<kind>\w+)' object does not support item assignment|'(?P<kind2>\w+)' object cannot be interpreted as an integer",
         _plain(
-            "`{text}` uses a {kind}{kind2} in a way that it does not allow.",
-            "make a list, or an int(...), of it first",
+            "`{text}` uses a value of type {kind}{kind2} in a way that this type does not allow.",
+            "convert it to a list, or with int(...), first",
         ),
     ),
     (
@@ -305,8 +305,8 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"UnicodeDecodeError",
         _plain(
-            "A file is not saved in UTF-8, so Python cannot read a letter of it.",
-            "save it anew with the encoding UTF-8",
+            "A file is not saved as UTF-8, so Python cannot read one of its characters.",
+            "save it again with the encoding UTF-8",
         ),
     ),
     (
@@ -319,21 +319,21 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"AttributeError: type object '(?P<kind>\w+)' has no attribute '(?P<name>\w+)'",
         _plain(
-            "The class {kind} itself is asked for {name}, and has none.",
-            "make an object first, {kind}(), or fix the spelling of {name}",
+            "The class {kind} itself has no {name}.",
+            "make an instance first, {kind}(), or fix the spelling of {name}",
         ),
     ),
     (
         r"InvalidHandle|destruction was requested|cannot use Destroyable",
         _plain(
-            "`{text}` uses something of a node that was already destroyed.",
+            "`{text}` uses part of a node that has already been destroyed.",
             "call destroy_node() and shutdown() as the last lines of main, after spin",
         ),
     ),
     (
         r"context is not valid|rcl_shutdown\(\) was called|context is invalid|NotInitialized",
         _plain(
-            "rclpy is not running when `{text}` is reached: it was not begun yet, or is shut down already.",
+            "rclpy is not running when `{text}` is reached: it was not initialized yet, or has already been shut down.",
             "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin",
         ),
     ),
@@ -344,14 +344,14 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",
         _plain(
-            "The parameter {name} has a type and no value.", "give declare_parameter a default, such as 0.5"
+            "The parameter {name} has a type but no value.", "give declare_parameter a default, such as 0.5"
         ),
     ),
     (
         r"Executor is already spinning|generator already executing",
         _plain(
-            "`{text}` spins a node that is being spun already: a callback must not spin.",
-            "take the spin away; in a callback use call_async() and add_done_callback()",
+            "`{text}` spins a node that is already being spun: a callback must not spin.",
+            "remove the spin; in a callback use call_async() and add_done_callback()",
         ),
     ),
 )
@@ -360,18 +360,20 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
 def of_function(name: str, place: str, spot: Spot) -> Finding:
     """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
     owners = spot.holds(name)
-    owner = owners[0] if owners else "what stands before the dot"
+    owner = owners[0] if owners else "the object before the dot"
     code, cause = "attribute-unknown", f"{owner} is a function, so it has no {name}"
     imports = spot.source.imports if spot.source else ()
     module = next(
         (one.target.rpartition(".")[0] for one in imports if one.local == owner and one.is_from), ""
     )
     if owner.rpartition(".")[2] == name:
-        cause = f"{cause}: it was imported with `from {name} import {name}`, and is {owner}.{name} already."
+        cause = f"{cause}: it was imported with `from {name} import {name}`, so it already is {owner}.{name}."
         return Finding(code, cause, place, f"write {owner}(...) instead of {owner}.{name}(...)")
     if module and interfaces.has_name(module, name):
         cause = (
             f"{cause}: it was imported with `from {module} import {owner}`, and {name} is in {module} itself."
         )
         return Finding(code, cause, place, f"write `import {module}` at the top, and {module}.{name} here")
-    return Finding(code, f"{cause}: it is named and not called.", place, f"write {owner}().{name}")
+    return Finding(
+        code, f"{cause}: the parentheses that call it are missing.", place, f"write {owner}().{name}"
+    )

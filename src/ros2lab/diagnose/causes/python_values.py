@@ -19,16 +19,13 @@ def by_zero(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
                 values = spot.assigned(text := ast.unparse(divisor))
                 zeros = [one for one in values if getattr(one, "value", None) in (0, 0.0)]
                 if len(zeros) == 1 < len(values):
-                    cause = (
-                        f"{text} is still 0, as line {zeros[0].lineno} sets it, when {spot.function.name}() "
-                        "divides by it: what gives it another value has not come yet."
-                    )
+                    cause = f"{text} is still 0, as line {zeros[0].lineno} sets it, when {spot.function.name}() divides by it: nothing has set it to another value yet."
                     return (
                         cause,
                         f"write `if {text} == 0:` above this line, and below that, indented, `return`",
                     )
     cause = f"`{spot.text}` divides by 0."
-    return cause, "make sure that the divisor is not 0; a period is 1.0 / rate, and both are more than 0"
+    return cause, "make sure the divisor is not 0; a period is 1.0 / rate, and both must be above 0"
 
 
 def no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -39,13 +36,13 @@ def no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         calls = (n for n in spot.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == "int" and n.args)
         if (call := next(calls, None)) is not None:
             given = ast.unparse(call.args[0])
-            cause = f"int() takes a text that holds a whole number, and {match['name']} holds another one."
+            cause = f"int() needs a string with a whole number, but {match['name']} is not one."
             return (
                 cause,
                 f"write float({given}) instead of int({given}); or, for {whole}, int(float({given}))",
             )
-    cause = f"The text {match['name']} is no number, so `{spot.text}` cannot make one of it."
-    return cause, "write a number with a point and without a unit, or catch ValueError around it"
+    cause = f"The string {match['name']} is not a number, so `{spot.text}` cannot convert it."
+    return cause, "write a number with a decimal point and without a unit, or catch ValueError around it"
 
 
 def taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -57,10 +54,10 @@ def taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
             ):
                 name = ast.unparse(gone)
                 cause = (
-                    f"To go through the dictionary {name} gives its keys alone, and here each is taken apart."
+                    f"Looping over the dictionary {name} gives only its keys, but here each one is unpacked."
                 )
                 return cause, f"write {name}.items() instead of {name}"
-    cause = f"`{spot.text}` has not as many names on its left as there are values on its right."
+    cause = f"`{spot.text}` has a different number of names on the left than values on the right."
     return cause, "write as many names as there are values"
 
 
@@ -68,20 +65,20 @@ def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Say which two kinds of value an operator stands between, and how they become one kind."""
     left, right = kind_in_words(match["left"]), kind_in_words(match["right"])
     if match["left"] == "sequence":
-        cause = f"`{spot.text}` repeats a list or a text, which goes a whole number of times, and the number is {right}."
+        cause = f"`{spot.text}` repeats a list or a string, which needs a whole number, but the number is {right}."
         return cause, "write int(...) around the number"
-    is_text = "a text" in (left, right)
+    is_text = "a string" in (left, right)
     fix = (
-        "write str(...) around what is no text, or float(...) around the text if a number was meant"
+        "write str(...) around what is not a string, or float(...) around the string if a number was meant"
         if is_text
-        else "make both of one kind; a message's number stands in a field of it, such as msg.data"
+        else "convert both to the same type; a message's number is in one of its fields, such as msg.data"
     )
     for kind in (match["left"], match["right"]):
         if members := interfaces.methods_of(kind):
-            fix = f"take a number out of the {kind}, which has {members}"
+            fix = f"use a number from the {kind}, which has {members}"
     sign = re.search(r"for ([^ :]+):|'(\S+)' not supported", match.string)
     fix = unwrapped(spot, (match["left"], match["right"]), (sign[1] or sign[2]) if sign else "") or fix
-    return f"`{spot.text}` joins or compares {left} with {right}, which Python cannot.", fix
+    return f"`{spot.text}` combines or compares {left} with {right}, which Python cannot do.", fix
 
 
 def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -92,10 +89,10 @@ def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             continue
         made = next((ast.unparse(one) for one in node.decorator_list if "dataclass" in ast.unparse(one)), "")
         what = f"@{made} gives" if made else "__eq__ gives"
-        cause = f"{what} the class {kind} a comparison of its own and takes its hash away, by which rclpy and Python tell objects apart."
-        where = f"in line {node.lineno - 1}" if made else f"in the class of line {node.lineno}"
-        lack = "set in __init__ what it set" if made else "compare by another method"
-        fix = f"take @{made} {where} away, and {lack}" if made else f"take __eq__ {where} away, and {lack}"
+        cause = f"{what} the class {kind} its own comparison and removes its hash, which rclpy and Python use to tell objects apart."
+        where = f"on line {node.lineno - 1}" if made else f"from the class on line {node.lineno}"
+        lack = "set its fields in __init__" if made else "compare with another method"
+        fix = f"remove @{made} {where}, and {lack}" if made else f"remove __eq__ {where}, and {lack}"
         return cause, fix
-    cause = f"A {kind} cannot be in a set or be the key of a dict: `{spot.text}`."
-    return cause, "use a text or a tuple there; braces make a set, and brackets a list"
+    cause = f"A value of type {kind} cannot be in a set or be the key of a dict: `{spot.text}`."
+    return cause, "use a string or a tuple there; braces make a set, and brackets a list"

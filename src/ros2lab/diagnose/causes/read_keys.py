@@ -63,7 +63,7 @@ def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Findi
         cause = (
             f"{one.shown}, from which {ast.unparse(asked.value)} comes, has no key {key!r}; it has {names}."
         )
-        return Finding("python-error", cause, source.at(spot.line), f"write one of these instead of {key!r}")
+        return Finding("python-error", cause, source.at(spot.line), f"use one of these instead of {key!r}")
     return None
 
 
@@ -76,9 +76,7 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
     whole = next((one for one in names if key in _parts(one)), "") if key not in names else ""
     if whole:
         sign = next(one for one in _SEPARATORS if key in [part.strip() for part in whole.split(one)])
-        cause = (
-            f"{read.shown} separates its columns with {sign!r}, and is read as if it had only one, {whole!r}."
-        )
+        cause = f"{read.shown} separates its columns with {sign!r}, but is read as if it had only one column, {whole!r}."
         given = [one for one in read.call.keywords if one.arg == "delimiter"]
         call = ast.unparse(read.call)
         new = f"delimiter={sign!r}"
@@ -87,13 +85,16 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
     near = nearest(key, names) if key not in names else None
     if near is None:
         return None
-    cause = f"{read.shown} has no key {key!r}: there it is {near!r}."
+    cause = f"{read.shown} has no key {key!r}; its key is {near!r}."
     text = ast.unparse(asked.slice)
     fix = f"write {near!r} instead of {text}" if isinstance(asked.slice, ast.Constant) else ""
     if near.strip() == key:
-        cause = f"{read.shown} has no key {key!r}: with the spaces beside it, it is {near!r}."
+        cause = f"{read.shown} has no key {key!r}; with the spaces around it, the key is {near!r}."
     return Finding(
-        "python-error", cause, spot.source.at(spot.line), fix or f"write {key} for {near} in {read.shown}"
+        "python-error",
+        cause,
+        spot.source.at(spot.line),
+        fix or f"write {key} instead of {near} in {read.shown}",
     )
 
 
@@ -103,7 +104,7 @@ def _parts(name: str) -> list[str]:
 
 def _marked(key: str, source: PythonSource, read: _Read) -> Finding:
     cause = (
-        f"{read.shown} begins with a byte order mark, as Excel saves it, so its first key is {_MARK + key!r}."
+        f"{read.shown} begins with a byte order mark, which Excel adds, so its first key is {_MARK + key!r}."
     )
     for node in source.nodes:
         if isinstance(node, ast.Call) and _name(node) in ("open", "read_text"):
@@ -127,7 +128,7 @@ def _deeper(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding 
     if len(below) != 1 or not isinstance(asked.value, (ast.Name, ast.Attribute)):
         return None
     steps = "".join(f"[{step!r}]" for step in below[0])
-    cause = f"In {read.shown} {key!r} stands below {below[0][-2]!r}."
+    cause = f"In {read.shown}, {key!r} is below {below[0][-2]!r}."
     assert spot.source is not None
     fix = f"write {ast.unparse(asked.value)}{steps} instead of {ast.unparse(asked)}"
     return Finding("python-error", cause, spot.source.at(spot.line), fix)
@@ -139,7 +140,7 @@ def _stale(read: _Read, key: str, look: Look) -> Finding | None:
     for path in install.rglob(read.path.name) if install.is_dir() else ():
         if path.is_symlink() or key in {row[-1] for row in _keys(path, read.call)}:
             continue
-        cause = f"{read.shown} has the key {key!r}, and its installed copy, which is read, has not."
+        cause = f"{read.shown} has the key {key!r}, but the installed copy that the program reads does not."
         fix = f"colcon build --packages-select {read.package.name}, and run the same command again"
         return Finding("install-stale", cause, read.shown, fix, (read.path.name,))
     return None

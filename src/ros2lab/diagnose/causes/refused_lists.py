@@ -10,6 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources.calls import fitting
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.spelling import with_article
 
 _SAYS = re.compile(
     r"a set or sequence(?: with length (?P<most><= )?(?P<length>\d+))? and each value of type '(?P<kind>\w+)'"
@@ -40,8 +41,8 @@ def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | Non
     if not written or _plain(written) == ast.unparse(value):
         return None
     several = f"{count} values" if count else "a list"
-    holds = f"The field {field} holds {several} of the type {kind}"
-    cause = f"{holds}, and `{ast.unparse(value)}` is {given}."
+    holds = f"The field {field} holds {several} of type {kind}"
+    cause = f"{holds}, but `{ast.unparse(value)}` is {given}."
     return Finding("field-type", cause, source.at(value), _told(value, written, spot))
 
 
@@ -64,15 +65,15 @@ def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource
         return _of_several(text, kind, count)
     if name in _GONE_THROUGH:
         inner = text if name != "dict" else f"{text}.values()"
-        return f"[{_made(kind, 'one')} for one in {inner}]", f"a {name}, which is no list"
+        return f"[{_made(kind, 'one')} for one in {inner}]", f"{with_article(name)}, which is not a list"
     if name == "ndarray":
-        return f"{text}.tolist()", "an array of numpy with another size or type"
+        return f"{text}.tolist()", "a NumPy array of another size or type"
     if not name:
         return "", ""
     is_right = name == kind
     item = text if is_right else fitting(kind, value) or _made(kind, text)
     many = f" * {count}" if count and count > 1 else ""
-    return f"[{item}]{many}", f"{kind_in_words(name)} alone"
+    return f"[{item}]{many}", f"a single value, {kind_in_words(name)}"
 
 
 def _of_several(text: str, kind: str, count: int | None) -> tuple[str, str]:
@@ -95,7 +96,7 @@ def _of_literal(value: ast.expr, made: ast.List | ast.Tuple, kind: str, count: i
     if count is not None and len(made.elts) ** 2 == count > 1:
         row = f"for row, one in enumerate({ast.unparse(value)})"
         diagonal = f"[{_made(kind, 'one')} if row == column else {_ZERO.get(kind, '0')} {row} for column in range({len(made.elts)})]"
-        return diagonal, f"a list of {len(made.elts)}: the diagonal alone of {len(made.elts)} rows"
+        return diagonal, f"a list of {len(made.elts)}: only the diagonal of {len(made.elts)} rows"
     if count is not None and len(made.elts) != count:
         more = [ast.unparse(one) for one in made.elts][:count]
         filled = ", ".join([*more, *[_ZERO.get(kind, "0")] * (count - len(more))])

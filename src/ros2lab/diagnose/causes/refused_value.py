@@ -54,7 +54,7 @@ def _given(spot: Spot) -> Iterator[tuple[str, ast.expr]]:
 
 def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[str]) -> Finding:
     least, most = int(said["least"]), int(said["most"])
-    cause = f"The field {field} holds whole numbers from {least} to {most}, and `{ast.unparse(value)}` is outside of them here."
+    cause = f"The field {field} holds whole numbers from {least} to {most}, but `{ast.unparse(value)}` is outside that range here."
     sent = next(
         (
             name
@@ -65,9 +65,9 @@ def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[s
         "",
     )
     larger = _larger(sent, field, least, most)
-    keep = f"keep it within them, such as with min(max({ast.unparse(value)}, {least}), {most})"
+    keep = f"keep it in that range, for example with min(max({ast.unparse(value)}, {least}), {most})"
     fix = (
-        f"write {larger} instead of {sent.rpartition('.')[2]} everywhere, also where it is received; or {keep}"
+        f"write {larger} instead of {sent.rpartition('.')[2]} everywhere, including where it is received; or {keep}"
         if larger
         else keep
     )
@@ -99,10 +99,10 @@ def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> F
     text = ast.unparse(value)
     if (declared := _declared_as_int(source, value)) is not None:
         name, default = declared
-        cause = f"The field {field} holds a float, and the parameter {name} is declared as {ast.unparse(default)}, an int. Line {line} fails because of this one."
+        cause = f"The field {field} holds a float, but the parameter {name} is declared as {ast.unparse(default)}, an int. Line {line} fails because of this one."
         fix = f"write {ast.unparse(default)}.0 instead of {ast.unparse(default)}"
         return Finding("int-in-float", cause, source.at(default), fix)
-    cause = f"The field {field} holds a float, and `{text}` is something else here: an int, or a text."
+    cause = f"The field {field} holds a float, but `{text}` is something else here: an int or a string."
     fix = f"write {text}.0" if text.lstrip("-").isdigit() else f"write float({text})"
     return Finding("int-in-float", cause, source.at(value), f"{fix} instead of {text}")
 

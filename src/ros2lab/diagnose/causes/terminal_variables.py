@@ -32,16 +32,16 @@ def of_variable(name: str, place: str, error: ErrorText) -> Finding:
     for line in reversed(typed):
         if told := _of_line(line, name, typed):
             cause, command = told
-            return Finding("typed-wrong", cause, "", f"type `{command}`, and then the program again")
+            return Finding("typed-wrong", cause, "", f"type `{command}`, then start the program again")
     set_there = {
         match["name"]: match["value"] for line in typed for match in _SET.finditer(line) if match["export"]
     }
     if near := nearest(name, set_there, 0.7):
-        cause = f"The program asks for the variable {name}, and {near} was set: the two names differ."
+        cause = f"The program reads the variable {name}, but {near} was set: the names differ."
         command = f"export {name}={set_there[near]}"
-        return Finding("typed-wrong", cause, place, f"type `{command}`, and then the program again")
-    cause = f"The variable {name} is not set in the terminal in which the program was started."
-    fix = f"type `export {name}=...`, with its value, in that terminal, and then the program again"
+        return Finding("typed-wrong", cause, place, f"type `{command}`, then start the program again")
+    cause = f"The variable {name} is not set in the terminal where the program was started."
+    fix = f"type `export {name}=...`, with its value, in that terminal, then start the program again"
     return Finding("typed-wrong", cause, place, fix)
 
 
@@ -54,9 +54,9 @@ def _before_the_program(typed: Sequence[str]) -> list[str]:
 def _of_line(line: str, name: str, typed: Sequence[str]) -> tuple[str, str] | None:
     """Return why a line that was typed does not set a variable for a program, and the command that does."""
     if re.match(rf"unset +(?:-v +)?{name}\b", line):
-        return f"`{line}` takes the variable {name} away.", f"export {name}=..."
+        return f"`{line}` removes the variable {name}.", f"export {name}=..."
     if (kept := _KEPT.search(line)) and kept["name"] == name:
-        cause = f"`{line}` is read by the terminals that are opened from then on, and not by this one."
+        cause = f"`{line}` takes effect only in terminals opened from then on, not in this one."
         return cause, f"source {kept['file']}"
     for match in _SET.finditer(line):
         if match["name"] != name:
@@ -64,10 +64,10 @@ def _of_line(line: str, name: str, typed: Sequence[str]) -> tuple[str, str] | No
         command = f"export {name}={match['value']}"
         after = typed[len(typed) - 1 - [*reversed(typed)].index(line) :]
         if not match["export"]:
-            cause = f"`{match[0].strip('; &')}` sets {name} for the shell alone: what it starts sees only what is exported."
+            cause = f"`{match[0].strip('; &')}` sets {name} only for the shell: the programs it starts see only exported variables."
             return cause, command
         if any(_OTHER_TERMINAL.search(one) for one in after):
-            cause = f"`{command}` holds for the terminal in which it was typed, and the program was started in another one."
+            cause = f"`{command}` applies only to the terminal where it was typed, but the program was started in another one."
             return cause, command
     if (misset := _MISSET.match(line)) and misset["name"] == name:
         return f"`{line}` sets no variable of that name in this shell.", f"export {name}={misset['value']}"
