@@ -53,18 +53,20 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
         shown = [match["left"] or match["one"], match["right"] or match["other"]]
         left, right = map(_literal, shown)
         if left != right and _is_near(left, right):
-            cause = f"{shown[0]} and {shown[1]} differ only as floats do, which are rounded: a Float32 has 7 digits, and sums have their last one wrong."
+            cause = f"{shown[0]} and {shown[1]} differ only by floating-point rounding: a Float32 has about 7 digits, and sums can be off in the last one."
             texts = ast.unparse(test.left), ast.unparse(test.comparators[0])
             fix = f"write `assert {texts[0]} == pytest.approx({texts[1]})`, with `import pytest` at the top"
             return Finding("never-equal", cause, place, fix)
         if left is None and shown[0].startswith("None") and (found := _returns_nothing(test.left, look)):
             source, function = found
-            cause = f"{function.name}() returns nothing, so what the test gets of it is None."
+            cause = f"{function.name}() returns nothing, so the test gets None from it."
             fix = return_in_place(function) or f"write a return at the end of {function.name}()"
             return Finding("value-none", cause, source.at(function), fix)
         if match["left"] and isinstance(test.left, ast.Call):
-            cause = f"`{ast.unparse(test.left)}` gives {shown[0]}, and this test expects {shown[1]}."
-            fix = f"mend {ast.unparse(test.left.func)}() if {shown[1]} is right; else write {shown[0]} here"
+            cause = f"`{ast.unparse(test.left)}` returns {shown[0]}, but this test expects {shown[1]}."
+            fix = (
+                f"fix {ast.unparse(test.left.func)}() if {shown[1]} is right; otherwise write {shown[0]} here"
+            )
             return Finding("test-failed", cause, place, fix)
     return None
 
@@ -77,7 +79,7 @@ def of_test_without_init(error: ErrorText, look: Look) -> Finding | None:
         return None
     if report.kind != "NotInitializedException" and "rclpy.init" not in report.message:
         return None
-    cause = "This test makes a node before rclpy.init() was called."
+    cause = "This test makes a node before rclpy.init() is called."
     fix = "write rclpy.init() above this line, and rclpy.shutdown() at the end of the test, with `import rclpy` at the top"
     return Finding("rclpy-init-missing", cause, place_of(outer, look), fix)
 

@@ -84,7 +84,7 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
             own := {p.name for p in look.packages}.intersection(rest)
         ):
             name = own.pop()
-            why = f"There is a package {name} already; another one needs another name."
+            why = f"There is already a package {name}; a new one needs a different name."
             return Corrected(line.replace(name, f"{name}_2"), why)
     verbs = (verb for verb in _PLACES if words[: 1 + len(verb.split())] == ["ros2", *verb.split()])
     verb = next(verbs, "")
@@ -99,7 +99,7 @@ def _of_colcon(line: str, words: list[str], look: Look) -> Corrected | None:
     names = {package.name for package in look.packages}
     for before, word in itertools.pairwise(words[1:]):
         if word in names and not before.startswith("-"):
-            why = f"colcon {words[1]} takes the names of packages only after an option."
+            why = f"colcon {words[1]} accepts package names only after an option."
             return Corrected(line.replace(f" {word}", f" --packages-select {word}", 1), why)
         if before.startswith("--packages") and word not in names and (near := nearest(word, names, 0.6)):
             return Corrected(line.replace(word, near), f"No package here is called {word}; there is {near}.")
@@ -114,7 +114,7 @@ def _of_variable(setting: str) -> Corrected | None:
         return None
     return Corrected(
         f"export {name}={right}",
-        f"The variable {name} must be {what}, and is set to {value!r}; look also into ~/.bashrc.",
+        f"The variable {name} must be {what}, but is set to {value!r}; check ~/.bashrc too.",
     )
 
 
@@ -231,17 +231,17 @@ class _Command:
                 and others[0] in names
                 and (first in names or first in (look.executables.get(package.name) or ()))
             ):
-                why = f"{first} is no package: after `ros2 {self.verb}` the package's name comes first."
+                why = f"{first} is not a package: after `ros2 {self.verb}` the package name comes first."
                 yield Corrected(self.line.replace(f" {first}", f" {package.name}", 1), why)
             elif first in names and not (look.root / first).exists():
-                why = f"`ros2 {self.verb}` wants two names: the package's, and then {first}."
+                why = f"`ros2 {self.verb}` needs two names: the package's, then {first}."
                 yield Corrected(self.line.replace(f" {first}", f" {package.name} {first}", 1), why)
 
     def _missing(self, place: str) -> Iterator[Corrected]:
         names = self.known.at(place)
         if names and self.verb not in _MAY_LACK:
             what = {"launch file": "the launch file's name"}.get(place, f"the {place}'s name")
-            why = f"`ros2 {self.verb}` is not complete: {what} must follow; there is {', '.join(sorted(names))}."
+            why = f"`ros2 {self.verb}` is incomplete: {what} must follow; available: {', '.join(sorted(names))}."
             yield Corrected(f"{self.line.rstrip('& ')} {sorted(names)[0]}", why)
 
     def _word(self, place: str, word: str) -> Iterator[Corrected]:
@@ -250,7 +250,7 @@ class _Command:
         elif place == "value":
             yield from self._value(self.plain[1], word)
         elif place == "executable" and word in self.known.launch_file():
-            why = f"{word} is a launch file, and no executable: it is started with ros2 launch."
+            why = f"{word} is a launch file, not an executable: start it with ros2 launch."
             yield Corrected(self.line.replace("ros2 run", "ros2 launch", 1), why)
         elif place in ("type", "service type"):
             yield from self._type(word)
@@ -277,11 +277,11 @@ class _Command:
         is_short = re.fullmatch(r"\w+/\w+", word) and self.verb.startswith("topic")
         is_whole = re.fullmatch(r"\w+/(?:msg|srv|action)/\w+", word) or is_short
         if not full and (near := _alike_type(word)):
-            yield Corrected(self._with(word, near), f"The type {word} is written {near}.")
+            yield Corrected(self._with(word, near), f"The type {word} must be written {near}.")
             return
         same = (word, word.replace("/", "/msg/")) if is_short else (word,)
         if full and full not in same and (right or not is_whole):
-            yield Corrected(self._with(word, full), f"The type is written with its package: {full}.")
+            yield Corrected(self._with(word, full), f"The type must include its package: {full}.")
 
     def _message(self, word: str) -> Iterator[Corrected]:
         """Yield a message that is no dictionary with the type's fields."""
@@ -292,11 +292,11 @@ class _Command:
         text = as_message(word, fields)
         if text != word:
             blank = re.search(r"\w+:(?=[^\s/:])", word)
-            why = f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
+            why = f"The message must be a YAML dictionary with the fields of {self.plain[1]}: {', '.join(fields)}."
             if blank:
-                why = f"After the colon of {blank[0]!r} a space is missing, without which YAML takes it for one word."
+                why = f"The space after the colon of {blank[0]!r} is missing, so YAML reads it as one word."
             elif taken := read_as(word, fields):
-                why = f"YAML reads {taken[0]} as {taken[1]!r}, and no text: a text that could be something else stands in quotes."
+                why = f"YAML reads {taken[0]} as {taken[1]!r}, not as a string: a string that could be read as something else needs quotes."
             yield Corrected(self._with(word, text), why)
 
     def _value(self, name: str, word: str) -> Iterator[Corrected]:
@@ -313,11 +313,11 @@ class _Command:
         else:
             return
         if right != word:
-            kind = {"bool": "true or false", "float": "a number with a point"}.get(
+            kind = {"bool": "true or false", "float": "a number with a decimal point"}.get(
                 type(default).__name__, "an integer"
             )
             yield Corrected(
-                self._with(word, right), f"The parameter {name} is {kind}, and cannot be {word!r}."
+                self._with(word, right), f"The parameter {name} is {kind} and cannot be {word!r}."
             )
 
     def _launch_arguments(self, words: list[str]) -> Iterator[Corrected]:
@@ -325,7 +325,7 @@ class _Command:
         for word in words:
             name, sign, value = re.match(r"([\w.]*)\s*(:=|=:|=|:)?(.*)", word).groups()  # type: ignore[union-attr]
             if sign != ":=" and sign:
-                why = f"An argument of a launch file is written with :=, and not as {word!r}."
+                why = f"A launch argument is written with :=, not as {word!r}."
                 yield Corrected(self._with(word, f"{name}:={value}"), why)
             elif declared is not None and name not in declared:
                 near = nearest(name, declared, 0.6)
@@ -350,10 +350,10 @@ class _Command:
         for before, word in itertools.pairwise(self.rest):
             if before == "--log-level" and word.rpartition(":=")[2].lower() not in (*_LEVELS, "unset"):
                 near = nearest(word.lower(), _LEVELS, 0.6) or "debug"
-                why = f"There is no log level {word}; there are {', '.join(_LEVELS)}."
+                why = f"There is no log level {word}; the levels are {', '.join(_LEVELS)}."
                 yield Corrected(self._with(word, near), why)
             if before in ("-r", "--remap") and word.startswith("__ns:=") and not word.startswith("__ns:=/"):
-                why = f"A namespace is given whole, with a slash at its beginning, and not as {word!r}."
+                why = f"A namespace must begin with a slash, unlike {word!r}."
                 yield Corrected(self._with(word, word.replace(":=", ":=/", 1)), why)
             if before in ("-r", "--remap") and "--ros-args" in self.rest and re.match(r"[^:=]+=[^:=]", word):
                 why = f"The rule {word!r} after {before} has no `:=` between the two names."
@@ -375,7 +375,7 @@ class _Command:
             if sign and (before == "--ros-args" or not before.startswith("-")):
                 is_rule = name.startswith(("__", "/")) or name in self.known.types
                 option = "-r" if is_rule else "-p"
-                why = f"After --ros-args each setting needs its option: {option} before {word}."
+                why = f"After --ros-args every setting needs its option: {option} before {word}."
                 yield Corrected(self.line.replace(f" {word}", f" {option} {word}", 1), why)
 
     def _file(self, word: str) -> Iterator[Corrected]:
@@ -384,7 +384,7 @@ class _Command:
         there = [file for package in self.known.look.packages for file in package.parameter_files]
         lies = next((file for file in there if file.name == word.rpartition("/")[2]), None)
         if lies is not None and not (root / word).exists():
-            why = f"There is no file {word} in the folder in which this was typed."
+            why = f"There is no file {word} in the folder where this was typed."
             yield Corrected(self._with(word, str(lies.relative_to(root))), why)
 
 

@@ -378,7 +378,7 @@ def _asked_for(
         return no_package(groups["name"] or groups["name2"], look, error)
     if meaning.codes[0] == "command-not-found" and look:
         reset = not_sourced(groups["name"], error.typed, error.text, look.root)
-        return reset if "takes away" in reset.cause else None
+        return reset if "removes" in reset.cause else None
     if meaning.codes[0] == "name-twice" and look:
         return of_older_node(error, look)
     if meaning.codes[0] == "not-sourced" and look and error.typed:
@@ -394,7 +394,7 @@ def _asked_for(
 def _unknown(error: ErrorText, look: Look | None) -> Finding:
     return own_words(error.decisive, look) or Finding(
         UNKNOWN,
-        f"This error is not known here; its decisive line is: {error.decisive}",
+        f"This error is not known; its most important line is: {error.decisive}",
         place_of(own_frames(error.frames), look),
     )
 

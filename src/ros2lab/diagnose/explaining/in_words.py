@@ -81,14 +81,12 @@ def _of_syntax(report: ErrorReport, look: Look | None) -> Finding:
 
 def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool) -> Finding:
     homes = launch_homes_of(name) if is_launched else homes_of(name)
-    do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a text"
+    do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a string"
     do = f"write {near}" if near else do
     do = f"write `from {homes[0]} import {name}` at the top" if homes else do
     code = "setup-import" if is_setup(place) else "name-missing"
     if owner := _made_in(name, spot):
-        cause = (
-            f"{name} is a variable of {owner.name}(), and what a function assigns is seen by no other one."
-        )
+        cause = f"{name} is a variable of {owner.name}(), and no other function sees what a function assigns."
         fix = f"write `global {name}` as the first line of {owner.name}(); or better, keep it in a class as self.{name}"
         return Finding(code, cause, place, fix)
     return Finding(code, f"{name} is used before it is imported or defined.", place, do)
@@ -116,12 +114,12 @@ def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
         fields = [one for one in getattr(target, "elts", ()) if getattr(one, "attr", "") == groups["name"]]
         if kind and fields:
             new = set_field(fields[0], kind, ast.Constant(0)).partition(" = ")[0]
-            return f"{new} instead of {ast.unparse(fields[0])}, and so for what stands beside it"
+            return f"{new} instead of {ast.unparse(fields[0])}, and likewise for what it is combined with"
     return ""
 
 
 def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:
-    name, owner = groups["name"], groups.get("owner") or groups.get("module") or "what stands before the dot"
+    name, owner = groups["name"], groups.get("owner") or groups.get("module") or "the object before the dot"
     homes = homes_of(name) if groups.get("module") else ()
     if owner == "NoneType":
         spot = spot_at(place, look)
@@ -136,6 +134,8 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
         return of_function(name, place, spot_at(place, look))
     methods = methods_of(owner) or ", ".join(sorted(members(owner, look) - {*dir(object)}))
     near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot_at(place, look), look)
-    fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
+    fix = (
+        f"use one of the methods of {owner}: {methods}" if methods else "fix its spelling, or define it first"
+    )
     fix = f"write {near}" if near else fix
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix, (owner,))

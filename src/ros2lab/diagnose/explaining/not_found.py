@@ -43,7 +43,7 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
     """Say why a package that is built is not found, by what was typed in that terminal."""
     fix, cause = (
         f"source {root}/install/setup.bash",
-        f"The package {name} is built, and this terminal has not sourced the workspace",
+        f"The package {name} is built, but this terminal has not sourced the workspace",
     )
     sourced = [n for n, line in enumerate(typed) if _SOURCES.match(line)]
     built = [n for n, line in enumerate(typed) if line.startswith("colcon build")]
@@ -56,23 +56,23 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
     file = _SOURCES.match(typed[last])["file"] if sourced else ""  # type: ignore[index]
     if hidden and sourced:
         variable = _VARIABLE.match(hidden)["name"]  # type: ignore[index]
-        cause = (
-            f"`{hidden}` takes away what sourcing has put into {variable}, so {name} is not found any more"
-        )
-        fix = f"{fix}, and take `{hidden}` away, also in ~/.bashrc"
+        cause = f"`{hidden}` removes what sourcing put into {variable}, so {name} is no longer found"
+        fix = f"{fix}, and remove `{hidden}`, also from ~/.bashrc"
     elif sourced and built and last < built[-1]:
-        cause = f"The workspace was sourced before {name} was built, and a terminal does not notice what is built later"
+        cause = (
+            f"The workspace was sourced before {name} was built, and a terminal does not notice later builds"
+        )
     elif sourced and re.search(
         rf"{re.escape(file)}'?: (?:No such file|Permission)|no such file.*{re.escape(file)}", text
     ):
-        cause = f"`{typed[last]}` found no file {file} in the folder in which it was typed, so nothing was sourced"
-    elif sourced and re.search(r"source: (?:command )?not found|not found: source", text):
-        cause = f"`{typed[last]}` was not understood, for this shell is no bash, so nothing was sourced"
-        fix = f"type bash, and in it {fix}"
-    elif ran and not sourced:
         cause = (
-            f"`{ran}` runs in a shell of its own, and what it sets is gone when it ends: it must be sourced"
+            f"`{typed[last]}` found no file {file} in the folder where it was typed, so nothing was sourced"
         )
+    elif sourced and re.search(r"source: (?:command )?not found|not found: source", text):
+        cause = f"`{typed[last]}` was not understood, because this shell is not bash, so nothing was sourced"
+        fix = f"type bash, then {fix}"
+    elif ran and not sourced:
+        cause = f"`{ran}` runs in its own shell, and what it sets is lost when it ends: it must be sourced"
     return Finding("not-sourced", f"{cause}.", "", fix)
 
 
@@ -93,7 +93,7 @@ def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
     stops += [f for f in look.findings if f.code == "link-stale" and f"/{name}/" in f"{f.place}/"]
     stops += [f for f in look.findings if f.code in ("build-elsewhere", "build-type-unknown")]
-    cause = f"The package {name} is in src, and it was not built."
+    cause = f"The package {name} is in src but has not been built."
     fix = f"colcon build --packages-select {name}, then source install/setup.bash"
     return next(iter(stops), None) or Finding("not-built", cause, package.shown(""), fix)
 
@@ -109,11 +109,9 @@ def _unknown_package(name: str, look: Look | None) -> Finding:
     if named:
         return named[0]
     names = [one.name for one in look.packages] if look else []
-    cause = (
-        f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
-    )
+    cause = f"ROS finds no package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
     near = nearest(name, names)
-    do = "look at the name, build the workspace, and source install/setup.bash in this terminal"
+    do = "check the name, build the workspace, and source install/setup.bash in this terminal"
     return Finding("package-not-found", cause, "", f"write {near} instead of {name}" if near else do)
 
 
@@ -130,7 +128,7 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
     if command and package and there and stem in there and stem != command[2]:
         return Finding(
             "executable-missing",
-            f"An executable is called without the ending of its file: it is {stem}, as setup.py names it.",
+            f"An executable is named without the file extension: it is {stem}, as in setup.py.",
             "",
             f"ros2 run {package.name} {stem}",
         )
@@ -142,15 +140,14 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
             f"The package {package.name} has no executable {command[2]}; it has {', '.join(sorted(there))}."
             f"{did_you_mean(command[2], there)}",
             package.shown("setup.py"),
-            "write its name as it stands in the entry points of setup.py, or add an entry point and build again",
+            "write its name as it is in entry_points in setup.py, or add an entry point and build again",
         )
     what = f" {command[2]} in {command[1]}" if command else ""
     return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(
         "executable-missing",
-        f"ROS finds no such executable{what}: it is no entry point of setup.py, it was not built since, or setup.cfg "
-        "does not put it into lib/<package>.",
+        f"ROS finds no such executable{what}: it is not an entry point in setup.py, has not been built since, or setup.cfg does not put it into lib/<package>.",
         "",
-        "look at entry_points in setup.py and at setup.cfg, build again, and source install/setup.bash",
+        "check entry_points in setup.py and setup.cfg, build again, and source install/setup.bash",
     )
 
 
@@ -159,7 +156,7 @@ def _no_entry_point(package: SourcePackage, name: str) -> Finding:
     module = f"{package.name}.{name}"
     return Finding(
         "executable-missing",
-        f"{package.sources[module].shown} is there, and no entry point of setup.py calls it, so it is no executable.",
+        f"{package.sources[module].shown} exists, but no entry point in setup.py calls it, so it is not an executable.",
         package.shown("setup.py"),
         f"write `'{name} = {module}:{meant_function(package, module)}'` into 'console_scripts', and build again",
     )
@@ -180,7 +177,7 @@ def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
     if begun:
         return Finding(
             "file-not-found",
-            f"There is no launch file {name}: its whole name, with the ending, is {begun[0]}.",
+            f"There is no launch file {name}: its full name, with the extension, is {begun[0]}.",
             "",
             f"ros2 launch {package_name} {begun[0]}",
         )
@@ -189,8 +186,7 @@ def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
         if path.name == name:
             return Finding(
                 "not-in-data-files",
-                f"{inner} is in src, and it is not where ROS looks, the folder share/{package_name} of install: "
-                "it was not installed since, or elsewhere.",
+                f"{inner} is in src but not in share/{package_name} in install, where ROS looks: it has not been installed since, or was installed elsewhere.",
                 package.shown(inner) if package else "",
                 f"let setup.py install it: (os.path.join('share', package_name, 'launch'), ['{inner}']), then colcon build --packages-select {package_name}",
             )
@@ -198,7 +194,7 @@ def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
         "file-not-found",
         f"The package {package_name} has installed no file {name}.{did_you_mean(name, names)}",
         "",
-        "compare the name with the file's; put it into data_files of setup.py, build again and source",
+        "compare it with the file's name; add the file to data_files in setup.py, build again and source",
     )
 
 
@@ -228,9 +224,9 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
             return None
         return Finding(
             "command-not-found",
-            f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
+            f"The Python that ran this does not find {top}, but the course's own Python does: it is a different Python, or a terminal without ROS.",
             place,
-            "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
+            "start the node with `ros2 run`, in a terminal where ROS is sourced or the course's .venv is active; or with `python3` there",
         )
     if look is None:
         return None
@@ -241,9 +237,9 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
         return None
     return Finding(
         "module-missing",
-        f"Nothing of the workspace or of ROS is called {top}: it is a library that is not installed here, or a misspelt name.",
+        f"Nothing in the workspace or in ROS is called {top}: it is a library that is not installed here, or a misspelled name.",
         place,
-        f"install the library that brings {top}, as its own page says, and name it in package.xml; or fix the name",
+        f"install the library that provides {top}, following its documentation, and name it in package.xml; or fix the name",
     )
 
 
@@ -256,14 +252,14 @@ def _own_module(name: str, place: str, look: Look) -> Finding | None:
             if module == name and place.startswith("cell"):
                 return Finding(
                     "not-sourced",
-                    f"{name} lies in {package.shown('')}, and the notebook's kernel has sourced no workspace; a cell with ! is a shell of its own.",
+                    f"{name} is in {package.shown('')}, but the notebook's kernel has sourced no workspace; a cell with ! runs in its own shell.",
                     place,
-                    "use it in one %%terminal cell, after source install/setup.bash there",
+                    "use it in a %%terminal cell, after source install/setup.bash there",
                 )
             if module == name:
                 return Finding(
                     "install-stale",
-                    f"{name} lies in {package.shown('')}, and not where the package is installed, or this terminal does not look there.",
+                    f"{name} is in {package.shown('')} but not where the package is installed, or this terminal does not look there.",
                     place,
                     f"run colcon build --packages-select {package.name} in the workspace, and source install/setup.bash",
                 )

@@ -37,14 +37,8 @@ def of_older_node(error: ErrorText, look: Look) -> Finding | None:
         is_launched = any(line.startswith("ros2 launch") for line in error.typed)
         if number > 1 and len(makers) == 1 and not is_launched and 0 < len(begun) < number:
             package, executable = begun[0]
-            cause = (
-                f"There are {number} nodes {name}, and here it was started {_times(len(begun))}: an older one still runs in "
-                f"another terminal, or in the background, with the code that it was started with.{_not_in_the_sources(error, look)}"
-            )
-            fix = (
-                f"press Ctrl-C in the terminal of the older one, or type `pkill -f lib/{package}/{executable}` to end all of "
-                f"them; then start it once: ros2 run {package} {executable}"
-            )
+            cause = f"There are {number} nodes {name}, but it was started here only {_times(len(begun))}: an older one, with its old code, is still running in another terminal or in the background.{_not_in_the_sources(error, look)}"
+            fix = f"press Ctrl-C in the older one's terminal, or type `pkill -f lib/{package}/{executable}` to end them all; then start it once: ros2 run {package} {executable}"
             return Finding("name-twice", cause, "", fix)
     return None
 
@@ -72,4 +66,4 @@ def _not_in_the_sources(error: ErrorText, look: Look) -> str:
     gone = [text for text in echoed if not any(text in file for file in files)]
     if len(gone) == len(echoed):
         return ""  # they are put together when it runs
-    return f" Its text {gone[0]!r} stands in no file any more." if gone else ""
+    return f" Its text {gone[0]!r} is no longer in any file." if gone else ""

@@ -26,8 +26,8 @@ def of_earlier(error: ErrorText, look: Look) -> Finding | None:
     for place, frame in frames.items():
         file = place.rpartition(":")[0]
         if file in changed:
-            cause = f"{file} was changed since the last build, and the error is of what was built before."
+            cause = f"{file} has changed since the last build, and the error comes from the older build."
             if frame.text and frame.text not in map(str.strip, changed[file].text.splitlines()):
-                cause = f"{cause.rstrip('.')}: `{frame.text}` is not in it any more."
+                cause = f"{cause.rstrip('.')}: `{frame.text}` is no longer in it."
             return Finding("install-stale", cause, place, f"{stale.fix}; then run the same command again")
     return None

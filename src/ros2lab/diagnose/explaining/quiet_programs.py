@@ -96,7 +96,7 @@ def _of_others(source: PythonSource, package: SourcePackage, names: list[str]) -
         called, by, fix = tests[0], "pytest", f"type `python3 -m pytest {source.shown}`"
     if not called:
         return None
-    cause = f"{file} only defines {called}(), which {by} calls, and python3 does not."
+    cause = f"{file} only defines {called}(), which {by} calls but python3 does not."
     return Finding("never-called", cause, source.shown, fix)
 
 
@@ -109,14 +109,14 @@ def _never_called(
     made = next((node.name for node in source.tree.body if isinstance(node, kinds)), "")
     if main is None:
         cause = f"{file} only defines {made}, and nothing in it uses that, so it ends at once."
-        fix = f"write def main(): with what it is to do, and at the very end {_GUARD} and indented below it `main()`"
+        fix = f"write def main(): with what it should do, and at the very end {_GUARD} and, indented below it, `main()`"
         return Finding("never-called", cause, source.shown, fix) if made else None
     point = next((p.name for p in _points(package) if p.module == source.name), "")
     by_ros = (
         f"; or start it with `ros2 run {package.name} {point}`, which calls {main.name}()" if point else ""
     )
-    cause = f"{file} only defines {main.name}() and nothing in it calls that, so python3 reads it and ends at once."
-    fix = f"write {_GUARD} at the very end of the file, and indented below it `{main.name}()`{by_ros}"
+    cause = f"{file} only defines {main.name}() and nothing in it calls it, so python3 reads the file and exits at once."
+    fix = f"write {_GUARD} at the very end of the file and, indented below it, `{main.name}()`{by_ros}"
     return Finding("never-called", cause, source.at(main), fix)
 
 
@@ -142,16 +142,16 @@ def _of_guard(guard: ast.If, source: PythonSource, main: ast.FunctionDef | None)
     """Say what is wrong with the lines that should call main; None if they do."""
     test = ast.unparse(guard.test)
     if guard not in source.tree.body:
-        cause = f"`if {test}:` is indented, so it belongs to what stands above it, and is not reached as the file is run."
+        cause = f"`if {test}:` is indented, so it belongs to the block above it and is not reached when the file is run."
         return Finding(
-            "never-called", cause, source.at(guard), "move it, with what is below it, to the left margin"
+            "never-called", cause, source.at(guard), "move it, with the lines below it, to the left margin"
         )
     if test not in ("__name__ == '__main__'", "'__main__' == __name__"):
-        cause = f"`if {test}:` does not hold as the file is run: __name__ is '__main__' then."
+        cause = f"`if {test}:` is not true when the file is run: __name__ is then '__main__'."
         return Finding("never-called", cause, source.at(guard), "write if __name__ == '__main__':")
     if all(isinstance(one, ast.Pass) or (isinstance(one, ast.Expr) and isinstance(one.value, (ast.Name, ast.Constant, ast.Attribute))) for one in guard.body):  # fmt: skip
         name = main.name if main else "main"
-        cause = f"`{ast.unparse(guard.body[0])}` only names a function, and does not call it."
+        cause = f"`{ast.unparse(guard.body[0])}` only names a function without calling it."
         return Finding("never-called", cause, source.at(guard.body[0]), f"write {name}()")
     return None
 

@@ -36,12 +36,12 @@ def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
         or spot.function is None
     ):
         return None
-    cause = f"Every node has a method {name}, which rclpy itself calls: this one hides it, and is called before it can be."
+    cause = f"Every node has a method {name}, which rclpy itself calls: this one hides it and is called too early."
     return Finding(
         "node-property",
         cause,
         spot.source.at(spot.function),
-        f"call it {name}_ or another name, also where it is used",
+        f"rename it, for example to {name}_, also where it is used",
     )
 
 

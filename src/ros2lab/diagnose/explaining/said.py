@@ -65,7 +65,7 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         file = script["file"]
         return Finding(
             SAID,
-            f"The shell reads {file} as commands of its own, because its first line does not say that it is Python.",
+            f"The shell reads {file} as shell commands, because its first line does not say that it is Python.",
             file,
             f"start it with python3 {file}, or write #!/usr/bin/env python3 as its very first line",
         )
@@ -108,7 +108,7 @@ def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
             if word
             else f"write it as {form[1]}"
             if form
-            else f"`{last} -h` shows what it takes"
+            else f"`{last} -h` shows its arguments"
             if last
             else ""
         )
@@ -120,24 +120,22 @@ def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
 def _no_command(tool: str, name: str) -> Finding:
     if name == "source":
         fix = "write a dot instead of source (. install/setup.bash), or type bash first"
-        return Finding(SAID, f"{tool} has no command source; that is bash's.", "", fix)
+        return Finding(SAID, f"{tool} has no command source; that belongs to bash.", "", fix)
     if name in _ROS_1:
-        fix = f"write {_ROS_1[name]} in its place"
+        fix = f"write {_ROS_1[name]} instead"
         return Finding(SAID, f"{name} is a command of ROS 1; in ROS 2 it is {_ROS_1[name]}.", "", fix)
     if not re.search(r"\w", name):
-        cause = f"{name} is the prompt, which a terminal prints itself, and no part of the command."
-        return Finding(SAID, cause, "", f"type what comes after {name} only")
+        cause = f"{name} is the prompt, which the terminal itself prints; it is not part of the command."
+        return Finding(SAID, cause, "", f"type only what comes after {name}")
     folders = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
     commands = [one.name for folder in folders if folder.is_dir() for one in folder.iterdir()]
     close = nearest(name, [one for one in commands if abs(len(one) - len(name)) < 2])
     if keyword.iskeyword(name):
         fix = "type python3 first, or put it into a file and run that with python3"
-        return Finding(SAID, f"{name} belongs to Python, and the shell has no such command.", "", fix)
+        return Finding(SAID, f"{name} belongs to Python; the shell has no such command.", "", fix)
     fix = f"write {close}" if close else "fix its spelling; if it is right, the program is not installed here"
     if shutil.which(name):
-        fix = (
-            "it is found from here: in that terminal, activate the course's .venv or source ROS's setup.bash"
-        )
+        fix = "it exists on this machine: in that terminal, activate the course's .venv or source ROS's setup.bash"
     return Finding(
         SAID,
         f"There is no command {name} in this terminal.{did_you_mean(name, [close] if close else [])}",
@@ -147,34 +145,34 @@ def _no_command(tool: str, name: str) -> Finding:
 
 
 def _usage(tool: str, said: str, error: ErrorText) -> Finding:
-    help_ = f"{tool} -h shows what it takes"
+    help_ = f"{tool} -h shows its arguments"
     if choice := _CHOICE.search(said):
         choices = re.findall(r"[\w.-]+", choice["choices"])
         close = nearest(choice["given"], choices, 0.6)
         option = re.match(r"argument (-\S+):", said)
         what = f"for {option[1]} " if option else ""
-        cause = f"{tool} knows no {choice['given']} {what}here; it knows {', '.join(choices)}."
+        cause = f"{tool} does not accept {choice['given']} {what}here; it accepts {', '.join(choices)}."
         return Finding(SAID, cause, "", f"write {close}" if close else help_)
     if match := re.match(r"unrecognized arguments?: (.+)", said):
         wrong = match[1].split()[0]
         if re.search(r"[}\]]", match[1]) and not wrong.startswith("-"):
             fix = "put the whole value in quotes: '{data: hello}'"
-            return Finding(SAID, f"{tool} takes the value for several words, because of its spaces.", "", fix)
+            return Finding(SAID, f"{tool} reads the value as several words, because of its spaces.", "", fix)
         if " " in match[1] and "[ERROR]" in error.text:
             # Two arguments that a terminal gives one by one stand in one text.
             pieces = ", ".join(map(repr, shlex.split(match[1])))
-            cause = f"{tool} is given {match[1]!r} as one word, and it is {len(shlex.split(match[1]))}."
+            cause = f"{tool} is given {match[1]!r} as one argument, but it is {len(shlex.split(match[1]))}."
             return Finding(SAID, cause, "", f"write {pieces} instead of {match[1]!r} in the launch file")
         options = re.findall(r"--[\w-]+", error.text.replace(match[0], ""))
         close = nearest(wrong, options) or (wrong.replace("_", "-") if "_" in wrong else None)
         cause = f"{tool} does not know {match[1]}.{did_you_mean(wrong, options)}"
         return Finding(
-            SAID, cause, "", f"write {close}" if close else f"take it out, or fix its spelling: {help_}"
+            SAID, cause, "", f"write {close}" if close else f"remove it, or fix its spelling: {help_}"
         )
     if match := re.match(r"the following arguments are required: (.+)", said):
         wanted = match[1].replace(", argv", "")
         return Finding(
-            SAID, f"The command is not complete: {wanted} must follow.", "", f"add {wanted}; {help_}"
+            SAID, f"The command is incomplete: {wanted} must follow.", "", f"add {wanted}; {help_}"
         )
     return Finding(SAID, f"{tool}: {said}.", "", help_)
 
@@ -194,38 +192,38 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
         shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
         return Finding(
             SAID,
-            f"The first line of the file ends as Windows ends it, so the system looks for a program {path!r}.",
+            f"The first line of the file has a Windows line ending, so the system looks for a program {path!r}.",
             shown,
             rf"sed -i 's/\r$//' {shown}"
             if shown
-            else r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
+            else r"remove the Windows line endings: sed -i 's/\r$//' followed by the file",
         )
     if number == errno.ENOENT:
         return _missing(path, look)
     if number in (errno.EACCES, errno.EPERM):
         return _denied(path, is_run=not said["after"] and (said["tool"] or "").endswith("sh"))
     if number == errno.ENOEXEC:
-        cause = (
-            f"The first line of {path} does not say which program reads it, so the system cannot start it."
-        )
-        fix = "give it an entry point in setup.py, build again, and start that; a script by itself needs #!/usr/bin/env python3 as its very first line"
+        cause = f"The first line of {path} does not say which program should run it, so the system cannot start it."
+        fix = "give it an entry point in setup.py, build again, and start that; a standalone script needs #!/usr/bin/env python3 as its very first line"
         return Finding(SAID, cause, "", fix)
     return Finding(SAID, f"{path}: {said['said']}.", "", f"look at it with ls -ld {path}")
 
 
 def _missing(path: str, look: Look | None) -> Finding:
     if look and not path.startswith("/") and (look.root / path).exists():
-        cause = f"There is no {path} in the folder in which this was typed; it is in {look.root}."
+        cause = f"There is no {path} in the folder where this was typed; it is in {look.root}."
         return Finding(SAID, cause, "", f"cd {look.root}, and type it again")
     if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
-        cause = f"There is no {path}: the workspace {look.root} is not built yet."
+        cause = f"There is no {path}: the workspace {look.root} has not been built yet."
         return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
     if look and (found := of_shared_file(path, look)):
         return found
     near = sorted(_alike(path, look)) if look else []
     where = f"; there is {near[0]}" if near else ""
     fix = (
-        f"write {near[0]}, seen from the workspace" if near else "compare the path with what ls and pwd show"
+        f"write {near[0]}, from the workspace folder"
+        if near
+        else "compare the path with what ls and pwd show"
     )
     return Finding(SAID, f"There is no file or folder {path}{where}.", "", fix)
 
@@ -233,17 +231,17 @@ def _missing(path: str, look: Look | None) -> Finding:
 def _denied(path: str, *, is_run: bool) -> Finding:
     if is_run or (path.startswith("./") and Path(path).is_file()):
         fix = f"chmod +x {path}; a node is started with ros2 run"
-        return Finding(SAID, f"The file {path} may not be run: it is not marked as a program.", "", fix)
+        return Finding(SAID, f"The file {path} cannot be run: it is not marked as executable.", "", fix)
     home = next((one for one in (Path(path), *Path(path).parents) if one.exists()), Path(path))
     is_roots = home.exists() and home.stat().st_uid == 0 and path.startswith(str(Path.home()))
-    cause = f"You may not use {path}{', because it belongs to root' if is_roots else ''}."
+    cause = f"You have no permission to use {path}{', because it belongs to root' if is_roots else ''}."
     return Finding(
         SAID,
         cause,
         "",
         f'sudo chown -R "$USER" {home}, and never build with sudo'
         if is_roots
-        else "take a file or folder of your own",
+        else "use a file or folder of your own",
     )
 
 
@@ -293,9 +291,9 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
         f"write {close} instead of {said.split()[0]}"
         if close
         else _other_substitution(said)
-        or "compare the tag and its attributes with those of a launch file that is read"
+        or "compare the tag and its attributes with those of a working launch file"
         if place.partition(":")[0].endswith((".xml", ".yaml", ".yml"))
-        else "look at the actions in LaunchDescription([...]): a list, of which each is an action, such as Node(...), and nothing else"
+        else "check LaunchDescription([...]): it must be a list of actions, such as Node(...), and nothing else"
     )
     return Finding(SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", place, fix)
 
@@ -380,7 +378,7 @@ def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     name = {"remap_rule": "remappings"}.get(match["name"], match["name"])
     is_list = "list" in match["wanted"] or "tuple" in match["wanted"]
     fix = f"write brackets around it: {name}=[...]" if is_list else f"give {name} {match['wanted']}"
-    cause = f"{name} must be {match['wanted']}{' in a list' if name == 'remappings' else ''}, and is the {match['kind']} {match['given']}."
+    cause = f"{name} must be {match['wanted']}{' in a list' if name == 'remappings' else ''}, but is the {match['kind']} {match['given']}."
     return Finding(SAID, cause, place or _in_launch(look, name), fix)
 
 

@@ -28,7 +28,7 @@ def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
     if not found and look and "Caught exception in launch" in error.text:
         found = [one for one in [of_launch(error, look)] if one]
     if found and "Warning: " in error.decisive and step_with(error.decisive, error.steps).ended_well:
-        only = "What ran ended well, and this is only a warning."
+        only = "The command succeeded; this is only a warning."
         return [replace(one, cause=f"{only} {one.cause}") for one in found]
     return found
 

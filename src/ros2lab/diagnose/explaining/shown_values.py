@@ -58,6 +58,6 @@ def _made_of(source: PythonSource, function: Function, call: ast.Call) -> Iterat
                 text, name = ast.unparse(many), ast.unparse(how)
                 if "isnan" in text or "isfinite" in text:
                     continue
-                cause = f"`{ast.unparse(node)}` comes out as nan: one of the values in {text} is nan, and each comparison with that is false."
-                fix = f"write {name}([v for v in {text} if math.isfinite(v)]), and `import math` at the top of the file; think of what to do where none is left"
+                cause = f"`{ast.unparse(node)}` comes out as nan: one of the values in {text} is nan, and every comparison with nan is false."
+                fix = f"write {name}([v for v in {text} if math.isfinite(v)]), and `import math` at the top of the file; decide what to do when none is left"
                 yield Finding("value-nan", cause, source.at(node), fix)

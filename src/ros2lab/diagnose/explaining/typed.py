@@ -65,13 +65,13 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
         line = step.command
         if (meant := as_keyed(line)) != line:
             strange = next(letter for letter in line if plain_signs(letter) != letter)
-            cause = f"The command holds the letter {strange!r} (U+{ord(strange):04X}), which a web page or a text program has put there."
+            cause = f"The command holds the letter {strange!r} (U+{ord(strange):04X}), which came from a web page or a word processor."
             yield Finding("typed-wrong", cause, "", f"type `{meant}`")
         try:
             words = shlex.split(line.rstrip("& "))
         except ValueError:
             quote = "'" if line.count("'") % 2 else '"'
-            cause = f"The quote {quote} is opened and never closed, so the shell waits for the rest of the command, with its prompt >."
+            cause = f"The quote {quote} is opened but never closed, so the shell waits for the rest of the command with its prompt >."
             yield Finding("typed-wrong", cause, "", f"press Ctrl-C, and type `{line}{quote}`")
             continue
         while words and re.fullmatch(r"\w+=.*", words[0]):
@@ -105,9 +105,9 @@ def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
     place = _respawned(look) if look and again else ""
     if place:
         cause = (
-            f"{again.rpartition('-')[0]} ends as it should, and respawn lets launch start it again each time."
+            f"{again.rpartition('-')[0]} ends normally, and respawn makes launch start it again each time."
         )
-        yield Finding("launch-argument", cause, place, "take respawn=True away here")
+        yield Finding("launch-argument", cause, place, "remove respawn=True here")
 
 
 def _respawned(look: Look) -> str:
@@ -131,9 +131,7 @@ def of_history(typed: Sequence[str], text: str) -> Iterator[Finding]:
         )
         if _HISTORY.match(line) and is_told:
             quoted = line.replace("'", "").replace('"', "'")
-            cause = (
-                "In double quotes bash puts an earlier command in the place of a ! and of what follows it."
-            )
+            cause = "Inside double quotes, bash replaces ! and what follows it with an earlier command."
             yield Finding("typed-wrong", cause, "", f"type `{quoted}`")
             return
 
@@ -145,10 +143,10 @@ def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
         word = first.lstrip("! ").partition(" ")[0]
         if word in ("source", ".", "cd", "export", "unset"):
             command = f"{first} && {later.lstrip('! ')}"
-            cause = f"Each line with `!` has a shell of its own, so `{first}` changes nothing for `{later}`."
+            cause = f"Each line with `!` runs in its own shell, so `{first}` has no effect on `{later}`."
             if word in ("source", "."):
                 command = f"!bash -c '{first.lstrip('! ')} && {later.lstrip('! ')}'"  # sh knows no `source`
-            yield Finding("typed-wrong", cause, "", f"type `{command}` in one line")
+            yield Finding("typed-wrong", cause, "", f"type `{command}` on one line")
             return
 
 
@@ -182,7 +180,7 @@ def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) ->
     if absolute := _without_namespace(topic, there):
         return absolute
     if parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
-        cause = f"A topic's name has no field after it: {parts[1]} is a field of what {parts[0]} carries."
+        cause = f"A topic name does not include a field: {parts[1]} is a field of the messages on {parts[0]}."
         fix = f"type `{step.command.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
         return Finding("topic-near-miss", cause, "", fix)
     if not _NO_ONE.search(step.text) or step.is_answered or not there:
@@ -192,11 +190,11 @@ def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) ->
     wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
     if wanted in private:
         written = there[wanted].topic
-        cause = f"~ stands for the node's own name, so {written!r} is {wanted}, and not {topic}."
+        cause = f"~ stands for the node's own name, so {written!r} is {wanted}, not {topic}."
         return Finding(
             "topic-near-miss", cause, there[wanted].place, f"write {topic!r} instead of {written!r}"
         )
-    cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
+    cause = f"No node in the workspace {does} {topic}; the topics are {', '.join(sorted(there))}."
     fix = f"type `{step.command.replace(topic, wanted)}`" if wanted else "write one of these names"
     return Finding("topic-near-miss", cause, "", fix)
 
@@ -222,7 +220,7 @@ def _other_type(plain: Sequence[str], end: End, line: str) -> Finding | None:
     if not given or not end.type or given.replace("/msg/", ".msg.").replace("/", ".") == end.type:
         return None
     right = end.type.replace(".", "/")
-    cause = f"The command gives the type {given}, and {end.creation.source.shown} uses {right} on {plain[0]}: they never meet."
+    cause = f"The command uses the type {given}, but {end.creation.source.shown} uses {right} on {plain[0]}, so they never connect."
     return Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
 
 
@@ -234,10 +232,9 @@ def _not_met(topic: str, end: End, does: str, error: ErrorText, look: Look) -> I
     yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
     yield Finding(
         "not-running",
-        f"The sources have a node that {does} {topic}, and in this terminal's domain none is met: it does not run, "
-        "it runs with another ROS_DOMAIN_ID, or it uses another name when it runs.",
+        f"A node in the sources {does} {topic}, but none is found in this terminal's domain: it is not running, it uses another ROS_DOMAIN_ID, or it uses another topic name at run time.",
         "",
-        "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node anew",
+        "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node again",
     )
 
 
@@ -245,8 +242,8 @@ def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
     """Say that a topic's name in the code is a whole one, where a namespace was put before it; None if it was not."""
     for name, end in there.items():
         if topic.endswith(name) and topic != name and end.is_absolute:
-            cause = f"The code names the topic {name} with a slash at its beginning, so no namespace is put before it, and {topic} is another topic."
-            fix = f"write {name.lstrip('/')!r} there, so that a namespace counts; or type {name}"
+            cause = f"The code names the topic {name} with a leading slash, so no namespace is put before it, and {topic} is a different topic."
+            fix = f"write {name.lstrip('/')!r} there, so that the namespace applies; or type {name}"
             return Finding("topic-near-miss", cause, end.place, fix)
     return None
 
@@ -262,7 +259,7 @@ def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
         if isinstance(text, str) and text != word and text.strip().lower() == word.lower():
             yield Finding(
                 "word-unanswered",
-                f"The command sends {word!r}, and the code compares with {text!r}: capitals and spaces count.",
+                f"The command sends {word!r}, but the code compares with {text!r}: upper and lower case and spaces matter.",
                 end.creation.source.at(node),
                 f"write {word!r} instead of {text!r}, or compare msg.data.strip().lower()",
             )
@@ -272,7 +269,7 @@ def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
     options = [word for word in rest if word in _OF_ROS]
     if options and "--ros-args" not in rest:
         better = line.replace(options[0], f"--ros-args {options[0]}", 1)
-        cause = f"{options[0]} stands without --ros-args before it, so ROS does not read it and the node keeps its own values."
+        cause = f"There is no --ros-args before {options[0]}, so ROS does not read it and the node keeps its own values."
         yield Finding("typed-wrong", cause, "", f"type `{better.rstrip('& ')}`")
 
 
@@ -293,7 +290,7 @@ def _parameter(plain: Sequence[str], line: str, look: Look) -> Iterator[Finding]
     declared = {name for package in look.packages for name in declared_in(look.sources(package)) or ()}
     if len(plain) > 1 and plain[1] not in declared and declared:
         wanted = nearest(plain[1], declared, 0.5)
-        cause = f"No node here declares a parameter {plain[1]}; declared are {', '.join(sorted(declared))}."
+        cause = f"No node here declares a parameter {plain[1]}; the declared ones are {', '.join(sorted(declared))}."
         yield Finding(
             "parameter-name",
             cause,
@@ -317,7 +314,7 @@ def _read_once(name: str, look: Look) -> Iterator[Finding]:
         if reads and not is_told and all(function and function.name == "__init__" for function, _ in reads):
             yield Finding(
                 "parameter-once",
-                f"The node reads the parameter {name} only in __init__, so what is set later changes nothing.",
+                f"The node reads the parameter {name} only in __init__, so setting it later changes nothing.",
                 reads[0][1],
                 f"write self.get_parameter('{name}').value in the callback, where the value is used",
             )
@@ -336,9 +333,9 @@ def _service(name: str, look: Look) -> Iterator[Finding]:
         fix = (
             "write one of these names"
             if servers
-            else "write self.create_service(...) in a node, build and start it"
+            else "write self.create_service(...) in a node, then build and start it"
         )
-        yield Finding("not-running", f"No node of the workspace offers the service {name}; {known}.", "", fix)
+        yield Finding("not-running", f"No node in the workspace offers the service {name}; {known}.", "", fix)
 
 
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
@@ -346,7 +343,7 @@ def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
     wanted = nearest(f"/{name.lstrip('/')}", nodes, 0.5)
     is_named = f"/{name.rpartition('/')[2]}" in nodes  # in whatever namespace
     if nodes and not is_named:
-        cause = f"No node here is called {name}; the nodes are called {', '.join(sorted(nodes))}."
+        cause = f"No node here is named {name}; the nodes are {', '.join(sorted(nodes))}."
         yield Finding(
             "typed-wrong",
             cause,
@@ -356,10 +353,10 @@ def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
             else "write one of these names, as `ros2 node list` shows it",
         )
     elif nodes:
-        cause = f"The node {name} does not run in this terminal's domain."
+        cause = f"The node {name} is not running in this terminal's domain."
         yield Finding(
             "not-running",
             cause,
             "",
-            "start it in another terminal, with the same ROS_DOMAIN_ID, and look at `ros2 node list`",
+            "start it in another terminal with the same ROS_DOMAIN_ID, and check `ros2 node list`",
         )

@@ -65,28 +65,28 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
                 rest = [each for each in after if each is not value]
                 yield (
                     [*before, value, name, *rest],
-                    f"{name} takes all words after it, and {value!r} with them.",
+                    f"{name} takes all the words after it, including {value!r}.",
                 )
         elif action.nargs != 0 and (given or after):
             value, rest = (given, after) if sign else (after[0], after[1:])
             for right in _values_for(action, value):
                 kept = [*before, name, right, value, *rest]
-                why = f"{name} takes {_kind(action)}, and so takes {value!r} away from what comes after it."
+                why = f"{name} takes {_kind(action)}, so it uses up {value!r}, which belongs to what follows."
                 is_other = not sign and (action.choices or not _NUMBER.match(value))
                 yield from [(kept, why)] if is_other else []
                 yield (
                     [*before, name, right, *rest],
-                    f"After {name} comes {_kind(action)}, and not {value!r}.",
+                    f"{name} must be followed by {_kind(action)}, not {value!r}.",
                 )
         elif action.nargs != 0:
             for right in _values_for(action, ""):
-                yield [*words, right], f"After {name} comes {_kind(action)}."
+                yield [*words, right], f"{name} must be followed by {_kind(action)}."
     yield from _in_another_order(words)
     yield from _parted(words, depth)
     for number in range(depth + 1, len(words) - 1):
         if words[number].endswith((":", ",", "{")) or words[number + 1].endswith("}"):
             joined = " ".join(words[number:])
-            yield [*words[:number], joined], f"{joined!r} is one value, so it stands in quotes."
+            yield [*words[:number], joined], f"{joined!r} is one value, so it needs quotes."
 
 
 def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
@@ -96,7 +96,10 @@ def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
             name, sign, value = words[number].rpartition("/")
         if name and sign and value:
             parted = [*words[:number], name, value, *words[number + 1 :]]
-            yield parted, f"{name} and {value} are two words here, with a space between them and no {sign}."
+            yield (
+                parted,
+                f"{name} and {value} must be two words here, with a space between them instead of {sign}.",
+            )
 
 
 def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
@@ -108,7 +111,7 @@ def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
         moved = [*words[:start], *words[end:], *words[start:end]]
         yield (
             moved,
-            "--ros-args and what follows it come after the names of the package and the executable.",
+            "--ros-args and what follows it must come after the names of the package and the executable.",
         )
 
 
@@ -123,7 +126,7 @@ def _unknown_option(
     value, rest = (given.lstrip("="), after) if sign else (after[0] if after else "", after[1:])
     bare = name.lstrip("-").rstrip(":")
     if words[1:2] == ["launch"] and value:
-        why = f"{name} is no option of ros2 launch: an argument of a launch file is written {bare}:={value}."
+        why = f"{name} is not an option of ros2 launch: a launch argument is written {bare}:={value}."
         yield [*before, *rest, f"{bare}:={value}"], why
     yield [*before, *after], f"There is no option {name} here."
 

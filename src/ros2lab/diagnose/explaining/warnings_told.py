@@ -111,7 +111,9 @@ def _fix(said: str, places: Sequence[str], look: Look | None) -> tuple[str, str]
                 {int(one[0].rpartition(":")[2]) for one in lines[1:]} - {int(first.rpartition(":")[2])}
             )
             more = (
-                f"; and so in line{'s' * (len(others) > 1)} {', '.join(map(str, others))}" if others else ""
+                f"; and likewise on line{'s' * (len(others) > 1)} {', '.join(map(str, others))}"
+                if others
+                else ""
             )
             return f"write `{_replaced(old, new, text)}`{more}", first
         return f"write {new} instead of {old}", place
