@@ -21,7 +21,7 @@ _ODD_AXES = {
     "linear.z": "it moves up or down",
     "angular.x": "it rolls, onto its left or right side",
     "angular.y": "it pitches, its front up or down",
-    "linear.y": "it moves to the left or right without turning",
+    "linear.y": "it moves left or right without turning",
 }
 _TINIEST = 1e-300  # of a float whose bytes are those of an int
 
@@ -39,9 +39,9 @@ def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
         if tiny:
             yield Finding(
                 "int-in-float",
-                f"On {topic}, {tiny} is as good as 0 and not quite: an int was put into a field that holds a float.",
+                f"On {topic}, {tiny} is almost but not quite 0: an int was put into a field that holds a float.",
                 place,
-                f"write 1.0 and not 1 where {tiny} is filled",
+                f"write 1.0 instead of 1 where {tiny} is set",
             )
         elif _are_blank(values) and seen.is_free(run):
             ends = seen.ends(topic, is_publisher=True)
@@ -50,11 +50,9 @@ def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
                 continue  # what would change it, such as one of the words that it takes, is not known
             yield Finding(
                 "message-empty",
-                f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, also after every command: "
-                "what is published is not what was filled, or nothing fills it.",
+                f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, even after every command: the published message is not the one that was filled, or nothing fills it.",
                 place,
-                "fill the fields of the same object that is given to publish(msg), in the callback that publishes it; "
-                "if nothing but zeros is meant, leave it",
+                "fill the fields of the same object that is passed to publish(msg), in the callback that publishes it; if only zeros are intended, leave it",
             )
         elif parts[0].type_name in VELOCITIES:
             yield from _velocity(seen, topic, dict(sorted(found, key=lambda pair: abs(pair[1]))))
@@ -162,7 +160,7 @@ def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Findin
             "axis",
             f"On {topic}, {name} is {short[name]:g}: {_ODD_AXES[name]}.",
             seen.filled(topic, name),
-            f"for a robot on the ground write {right} instead of {name}; if it really moves so, leave it",
+            f"for a robot on the ground, write {right} instead of {name}; if it really moves like that, leave it",
         )
     for name, limit, unit, other in (
         ("linear.x", FASTEST, "m/s", "km/h, cm/s or mm/s"),
@@ -176,7 +174,7 @@ def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Findin
             )
             yield Finding(
                 "speed-implausible",
-                f"On {topic}, {name} is {short[name]:g} {unit}, which no small robot does; is it in {other}?",
+                f"On {topic}, {name} is {short[name]:g} {unit}, which is too much for a small robot; is it in {other}?",
                 seen.filled(topic, name),
                 fix,
             )

@@ -78,7 +78,10 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
     programs = [*itertools.islice(_programs(look, Workspace(root).overlay), MOST_PROGRAMS)]
     if not programs:
         return Trial(
-            [], ["No package of this workspace has installed a program; build it, then run this again."]
+            [],
+            [
+                "No package in this workspace has installed a program; build the workspace, then run this again."
+            ],
         )
     assignment = _assignment_for(look)
     environment.remove_dead_shared_memory()
@@ -249,4 +252,4 @@ def _told(run: Run) -> str:
     if run.ended:
         word = word_that_ended(run)
         parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
-    return f"{name} {', '.join(parts) or 'published nothing, and subscribed to nothing'}."
+    return f"{name} {', '.join(parts) or 'did not publish or subscribe to anything'}."

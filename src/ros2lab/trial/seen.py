@@ -181,9 +181,9 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         for node in run.twins if not is_told else ():
             yield Finding(
                 "name-twice",
-                f"The program {name} makes two nodes that are called {node.rpartition('/')[2]}, and spins one of them.",
+                f"The program {name} makes two nodes named {node.rpartition('/')[2]} and spins only one of them.",
                 seen.main(name),
-                "make one node, keep it in a variable, and give that to rclpy.spin",
+                "make one node, keep it in a variable, and pass that to rclpy.spin",
             )
         yield from _silent(seen, run)
         yield from content_faults(seen, run)
@@ -209,7 +209,7 @@ def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     elif not run.nodes:
         yield Finding(
             "no-node",
-            f"The program {name} goes on, and no node of it appears: it waits, or does something else first.",
+            f"The program {name} is running, but its node never appears: it is waiting, or doing something else first.",
             seen.main(name),
             "make the node in main before anything that waits, and spin it",
         )
@@ -244,7 +244,7 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
         ):
             continue
         why, fix = _why_silent(ends)
-        cause = f"{run.programs[0]} has a publisher on {topic}, and published nothing there while it was watched{why}."
+        cause = f"{run.programs[0]} has a publisher on {topic}, but published nothing there while it was watched{why}."
         yield Finding("publishes-nothing", cause, seen.place(topic), fix)
 
 
@@ -260,11 +260,11 @@ def _why_silent(ends: Sequence[Any]) -> tuple[str, str]:
     if period <= SEEN_PERIOD:
         return (
             "",
-            "let a timer's callback call publish(msg), and look whether a condition before it is ever true",
+            "call publish(msg) in a timer callback, and check whether a condition before it is ever true",
         )
     return (
-        f": its timer calls every {period:g} s, for a period is given in seconds",
-        f"write {1 / period:.3g} if {period:g} times a second were meant, {period / 1000:g} if milliseconds were; else leave it",
+        f": its timer fires every {period:g} s, because a period is given in seconds",
+        f"write {1 / period:.3g} if {period:g} times a second was meant, {period / 1000:g} if milliseconds were; otherwise leave it",
     )
 
 
@@ -281,18 +281,16 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
         )
         place = place or seen.place(topic)
         if topic in run.stalled and _has_no_end(seen, topic):
-            cause = (
-                f"On {topic} came {one.count} messages and then no more, though its timer is never cancelled."
-            )
-            fix = (
-                "look for a callback that does not return: while it waits or loops, the timer's is not called"
-            )
+            cause = f"{one.count} messages came on {topic} and then no more, although its timer is never cancelled."
+            fix = "look for a callback that does not return: while it waits or loops, the timer's callback is not called"
         elif gap is not None and wanted and not has_period(gap, wanted):
-            cause = f"{topic} comes every {gap:.3g} s, and the course asks for every {wanted:g} s; a period is in seconds."
+            cause = f"{topic} is published every {gap:.3g} s, but the course asks for every {wanted:g} s; a period is in seconds."
             fix = f"write create_timer({wanted}, ...)"
         elif gap is not None and one.type_name in VELOCITIES and gap > LONGEST_PAUSE:
-            cause = f"A velocity comes on {topic} only every {gap:.3g} s; a period is in seconds, not in Hz."
-            fix = f"write {1 / gap:.3g} if {gap:.3g} Hz was meant; a robot wants several velocities a second"
+            cause = f"A velocity is published on {topic} only every {gap:.3g} s; a period is in seconds, not in Hz."
+            fix = (
+                f"write {1 / gap:.3g} if {gap:.3g} Hz was meant; a robot needs several velocities per second"
+            )
         else:
             continue
         yield Finding("period", cause, place, fix)
@@ -322,12 +320,12 @@ def _words(seen: Seen) -> Iterator[Finding]:
     ends = seen.ends(topic, is_publisher=False)
     place = next((end.place for end in ends if names_it(end.creation.source.text)), "")
     if len(dead) == len(sent):
-        cause = f"After each of the words {', '.join(dead)} on {topic} the nodes do what they do after {UNKNOWN_WORD!r}, which means nothing."
-        fix = "let the callback change an attribute of self (self.state = ...), and compare msg.data with ==, and nothing after lower() with capitals"
+        cause = f"After each of the words {', '.join(dead)} on {topic}, the nodes do the same as after {UNKNOWN_WORD!r}, which means nothing."
+        fix = "let the callback change an attribute of self (self.state = ...), compare msg.data with ==, and after lower() compare only with lower-case words"
     else:
         like = next((word for word in own if word.lower() == dead[0].lower() and word != dead[0]), "")
         cause = f"The word {dead[0]!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
-        fix = f"compare with {dead[0].lower()!r}, in small letters, and what comes with msg.data.strip().lower()"
+        fix = f"compare msg.data.strip().lower() with {dead[0].lower()!r}, in lower case"
     yield Finding("word-unanswered", cause, place or seen.place(topic, is_publisher=False), fix)
 
 

@@ -46,9 +46,9 @@ def pauseless(seen: Seen, run: Run, topic: str, heard: Heard) -> Finding | None:
             # A timer that keeps its period does so on the clock that is stepped.
             is_short = period.value < SHORTEST_PERIOD if is_known else gap < UNPAUSED and run.clock == "real"
             if is_short:
-                value = f"is {period.value:g} s in the run" if is_known else "is as good as 0"
+                value = f"was {period.value:g} s in this run" if is_known else "is practically 0"
                 cause = (
-                    f"The period `{period.text}` {value}{period.why}: this timer calls without a pause, and "
+                    f"The period `{period.text}` {value}{period.why}: this timer fires without a pause, and "
                     f"{heard.count} messages came on {topic}."
                 )
                 return Finding("period", cause, timer.source.at(timer.call), period.fix)
@@ -76,13 +76,13 @@ class Period(ast.NodeTransformer):
                 case ast.BinOp(op=ast.FloorDiv(), left=left, right=right) if self._value(node) == 0:
                     whole = ast.unparse(ast.BinOp(left, ast.Div(), right))
                     return (
-                        ", for // divides without a remainder",
+                        ", because // drops the fraction",
                         f"write `{whole}` instead of `{ast.unparse(node)}`",
                     )
                 case ast.Call(func=ast.Name("int" | "round" as name), args=[whole]) if self._value(node) == 0:
-                    why = f", for {name}() leaves nothing of a part of a second"
+                    why = f", because {name}() of a fraction of a second is 0"
                     return why, f"write `{ast.unparse(whole)}` instead of `{ast.unparse(node)}`"
-        return "", "write more than 0 for it, in seconds: 1.0 / rate of a rate in Hz, and milliseconds / 1000"
+        return "", "write a period above 0, in seconds: 1.0 / rate for a rate in Hz, or milliseconds / 1000"
 
     def _value(self, node: ast.expr) -> Any:
         return evaluate(self.visit(copy.deepcopy(node)), self._source.constants, _CALLS)

@@ -50,15 +50,12 @@ def _keeping_threads(entrance: Entrance, name: str) -> Iterator[Finding]:
             demon = copy.deepcopy(one.call)
             demon.keywords = [w for w in demon.keywords if w.arg != "daemon"]
             demon.keywords.append(ast.keyword("daemon", expression("True") or ast.Constant(True)))
-            fix = f"write `{ast.unparse(demon)}`, or let the loop in it ask `while rclpy.ok():`"
+            fix = f"write `{ast.unparse(demon)}`, or make its loop `while rclpy.ok():`"
         else:
             fix = (
                 f"write `{kept or 'timer'}.daemon = True` before its start(), or use the node's create_timer"
             )
-        cause = (
-            f"{name} did not end at Ctrl-C: Python waits at its end for each thread that is no daemon, and "
-            f"`{ast.unparse(one.call)}` goes on."
-        )
+        cause = f"{name} did not end at Ctrl-C: Python waits for every thread that is not a daemon, and `{ast.unparse(one.call)}` keeps running."
         yield Finding("never-ends", cause, one.source.at(one.call), fix)
 
 
@@ -93,7 +90,7 @@ def _deaf_loops(entrance: Entrance, name: str) -> Iterator[Finding]:
                 is_deaf = caught in ("", "BaseException") or "KeyboardInterrupt" in caught
                 if is_deaf and not any(isinstance(n, _LEAVES) for n in ast.walk(handler)):
                     text = f"except {caught}:".replace(" :", ":")
-                    cause = f"{name} did not end at Ctrl-C: `{text}` catches it, as KeyboardInterrupt, and the loop goes on."
+                    cause = f"{name} did not end at Ctrl-C: `{text}` catches the KeyboardInterrupt, and the loop goes on."
                     fix = (
                         "write `break` in it"
                         if caught == "KeyboardInterrupt"

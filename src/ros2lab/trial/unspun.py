@@ -31,9 +31,9 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
             return told
     return Finding(
         "not-spinning",
-        f"The node {node} answers nothing: it is not spun, or one of its callbacks, or its constructor, does not return.",
+        f"The node {node} does not respond: it is not spun, or one of its callbacks or its constructor does not return.",
         spot.source.at(spot.line) if spot and spot.source else seen.main(name),
-        "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
+        "write rclpy.spin(node) in main, and do not wait, sleep or loop in a constructor or callback",
     )
 
 
@@ -72,7 +72,7 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
                     future = ast.unparse(test.value)
                     return Finding(
                         "not-spinning",
-                        f"This loop waits until {future} is done, and that comes only while {node_name} is spun.",
+                        f"This loop waits until {future} is done, which can happen only while {node_name} is being spun.",
                         source.at(loop),
                         f"write `rclpy.spin_until_future_complete({node_name}, {future})` instead of this loop",
                     )
@@ -80,10 +80,9 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
         return None
     return Finding(
         "not-spinning",
-        f"`{spot.text}` waits, and nothing spins {node_name} meanwhile, so no callback of it is called.",
+        f"`{spot.text}` waits, and nothing spins {node_name} in the meantime, so none of its callbacks is called.",
         source.at(spot.line),
-        f"write `threading.Thread(target=rclpy.spin, args=({node_name},), daemon=True).start()` above this line, "
-        "or let a timer do what it does and write rclpy.spin in its place",
+        f"write `threading.Thread(target=rclpy.spin, args=({node_name},), daemon=True).start()` above this line, or do its work in a timer callback and write rclpy.spin instead",
     )
 
 
@@ -104,14 +103,12 @@ def _asking(
     kept = next((n for n in source.nodes if isinstance(n, ast.Assign) and n.value is call), None)
     result = f"{ast.unparse(kept.targets[0])} = future.result()" if kept else "future.result()"
     asks = f"future = {ast.unparse(client)}.call_async({given})"
-    fix = f"write three lines in its place: `{asks}`, `rclpy.spin_until_future_complete({node}, future)` and `{result}`"
-    why = f"nothing spins {node} before"
+    fix = f"write three lines instead: `{asks}`, `rclpy.spin_until_future_complete({node}, future)` and `{result}`"
+    why = f"nothing spins {node} before this"
     if is_called_back:
-        fix = (
-            f"write `{asks}` and `future.add_done_callback(self.answered)`, and use the answer in that method"
-        )
+        fix = f"write `{asks}` and `future.add_done_callback(self.answered)`, and use the response in that method"
         why = "the executor waits for this callback to return"
-    cause = f"`{ast.unparse(call)}` waits for ever: the answer is taken in only by a spin, and {why}."
+    cause = f"`{ast.unparse(call)}` waits forever: the response arrives only during a spin, but {why}."
     return Finding("not-spinning", cause, source.at(call), fix)
 
 
@@ -161,7 +158,7 @@ def _left_out(entrance: Entrance, node: str) -> Finding | None:
     executor = ast.unparse(last.call.func).removesuffix(".add_node")
     return Finding(
         "not-spinning",
-        f"{name} is made here and never added to {executor}, so no callback of the node {node} is called.",
+        f"{name} is made here but never added to {executor}, so no callback of the node {node} is called.",
         last.source.at(statement),
         f"write `{executor}.add_node({name})` below line {last.call.lineno}, `{ast.unparse(last.call)}`",
     )

@@ -15,6 +15,7 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.trial.witness import WATCHED
 
 LEAST = 3  # times that a condition was asked, or a loop begun
@@ -83,13 +84,13 @@ def _cut_short(loops: Mapping[_Spot, Sequence[Any]]) -> Iterator[Finding]:
         text = ast.unparse(node) if node else ""
         lost = next(((done, least) for done, _, least in whole if least and done < least), None)
         if text and lost:
-            cause = f"The loop over {text} had {lost[0]} turns, though there were {lost[1]} at its beginning: what it goes over is changed in it."
+            cause = f"The loop over {text} ran {lost[0]} times, although there were {lost[1]} items at the start: the loop changes what it iterates over."
             yield Finding(
                 "changed-in-loop", cause, source.at(line), f"write `in list({text})`, which is a copy"
             )
         elif text and _is_used_up(whole):
-            cause = f"The loop over {text} had {whole[0][0]} turns the first time, and none in the {len(whole) - 1} times after that: a {whole[0][1]} gives its items only once."
-            fix = f"write list(...) around what {text} is made of, which gives them again and again"
+            cause = f"The loop over {text} ran {whole[0][0]} times the first time, but not at all the {len(whole) - 1} times after that: {with_article(whole[0][1])} yields its items only once."
+            fix = f"write list(...) around the value given to {text}, which can be iterated over again"
             yield Finding("used-up", cause, source.at(line), fix)
 
 
@@ -111,13 +112,13 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
         last = [
             f"{text} was {value}" for text, value in ((left, sides[0]), (right, sides[1])) if text != value
         ]
-        cause = f"While it ran, `{ast.unparse(node)}` was true in none of {failed} times; at the last, {' and '.join(last)}."
+        cause = f"During the run, `{ast.unparse(node)}` was never true in {failed} checks; at the last one, {' and '.join(last)}."
         change = _made_alike(*sides) if is_equal else ""
         above = min(at for at, other in _compared(source) if other == left)
         fix = (
             f"write `{left} = {left}{change}` above line {above}"
             if change
-            else f"look at what {left} is to be there"
+            else f"check what {left} should be there"
         )
         found.append(
             (
