@@ -69,7 +69,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     path = path.expanduser().absolute()
     if not path.is_dir():
         raise NotADirectoryError(
-            f"There is no folder {path}; give the workspace's folder, the one with src in it."
+            f"There is no folder {path}; give the workspace folder, the one that contains src."
         )
     look = Look(path, environ, loads=True)
     # Where launch itself stops, everything is believed that a type checker says of the statement.

@@ -158,7 +158,7 @@ def at(shown: str, line: int | None) -> str:
 
 def not_read(shown: str, line: int | None, problem: str) -> Finding:
     """Say of a file that it is too large to be read here; ROS may read it."""
-    fix = "leave in it what is needed, on few levels: nobody writes so much by hand"
+    fix = "keep only what is needed, with little nesting: nobody writes this much by hand"
     return Finding(UNKNOWN, f"{shown} is not read here: {problem}.", at(shown, line), fix)
 
 

@@ -72,10 +72,10 @@ def seen_of(root: Path) -> str:
     names = ", ".join(package.name for package in look.packages)
     files = sum(len(package.sources) for package in look.packages) + len(look.launch_files)
     is_built = any(prefix_of(look.root, package.name) for package in look.packages)
-    built = "and at what was installed" if is_built else "which is not built yet"
+    built = "and at what is installed" if is_built else "which has not been built yet"
     only_read = [file.shown for file in look.launch_files if not file.is_loaded]
     unloaded = (
-        f" (of {', '.join(only_read)} only the text, for launch could not load it)" if only_read else ""
+        f" (of {', '.join(only_read)} only the text, because launch could not load it)" if only_read else ""
     )
     return f"{files} files of {names}{unloaded}, {built}"
 
@@ -269,7 +269,7 @@ def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:
             folders = [package.shown("") for package in seen if package.name == name]
             yield Finding(
                 "package-duplicate",
-                f"The package {name} is there {count} times, and colcon builds nothing then: {' and '.join(folders)}.",
+                f"The package {name} exists {count} times, so colcon builds nothing: {' and '.join(folders)}.",
                 folders[-1],
-                f"remove one of them, or put it out of sight: touch {folders[-1]}/COLCON_IGNORE",
+                f"remove one of them, or hide it: touch {folders[-1]}/COLCON_IGNORE",
             )

@@ -14,7 +14,7 @@ from typing import Concatenate, ParamSpec
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 
 STRICT = "ROS2LAB_STRICT"  # the variable that takes the net away
-ENTANGLED = "This code is too entangled to be followed: a class or a value leads through hundreds of others."
+ENTANGLED = "This code is too entangled to follow: a class or a value leads through hundreds of others."
 _TOO_LONG = "This code cannot be followed: a name in it is longer than that of any file or folder."
 
 _Given = ParamSpec("_Given")
@@ -57,7 +57,7 @@ def unjudged(error: Exception) -> Unjudged:
     is_fault = is_ours(error)
     if is_fault and os.environ.get(STRICT):
         raise error
-    fix = "please report it, with the file that was looked at" if is_fault else ""
+    fix = "please report it, with the file in question" if is_fault else ""
     return Unjudged(UNKNOWN, why(error), "", fix)
 
 
@@ -76,6 +76,6 @@ def why(error: Exception) -> str:
         place = place.tb_next
     where = f", {Path(place.tb_frame.f_code.co_filename).name} line {place.tb_lineno}" if place else ""
     return (
-        "Not all of this code was looked at: a rule of ros2lab itself has failed at it, which is no fault of the code "
+        "Not all of this code was checked: one of ros2lab's own rules failed on it, which is not the code's fault "
         f"({type(error).__name__}{where})."
     )

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 FOUND, USAGE_ERROR = 1, 2
 LONGEST = 10_000  # characters of a text that is shown
-_RUN_OFFER = "If a node does nothing, or not what it should, let it run them: ros2lab diagnose --run. "
+_RUN_OFFER = "If a node does nothing, or the wrong thing, run the nodes too: ros2lab diagnose --run. "
 
 
 def diagnose(
     workspace: Annotated[
         str,
         typer.Argument(
-            help="The workspace's folder (default: the one around this folder), or - for an error's text."
+            help="The workspace's folder (default: the one around this folder), or - for the text of an error."
         ),
     ] = "",
     up_to: Annotated[
@@ -40,7 +40,7 @@ def diagnose(
         bool,
         typer.Option(
             "--run",
-            help="Run what was built for some seconds, too, where nobody hears it, and say what is silent or wrong.",
+            help="Also run what was built for a few seconds, in isolation, and say what is silent or wrong.",
         ),
     ] = False,
     is_json: Annotated[
@@ -63,7 +63,10 @@ def diagnose(
         findings, is_told_in_steps, looked_at = _of_folder(root)
     else:
         where = f"no folder {workspace}" if workspace else "no workspace in this folder or above it"
-        print(f"There is {where}; give the folder of a workspace, or - for an error's text.", file=sys.stderr)
+        print(
+            f"There is {where}; give the folder of a workspace, or - for the text of an error.",
+            file=sys.stderr,
+        )
         raise typer.Exit(USAGE_ERROR)
     if is_run and (watched := root or here) is not None:
         findings, looked_at = _seen_beside(findings, watched)
@@ -88,7 +91,7 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
 
     text = read_printed(sys.stdin.buffer)
     findings = of_text(text, here)
-    looked_at = "The text holds no error that is known here"
+    looked_at = "The text contains no error known to ros2lab"
     if not findings and here is not None and text.strip():
         # What runs without an error may still do nothing: then the cause is in the files.
         error = read_error(text)
@@ -96,8 +99,8 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
         if error.typed:
             # What was sourced, the text shows itself: it may be of another terminal.
             findings = [one for one in findings if one.code != "not-sourced"]
-        looked_at += f", and nothing wrong was found in {here}, of which was looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
-    looked_at += ". Give all that was printed, from the command on."
+        looked_at += f", and nothing wrong was found in {here}, where it looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
+    looked_at += ". Give everything that was printed, starting with the command."
     return findings, is_text_step_by_step(text, here), looked_at
 
 
@@ -109,8 +112,8 @@ def _of_folder(root: Path) -> tuple[list[Finding], bool, str]:
     findings, looked_at = of_workspace(root, os.environ), ""
     if not findings:
         looked_at = (
-            f"It looked at {seen_of(root)}, and ran nothing: what nodes do when they run, it cannot see. "
-            f"{_RUN_OFFER}If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
+            f"It looked at {seen_of(root)}, but ran nothing, so it cannot tell what the nodes do at run time. "
+            f"{_RUN_OFFER}If a command fails, pass on its output: command 2>&1 | ros2lab diagnose -"
         )
     return findings, is_step_by_step(root), looked_at
 
@@ -150,7 +153,7 @@ def _run(root: Path) -> tuple[list[Finding], str]:
         # What reading has found is told all the same.
         print(error, file=sys.stderr)
         return [], f"Nothing could be run: {error}"
-    return trial.findings, f"It ran what is built for some seconds. {' '.join(trial.story)}"
+    return trial.findings, f"It ran what is built for a few seconds. {' '.join(trial.story)}"
 
 
 def _show(findings: Sequence[Finding], looked_at: str) -> None:
