@@ -67,10 +67,10 @@ def test_a_line_is_written_so_that_python_reads_it(line: str, fix: str) -> None:
 @pytest.mark.parametrize(
     ("text", "fix"),
     [
-        ("def tick():\n    await wait()\n", "take await away, or put it into an async function"),
-        ("return 1\n", "take return away, or put it into a function"),
-        ("break\n", "take break away, or put it into a loop"),
-        ("def tick(a, a):\n    pass\n", "change in this line what that says"),
+        ("def tick():\n    await wait()\n", "remove await, or put it inside an async function"),
+        ("return 1\n", "remove return, or put it inside a function"),
+        ("break\n", "remove break, or put it inside a loop"),
+        ("def tick(a, a):\n    pass\n", "fix this line as the message says"),
     ],
 )
 def test_what_stands_in_the_wrong_place_lacks_no_comma(text: str, fix: str) -> None:
@@ -251,8 +251,8 @@ def test_a_line_that_tutorials_write_is_no_alarm(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("typed", "word"),
     [
-        (["bash install/setup.bash"], "shell of its own"),
-        (["source install/setup.bash", "export AMENT_PREFIX_PATH=/opt/ros"], "takes away"),
+        (["bash install/setup.bash"], "runs in its own shell"),
+        (["source install/setup.bash", "export AMENT_PREFIX_PATH=/opt/ros"], "removes"),
         (["source install/setup.bash", "colcon build"], "before my_bot was built"),
         (["ls"], "has not sourced"),
     ],

@@ -49,7 +49,7 @@ FAILS = {
     ),
     "a method that rclpy calls": (
         "self.bed = {}\n\n    def get_namespace(self):\n        return self.bed['room']",
-        "call it get_namespace_ or another name",
+        "rename it, for example to get_namespace_",
     ),
     # What somebody else owns, or holds.
     "an attribute of rclpy's": ("self._clock = 3\n        self.create_timer(1.0, self.drive)", "write self.clock or another name"),
@@ -112,7 +112,7 @@ def test_a_node_that_is_a_dataclass(tmp_path: Path) -> None:
     root = files.change(
         "driver", "import rclpy\n", "from dataclasses import dataclass\nimport rclpy\n"
     ).write(tmp_path)
-    assert "take @dataclass in line 7 away" in of_text(printed(root), root)[0].fix
+    assert "remove @dataclass on line 7" in of_text(printed(root), root)[0].fix
 
 
 def test_a_variable_of_another_function(tmp_path: Path) -> None:
@@ -151,7 +151,7 @@ SILENT = {
         "period",
         "`1 / 10`",
     ),
-    "a period of nothing": ("driver", "create_timer(0.1,", "create_timer(0,", "period", "more than 0"),
+    "a period of nothing": ("driver", "create_timer(0.1,", "create_timer(0,", "period", "above 0"),
     "one name for two publishers": (
         "driver",
         "        self.timer =",
@@ -171,7 +171,7 @@ SILENT = {
         "    zip_safe=True,",
         "    zip_safe=True,\n    version='0.1.0',",
         "setup-syntax",
-        "into the version in line",
+        "into the version on line",
     ),
     "a command as one text": (
         "launch/robot.launch.py",
@@ -185,7 +185,7 @@ SILENT = {
         "parameters=[",
         "parameters=[{'use_sim_time': True}, ",
         "period",
-        "write False for use_sim_time",
+        "set use_sim_time to False",
     ),
 }
 
@@ -234,7 +234,7 @@ def test_a_table_that_takes_the_entry_points_over(tmp_path: Path) -> None:
 def test_a_setup_that_was_written_for_catkin(tmp_path: Path) -> None:
     text = "from catkin_pkg.python_setup import generate_distutils_setup\nfrom setuptools import setup\nsetup(**generate_distutils_setup(packages=['my_bot'], package_dir={'': 'src'}))\n"
     first = first_of(Files.right(NAME).put("setup.py", text), tmp_path)
-    assert first.fix == "take the line with package_dir away"
+    assert first.fix == "remove the line with package_dir"
 
 
 @pytest.mark.parametrize(
@@ -306,7 +306,7 @@ def test_tests_that_pytest_does_not_find(tmp_path: Path) -> None:
         for n, (name, prefix) in enumerate((("test/sum_tests.py", "check_"), ("test/test_sum.py", "check_")))
     ]
     assert found[0].startswith(
-        f"mv {PACKAGE}/test/sum_tests.py {PACKAGE}/test/test_sum.py, and let the names"
+        f"mv {PACKAGE}/test/sum_tests.py {PACKAGE}/test/test_sum.py, and begin the names"
     )
     assert "test_sum" in found[1]
 
@@ -319,7 +319,7 @@ def test_two_numbers_that_are_nearly_one(tmp_path: Path) -> None:
 
 def test_a_period_that_a_name_stands_for(tmp_path: Path) -> None:
     for number, (value, fix) in enumerate(
-        (("1 // 2", "write `1 / 2`"), ("0", "write more than 0"), ("0.5", ""))
+        (("1 // 2", "write `1 / 2`"), ("0", "write a period above 0"), ("0.5", ""))
     ):
         files = Files.right(NAME)
         text = files.texts[files.path("node")]
@@ -352,7 +352,7 @@ def test_a_class_method_makes_whichever_class_it_is_called_on(tmp_path: Path) ->
 def test_what_was_installed_under_a_former_name(tmp_path: Path) -> None:
     files = Files.right(NAME)
     root = files.write(tmp_path)
-    assert not any("no more" in one.cause for one in of_workspace(root))
+    assert not any("no longer names" in one.cause for one in of_workspace(root))
     for name in (NAME.module, NAME.listener):
         program = root / "install/former/lib/former" / name
         program.parent.mkdir(parents=True, exist_ok=True)
@@ -380,7 +380,7 @@ def test_what_bash_puts_in_place_of_an_exclamation_mark(
     shown = printed if "bash" in printed else f"{command} {printed}"
     root = Files.right(NAME).write(tmp_path)
     found = of_text(f"student$ {command} {typed}\n{shown}\n", root)
-    told = [one.fix for one in found if "double quotes bash" in one.cause]
+    told = [one.fix for one in found if "double quotes, bash" in one.cause]
     assert told == ([f"type `{command} {wanted}`"] if wanted else [])
 
 
@@ -394,9 +394,9 @@ def test_it():
 
 
 OF_ONES_OWN = [
-    ("assert Counter().increment() == 1", "test/test_it.py:6", "use what a Counter has: add, count"),
+    ("assert Counter().increment() == 1", "test/test_it.py:6", "use one of the methods of Counter: add, count"),
     ("assert Counter.add() == 1", "test/test_it.py:6", "write `assert Counter().add() == 1`"),
-    ("assert Counter(2).add() == 2", "test/test_it.py:6", "mend Counter(2).add() if 2 is right; else write 3 here"),
+    ("assert Counter(2).add() == 2", "test/test_it.py:6", "fix Counter(2).add() if 2 is right; otherwise write 3 here"),
     ("CLASS()", "test/test_it.py:6", "write rclpy.init() above this line"),
 ]  # fmt: skip
 

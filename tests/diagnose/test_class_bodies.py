@@ -77,7 +77,7 @@ def test_the_line_of_the_field_is_told(tmp_path: Path, code: str, begin: str, fi
     (finding,) = of_text(run(tmp_path, f"{TOP}{code}\n"))
     assert lines[int(finding.place.rpartition(":")[2]) - 1].strip().startswith(begin), finding
     assert fix in finding.fix, finding
-    assert "print what stands" not in finding.fix
+    assert "print the values" not in finding.fix
 
 
 @pytest.mark.parametrize(
@@ -90,4 +90,4 @@ def test_the_line_of_the_field_is_told(tmp_path: Path, code: str, begin: str, fi
 )
 def test_what_is_no_fault_of_the_class_is_not_told_as_one(tmp_path: Path, code: str) -> None:
     found = of_text(run(tmp_path, f"{TOP}{code}\n"))
-    assert all("cannot be made" not in one.cause and one.code != "made-wrong" for one in found)
+    assert all("cannot be created" not in one.cause and one.code != "made-wrong" for one in found)

@@ -28,9 +28,9 @@ def told(condition: str, root: Path) -> list[Finding]:
         ("msg.data[0] == 1", "write `msg.data[0] == '1'`"),
         ("1 == msg.data.split(',')[0]", "write `msg.data.split(',')[0] == '1'`"),
         ("self.declare_parameter('mode', 'slow') == 'fast'", ".value instead of"),
-        ("self.get_clock().now() == '12:00'", "compare what is a text on both sides"),
+        ("self.get_clock().now() == '12:00'", "compare what is a string on both sides"),
         ("msg.data.partition(' ') == 'start'", "write `'start' in msg.data.partition(' ')`"),
-        ("float(msg.data) in ('1', '2')", "compare what is a text on both sides"),
+        ("float(msg.data) in ('1', '2')", "compare what is a string on both sides"),
         ("msg.data == 'a' or msg.data.split() == 'b' and len(msg.data) == '3'", "write `'b' in msg.data.split()`"),
     ],
 )  # fmt: skip

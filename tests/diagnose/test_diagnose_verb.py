@@ -53,7 +53,7 @@ def test_a_right_workspace_ends_with_0(tmp_path: Path) -> None:
         done = run(*arguments, folder=folder)
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith("Nothing was found. It looked at 5 files of robot_controller, ")
-        assert "it cannot see" in done.stdout
+        assert "it cannot tell what the nodes do at run time" in done.stdout
     done = typed("--json", folder=root)
     assert (done.returncode, json.loads(done.stdout)) == (0, [])
 
@@ -68,7 +68,7 @@ def test_a_launch_file_that_could_not_be_loaded_is_named(
     )
     root = files.write(tmp_path / "ws")
     said = run(str(root), folder=tmp_path).stdout
-    assert "robot.launch.py only the text, for launch could not load it" in said
+    assert "robot.launch.py only the text, because launch could not load it" in said
 
 
 def test_a_text_without_an_error_leads_to_the_files(tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_a_text_without_an_error_leads_to_the_files(tmp_path: Path) -> None:
     said = run("-", folder=root, text=text)
     assert said.returncode == 0
     assert "robot_controller" in said.stdout
-    assert "from the command on" in said.stdout
+    assert "starting with the command" in said.stdout
     files.change("driver", "    rclpy.spin(node)\n", "").write(root)
     said = run("-", folder=root, text=text)
     assert said.returncode == 1

@@ -110,4 +110,4 @@ def test_the_text_is_written_as_is_told(tmp_path: Path, constant: str, tick: str
 def test_a_text_that_is_right_is_not_blamed(tmp_path: Path, constant: str, tick: str, error: str) -> None:
     finding, said = told(tmp_path, constant, tick)
     assert said.startswith(error)
-    assert "format text" not in finding.cause
+    assert "format string" not in finding.cause

@@ -48,7 +48,7 @@ def told(lines: str, folder: Path) -> list[Finding]:
 def test_the_variable_gets_another_name(tmp_path: Path, lines: str, name: str) -> None:
     (found,) = told(lines, tmp_path)
     assert found.code == "name-hidden"
-    assert f"give the variable {name} of tick() another name" in found.fix
+    assert f"rename the variable {name} everywhere in tick()" in found.fix
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,7 @@ def told(body: str, folder: Path, made: str = "threading.Lock()") -> list[Findin
 )
 def test_a_lock_that_is_taken_again_is_told(tmp_path: Path, body: str, made: str) -> None:
     (found,) = told(body, tmp_path, made)
-    assert "waits for ever" in found.cause
+    assert "waits forever" in found.cause
     assert "RLock" in found.fix
 
 

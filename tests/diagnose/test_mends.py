@@ -34,7 +34,7 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "driver",
         "def main(args=None):",
         "def main():",
-        "write `def main(args=None):` in line N",
+        "write `def main(args=None):` on line N",
     ),
     "a number for a part of a message": (
         "driver",
@@ -52,7 +52,7 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "node",
         "self.get_parameter('period').value,",
         "self.get_parameter('period').value(),",
-        "take the parentheses after self.get_parameter('period').value away",
+        "remove the parentheses after self.get_parameter('period').value",
     ),
     "functions that are called where they are kept": (
         "driver",
@@ -100,13 +100,13 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "driver",
         "from rclpy.node import Node",
         "import rclpy.node as Node",
-        "write `from rclpy.node import Node` in line N",
+        "write `from rclpy.node import Node` on line N",
     ),
     "another name for a module": (
         "driver",
         "import rclpy\n",
         "import rclpy as rp\n",
-        "write `import rclpy` in line N",
+        "write `import rclpy` on line N",
     ),
     "a parameter that is read as another type": (
         "node",
@@ -158,7 +158,7 @@ def test_what_fails_is_mended_by_what_is_told(tmp_path: Path, what: str) -> None
     [
         ("version='0.1.0'", "version='week 2'", "write version='0.0.0'"),
         ("install_requires=['setuptools']", "install_requires=['setuptools>>3']", "write install_requires=['setuptools']"),
-        ("zip_safe=True", "zip_safe=True, python_requires='three'", "take python_requires away"),
+        ("zip_safe=True", "zip_safe=True, python_requires='three'", "remove python_requires"),
         pytest.param("license='Apache-2.0'", "license=['Apache-2.0']", "write license='Apache-2.0'", marks=pytest.mark.thorough),
         ("zip_safe=True", "zip_save=True", "write zip_safe instead of zip_save"),
         ("find_packages(exclude=['test'])", "[package_name, 'nodes']", f"write packages=['{NAME.package}']"),

@@ -39,13 +39,13 @@ JSON = "with open(FILE) as file:\n        config = json.load(file)\n    print(co
 FILES = {
     "a mark at the beginning": ("fields.csv", "\ufeffname;x\na;1\n", CSV, "byte order mark", "encoding='utf-8-sig'", "encoding='utf-8'"),
     "a mark, and no encoding": ("fields.csv", "\ufeffname,x\na,1\n", PLAIN, "byte order mark", "open(FILE, encoding='utf-8-sig')", "open(FILE)"),
-    "a capital": ("fields.csv", "Name;x\na;1\n", CSV, "it is 'Name'", "'Name'", "'name'"),
-    "a space": ("fields.csv", "x; name\n1;a\n", CSV, "spaces beside it", "' name'", "'name'"),
+    "a capital": ("fields.csv", "Name;x\na;1\n", CSV, "its key is 'Name'", "'Name'", "'name'"),
+    "a space": ("fields.csv", "x; name\n1;a\n", CSV, "spaces around it", "' name'", "'name'"),
     "another separator": ("fields.csv", "name,x\na,1\n", CSV, "separates its columns with ','", "delimiter=','", "delimiter=';'"),
     "no separator given": ("fields.csv", "name;x\na;1\n", PLAIN, "separates its columns with ';'", "csv.DictReader(open(FILE), delimiter=';')", "csv.DictReader(open(FILE))"),
-    "a deeper key": ("robot.yaml", "robot:\n  speed: 1.0\n", YAML, "stands below 'robot'", "config['robot']['speed']", "config['speed']"),
-    "almost the key": ("robot.json", '{"spede": 1.0}', JSON, "it is 'spede'", "'spede'", "'speed'"),
-    "almost the key, in YAML": ("robot.yaml", "Speed: 1.0\n", YAML, "it is 'Speed'", "'Speed'", "'speed'"),
+    "a deeper key": ("robot.yaml", "robot:\n  speed: 1.0\n", YAML, "is below 'robot'", "config['robot']['speed']", "config['speed']"),
+    "almost the key": ("robot.json", '{"spede": 1.0}', JSON, "its key is 'spede'", "'spede'", "'speed'"),
+    "almost the key, in YAML": ("robot.yaml", "Speed: 1.0\n", YAML, "its key is 'Speed'", "'Speed'", "'speed'"),
 }  # fmt: skip
 
 
@@ -115,12 +115,12 @@ def test_an_installed_file_that_was_not_built_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("lines", "fix"),
     [
-        ("speeds = {'slow': 1, 'fast': 2}\n    print(speeds['quick'])", "ask for one of these instead of 'quick'"),
+        ("speeds = {'slow': 1, 'fast': 2}\n    print(speeds['quick'])", "use one of these instead of 'quick'"),
         ("speeds = {'slow': 1, 'fast': 2}\n    print(speeds['Slow'])", "write 'slow' instead of 'Slow'"),
-        ("words = dict(zip('ab', 'cd'))\n    print(words['c'])", "print words in the line above"),
+        ("words = dict(zip('ab', 'cd'))\n    print(words['c'])", "print words on the line above"),
         ("word, speeds = os.sep, {'slow': 1}\n    print(speeds[word])", "write these two lines above line 14: `if word not in speeds:`, and indented below it `return`"),
         ("speeds = {'a': 1}\n    for word in 'ab':\n        print(speeds[word])", "write these two lines above line 15: `if word not in speeds:`, and indented below it `continue`"),
-        ("word, speeds = os.sep, {'slow': 1}\n    return speeds[word]", "write speeds.get(word, ...) instead of speeds[word], with a value for all other keys"),
+        ("word, speeds = os.sep, {'slow': 1}\n    return speeds[word]", "write speeds.get(word, ...) instead of speeds[word], with a default for missing keys"),
     ],
 )  # fmt: skip
 def test_a_key_of_a_dictionary_of_ones_own(tmp_path: Path, lines: str, fix: str) -> None:

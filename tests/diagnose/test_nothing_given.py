@@ -49,14 +49,14 @@ FUNCTIONS = {
         "self.future = self.call_async('a')\n        return self.future.result()",
         "word = robot.pick()\n    print(word.strip())",
         "return self.future.result()",
-        "nothing waits for it",
+        "nothing before this waits for it",
         "write `rclpy.spin_until_future_complete(self, self.future)` above line 22",
     ),
     "a future without a name": (
         "return self.call_async('a').result()",
         "print(robot.pick().strip())",
         "return self.call_async",
-        "nothing waits for it",
+        "nothing before this waits for it",
         "write `future = self.call_async('a')`, then `rclpy.spin_until_future_complete(self, future)` above line 21",
     ),
     "a key almost there": (
@@ -70,14 +70,14 @@ FUNCTIONS = {
         "return self.table.get('colour')",
         "word = robot.pick()\n    print(word.strip())",
         "print(word.strip())",
-        "gives None for a key that self.table has not",
+        "returns None for a key that self.table does not have",
         "`if word is None:`",
     ),
     "a text that does not fit": (
         "return re.match(r'(\\d+)', self.words[0])",
         "word = robot.pick()\n    print(word.group(1))",
         "print(word.group(1))",
-        "does not fit the pattern",
+        "does not match the pattern",
         "`if word is None:`",
     ),
     "a variable of the terminal": (
@@ -91,15 +91,15 @@ FUNCTIONS = {
         "return self.last",
         "word = robot.pick()\n    print(word.strip())",
         "print(word.strip())",
-        "pick() gives back the None of line 11",
+        "pick() returns the None on line 11",
         "`if word is None:`",
     ),
     "a condition that does not hold": (
         "for word in self.words:\n            if word == 'c':\n                return word",
         "word = robot.pick()\n    print(word.strip())",
         "for word in self.words",
-        "nothing back where none of its conditions holds",
-        "write another return at its end",
+        "returns nothing when none of its conditions is true",
+        "add another return at its end",
     ),
     "no return at all": (
         "self.words.pop()",
@@ -112,17 +112,17 @@ FUNCTIONS = {
         "return self.words.sort()",
         "word = robot.pick()\n    print(word[0])",
         "return self.words.sort()",
-        "gives nothing back",
-        "return in this line",
+        "returns nothing",
+        "return the intended value on this line",
     ),
 }
 # A call that never gives anything back: the name keeps what it was made of, or with.
 NOTHING = {
-    "a list that is sorted": ("words = robot.words.sort()\n    print(words[0])", "write robot.words.sort() in a line of its own, and words = robot.words below it"),
-    "a list that is shuffled": ("words = random.shuffle(robot.words)\n    print(words[0])", "write random.shuffle(robot.words) in a line of its own, and words = robot.words below it"),
-    "what is printed": ("word = print('a')\n    print(word.strip())", "write print('a') in a line of its own, and word = 'a' below it"),
-    "a dictionary that is updated": ("table = robot.table.update(a='1')\n    print(table['a'])", "write robot.table.update(a='1') in a line of its own, and table = robot.table below it"),
-    "what is appended": ("a = 'a'\n    a = robot.words.append(a)\n    print(a.strip())", "write robot.words.append(a) in a line of its own, without a ="),
+    "a list that is sorted": ("words = robot.words.sort()\n    print(words[0])", "write robot.words.sort() on a line of its own, and words = robot.words below it"),
+    "a list that is shuffled": ("words = random.shuffle(robot.words)\n    print(words[0])", "write random.shuffle(robot.words) on a line of its own, and words = robot.words below it"),
+    "what is printed": ("word = print('a')\n    print(word.strip())", "write print('a') on a line of its own, and word = 'a' below it"),
+    "a dictionary that is updated": ("table = robot.table.update(a='1')\n    print(table['a'])", "write robot.table.update(a='1') on a line of its own, and table = robot.table below it"),
+    "what is appended": ("a = 'a'\n    a = robot.words.append(a)\n    print(a.strip())", "write robot.words.append(a) on a line of its own, without a ="),
 }  # fmt: skip
 
 
@@ -164,7 +164,7 @@ def test_a_name_is_not_lost_with_the_call_that_gives_nothing(tmp_path: Path, use
     finding, lines, error = told(tmp_path, "pass", use)
     assert finding.fix == fix
     number = int(finding.place.rpartition(":")[2]) - 1
-    call, _, kept = fix.removeprefix("write ").partition(" in a line of its own, ")
+    call, _, kept = fix.removeprefix("write ").partition(" on a line of its own, ")
     kept = kept.removeprefix("and ").removesuffix(" below it") if "below" in kept else "pass"
     lines[number : number + 1] = [f"    {call}", f"    {kept}"]
     file = tmp_path / "robot.py"

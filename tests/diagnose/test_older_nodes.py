@@ -32,19 +32,19 @@ def told(text: str, tmp_path: Path, files: Files | None = None) -> str:
 )
 def test_an_older_node_still_runs(text: str, tmp_path: Path) -> None:
     said = told(text, tmp_path)
-    assert "older one still runs" in said
+    assert "an older one, with its old code, is still running" in said
     assert "ros2 run my_bot talker" in said
 
 
 def test_the_text_of_the_older_one_is_named(tmp_path: Path) -> None:
     files = Files.right(NAMES[1]).change("node", "f'running {self.count}'", "'blink twice'")
     echo = "$ ros2 topic echo /robot/status\ndata: blink twice\n---\ndata: blink\n---\ndata: wink\n---\n^C\n"
-    assert "Its text 'wink' stands in no file any more" in told(f"{BUILT}{echo}{TWO}{RUN}", tmp_path, files)
+    assert "Its text 'wink' is no longer in any file" in told(f"{BUILT}{echo}{TWO}{RUN}", tmp_path, files)
 
 
 @pytest.mark.parametrize("text", [f"{RUN}{RUN}{TWO}", TWO])
 def test_one_that_was_started_twice_may_be_meant(text: str, tmp_path: Path) -> None:
-    assert "a name of its own" in told(text, tmp_path)
+    assert "give each its own name" in told(text, tmp_path)
 
 
 def test_two_programs_that_use_one_name(tmp_path: Path) -> None:

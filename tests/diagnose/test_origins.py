@@ -53,8 +53,8 @@ TYPED = {
 }
 # The same where the fix is more than one line, or leaves a choice: what it says, and the line that it speaks of.
 TOLD = {
-    "None": ("self.count = 0", "self.count = None", "give it the value there", "self.count = None"),
-    "what print gives": ("self.count = 0", "self.count = print(0)", "write print(0) in a line of its own", "print(0)"),
+    "None": ("self.count = 0", "self.count = None", "give it the value that line", "self.count = None"),
+    "what print gives": ("self.count = 0", "self.count = print(0)", "write print(0) on a line of its own", "print(0)"),
     "what sort gives": (
         "self.words = ['b', 'a']",
         "self.words = ['b', 'a'].sort()",
@@ -64,7 +64,7 @@ TOLD = {
     "what append gives": (
         "self.words = ['b', 'a']",
         "words = []\n        self.words = words.append('a')",
-        "write words.append('a') in a line of its own",
+        "write words.append('a') on a line of its own",
         ".append('a')",
     ),
     "a method that is kept": ("self.words = ['b', 'a']", "self.words = self.text", "write self.words = self.text(...)", "self.text\n"),

@@ -42,7 +42,7 @@ REFUSED = {
     "lines without spaces": (
         f"{HEAD}    o: a\n    p:1\n    q:2\n    r: 3\n",
         4,
-        "write p: 1, and the lines below it so",
+        "write p: 1, and the lines below it likewise",
     ),
     "a line without a space above a comment": (
         f"{HEAD}    o: a\n    p:1\n\n    # q\n    q: 1\n",
@@ -50,12 +50,12 @@ REFUSED = {
         "write p: 1",
     ),
     "no node": ("ros__parameters:\n  p: 1\n", 1, "write the node's name"),
-    "a value beside": (f"{HEAD}    p: 1\n  q: 1\n", 4, "indent it as deep"),
-    "a value outside": (f"q: 1\n{HEAD}    p: 1\n", 1, "indent it as deep"),
+    "a value beside": (f"{HEAD}    p: 1\n  q: 1\n", 4, "indent it like the parameters"),
+    "a value outside": (f"q: 1\n{HEAD}    p: 1\n", 1, "indent it like the parameters"),
     "deeper": (f"{HEAD}    p: 1\n     q: 1\n", 4, "indent it like the line above"),
-    "less deep": (f"{HEAD}    p: 1\n   q: 1\n", 4, "as many spaces"),
+    "less deep": (f"{HEAD}    p: 1\n   q: 1\n", 4, "the same number of spaces"),
     "a tab": ("/**:\n\tros__parameters:\n    p: 1\n", 2, "spaces instead of the tab"),
-    "an open quote": (f"{HEAD}    p: 'abc\n    q: 1\n", 3, "write ' after the text"),
+    "an open quote": (f"{HEAD}    p: 'abc\n    q: 1\n", 3, "write ' at the end of the string"),
     "an open bracket": (f"{HEAD}    p: [1, 2\n    q: 3\n", 3, "write ] after its last value"),
     "two colons": (f"{HEAD}    p: a: b\n", 3, "put the value in quotes"),
     "a sign": (f"{HEAD}    p: @x\n", 3, "put it in quotes"),
@@ -138,7 +138,7 @@ def test_what_is_too_large_is_said_to_be(tmp_path: Path, text: str, reason: str,
     (found,) = [one for one in Look(root).findings if one.code == UNKNOWN]
     assert f"is not read here: it {'has' if line is None else 'is'} {reason}" in found.cause
     assert "spaces" not in found.fix
-    assert "nobody writes so much" in found.fix
+    assert "nobody writes this much" in found.fix
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_a_launch_file_that_is_too_large_is_said_to_be(tmp_path: Path, text: str
     (found,) = [one for one in Look(root).findings if one.code == UNKNOWN]
     assert "is not read here" in found.cause
     assert reason in found.cause
-    assert "nobody writes so much" in found.fix
+    assert "nobody writes this much" in found.fix
 
 
 def test_of_a_file_too_large_to_be_read_here_the_words_of_ros_are_told(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ def test_a_file_gives_what_the_node_does_not_declare(
 def test_the_launch_file_gives_what_the_node_does_not_declare(tmp_path: Path) -> None:
     (found,) = found_in(changed([(LAUNCH, "[config]", "[config, {'max_speed': 1.0}]")]), tmp_path)
     assert "robot.launch.py" in found.place
-    assert "it declares speed" in found.cause
+    assert "velocity_publisher declares speed" in found.cause
     assert "write speed instead of max_speed" in found.fix
 
 

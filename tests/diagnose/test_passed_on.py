@@ -154,7 +154,7 @@ def test_a_command_that_did_what_it_was_told(workspace: Path) -> None:
     """A package that was made just now is no reason for another name."""
     text = typed("cd src && ros2 pkg create --build-type ament_python mine", workspace).stdout
     found = of_text(f"student$ ros2 pkg create --build-type ament_python mine\n{text}", workspace)
-    assert not any("another name" in one.cause for one in found)
+    assert not any("a different name" in one.cause for one in found)
 
 
 def test_a_path_that_is_right_elsewhere(workspace: Path) -> None:
@@ -305,8 +305,8 @@ def test_an_error_of_a_launch_file_is_the_one_below_launchs_own(workspace: Path)
             "init-file-missing",
             "touch src/my_bot/my_bot/tools/__init__.py",
         ),
-        ("my_bot/limits.py", "limitz", "entry-point-module", "compare the name"),
-        ("my_bot/limits.py", "serial", "module-missing", "install the library that brings serial"),
+        ("my_bot/limits.py", "limitz", "entry-point-module", "compare it with the file"),
+        ("my_bot/limits.py", "serial", "module-missing", "install the library that provides serial"),
     ],
 )
 def test_a_module_of_ones_own_that_python_does_not_find_is_looked_for(

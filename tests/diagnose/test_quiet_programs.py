@@ -35,7 +35,7 @@ def printed(file: Path) -> str:
 @pytest.mark.parametrize(
     ("wrong", "place", "fix"),
     [
-        ("", "def main", "write `if __name__ == '__main__':` at the very end of the file, and indented below it `main()`"),
+        ("", "def main", "write `if __name__ == '__main__':` at the very end of the file and, indented below it, `main()`"),
         ("\n\nif __name__ == 'main':\n    main()\n", "if __name__", "write if __name__ == '__main__':"),
         ("\n\nif __name__ == '__main__':\n    main\n", "    main", "write main()"),
         ("\n    if __name__ == '__main__':\n        main()\n", "    if __name__", "to the left margin"),

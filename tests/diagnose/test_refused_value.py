@@ -81,13 +81,13 @@ BYTE = "The 'data' field must be an unsigned integer in [0, 255]"
             "self.count.publish(UInt8(data=self.number))",
             BYTE,
             "UInt8(data=self.number)",
-            "write UInt16 instead of UInt8 everywhere, also where it is received; or keep it within them, such as with min(max(self.number, 0), 255)",
+            "write UInt16 instead of UInt8 everywhere, including where it is received; or keep it in that range, for example with min(max(self.number, 0), 255)",
         ),
         (
             "self.count.publish(Int8(data=self.number))",
             "The 'data' field must be an integer in [-128, 127]",
             "",
-            "write Int16 instead of Int8 everywhere, also where it is received; or keep it within them, such as with min(max(self.number, -128), 127)",
+            "write Int16 instead of Int8 everywhere, including where it is received; or keep it in that range, for example with min(max(self.number, -128), 127)",
         ),
     ],
 )

@@ -36,7 +36,7 @@ def found_in(files: Files, folder: Path) -> list[Finding]:
 def test_a_node_does_not_have_the_first_name(tmp_path: Path, pair: str, fix: str) -> None:
     (found,) = found_in(remapped(pair), tmp_path)
     assert "robot.launch.py" in found.place
-    assert "first name is the one in the code" in found.cause
+    assert "first name must be the one in the code" in found.cause
     assert fix in found.fix
 
 

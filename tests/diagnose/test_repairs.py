@@ -157,7 +157,7 @@ def test_a_call_that_gives_nothing(tmp_path: Path) -> None:
     lines = "names = sorted(self.names).append('c')\n        self.get_logger().info(', '.join(names))"
     told, place = first(lines, "TypeError: can only join an iterable", tmp_path)
     assert told.place == f"{place.rpartition(':')[0]}:{int(place.rpartition(':')[2]) - 1}"
-    assert told.fix == "write names = sorted(self.names), and names.append('c') in a line of its own below it"
+    assert told.fix == "write names = sorted(self.names), and names.append('c') on a line of its own below it"
 
 
 @pytest.mark.parametrize(

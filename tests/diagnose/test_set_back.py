@@ -28,7 +28,7 @@ def told(given: str, folder: Path, before: str = "") -> list[Finding]:
 )
 def test_a_value_that_stands_before_a_file_with_another_is_set_back(tmp_path: Path, given: str) -> None:
     (found,) = told(given, tmp_path)
-    assert "speed is 0.9 here, and robot.yaml, which comes after it, makes it 0.3" in found.cause
+    assert "speed is 0.9 here, but robot.yaml, which comes after it, sets it to 0.3" in found.cause
     assert "robot.yaml first" in found.fix
 
 
@@ -44,8 +44,8 @@ def test_what_stands_last_counts(tmp_path: Path, given: str) -> None:
     ("before", "fix"),
     [
         ("get_package_share_directory('my_bto')", "write my_bot instead of my_bto"),
-        ("get_package_share_directory('turtlebot9_bringup')", "install what has it"),
-        ("import xacro_of_mine", "install what has it"),
+        ("get_package_share_directory('turtlebot9_bringup')", "install the package that provides it"),
+        ("import xacro_of_mine", "install the package that provides it"),
     ],
 )
 def test_what_is_named_and_is_nowhere_is_told(tmp_path: Path, before: str, fix: str) -> None:

@@ -72,7 +72,7 @@ def test_a_class_that_hides_the_message_type_that_it_imports(tmp_path: Path) -> 
     first = of_workspace(root)[0]
     assert (first.code, first.fix) == (
         "name-shadowed",
-        "call the class StringNode, here and where it is made",
+        "rename the class to StringNode, here and where it is used",
     )
     said = "AttributeError: type object 'type' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message type"
     line = first.place.rpartition(":")[2]
@@ -127,7 +127,7 @@ def test_a_name_that_a_launch_file_gives_to_several_nodes(tmp_path: Path, made: 
     files = Files.right(NAME)
     files.texts[files.path("driver")] = TWO.replace("MADE", made)
     files.change("launch/robot.launch.py", "executable='DRIVER'", "executable='DRIVER', name='pair'")
-    fix = "take name='pair' away, so that each node keeps the name that its code gives it"
+    fix = "remove name='pair', so that each node keeps the name from its code"
     assert (codes(files, tmp_path).get("name-twice") == fix) == is_told
 
 
@@ -220,7 +220,7 @@ def test_of_several_nodes_in_one_file_each_has_its_own_topics(tmp_path: Path) ->
         f"def generate_launch_description():\n    return LaunchDescription([{nodes}])\n"
     )
     found = next(one for one in of_workspace(files.write(tmp_path)) if one.code == "launch-apart")
-    assert "speak publishes on /ship/orders, and hear subscribes to /orders" in found.cause
+    assert "speak publishes on /ship/orders, but hear subscribes to /orders" in found.cause
     assert found.fix.startswith("write 'orders', without a slash, in both")
 
 

@@ -122,7 +122,7 @@ def test_what_did_not_is_told(text: str, code: str, said: str, root: Path) -> No
 def test_a_test_that_pytest_doubts_is_a_hint_in_a_run_that_ended_well(root: Path) -> None:
     warned = "/usr/lib/python3/dist-packages/_pytest/python.py:191: PytestReturnNotNoneWarning: Test functions should return None, but test/test_it.py::test_it returned bool.\n    warnings.warn("
     (finding,) = of_text(TESTED.format(warned=warned, counts="1 passed, 1 warning", more=""), root)
-    assert "ended well" in finding.cause
+    assert "succeeded" in finding.cause
     assert "should return None" in finding.cause
 
 

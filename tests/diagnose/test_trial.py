@@ -140,7 +140,7 @@ def test_a_long_period_may_be_meant_in_another_unit_or_as_it_is(tmp_path: Path, 
     run = run_of("status_publisher", "/robot/report", STRING, None)
     (found,) = seen_faults(Seen(Look(files.write(tmp_path)), assignments.load(), [run], []))
     assert found.code == "publishes-nothing"
-    assert f"{float(period) / 1000:g} if milliseconds were; else leave it" in found.fix
+    assert f"{float(period) / 1000:g} if milliseconds were; otherwise leave it" in found.fix
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,7 @@ def test_a_fault_is_told_in_plain_words_and_mended(tmp_path: Path, number: int) 
         text[int(line) - 1] = re.sub(r"'([\d.]+)'", r"\1", wrong)
     elif "str(...)" in finding.fix:
         text[int(line) - 1] = wrong.replace("self.count", "str(self.count)")
-    elif "take the parentheses away" in finding.fix:
+    elif "remove the parentheses" in finding.fix:
         text[int(line) - 1] = wrong.replace("count()", "count")
     else:
         return

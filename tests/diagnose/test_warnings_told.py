@@ -61,7 +61,7 @@ def test_a_test_that_returns(tmp_path: Path) -> None:
     assert finding.code == SAID
     assert "Did you mean to use `assert` instead of `return`?" in finding.cause
     assert finding.place == "src/my_bot/test/test_it.py:7"
-    assert finding.fix == "write `assert x == 2`; and so in line 12"
+    assert finding.fix == "write `assert x == 2`; and likewise on line 12"
     lines = RETURNS.splitlines()
     for number in (7, 12):
         lines[number - 1] = lines[number - 1].replace("return", "assert")

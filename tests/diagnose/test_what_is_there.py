@@ -67,7 +67,7 @@ def test_a_condition_that_an_earlier_one_takes_all_of(tmp_path: Path, chain: str
     found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "unreachable"]
     assert bool(found) is is_fault
     if found:
-        assert found[0].fix == f"ask `{chain}` first, and `x > 5` after it"
+        assert found[0].fix == f"check `{chain}` first, and `x > 5` after it"
 
 
 def failing(line: str, said: str, folder: Path, more: str = "") -> Finding:
@@ -92,7 +92,7 @@ def test_a_divisor_that_has_no_value_yet(tmp_path: Path) -> None:
     assert told.cause.startswith("self.loaves is still 0, as line ")
     assert told.fix == "write `if self.loaves == 0:` above this line, and below that, indented, `return`"
     never = failing("average = 100 / self.loaves", "ZeroDivisionError: division by zero", tmp_path / "never")
-    assert never.fix.startswith("make sure that the divisor is not 0")
+    assert never.fix.startswith("make sure the divisor is not 0")
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_a_divisor_that_has_no_value_yet(tmp_path: Path) -> None:
             "79.5",
             "write float(str(self.speed)) instead of int(str(self.speed)); or, for 79, int(float(str(self.speed)))",
         ),
-        ("ready", "write a number with a point and without a unit, or catch ValueError around it"),
+        ("ready", "write a number with a decimal point and without a unit, or catch ValueError around it"),
     ],
 )
 def test_a_text_of_which_another_number_can_be_made(tmp_path: Path, quoted: str, fix: str) -> None:
@@ -205,7 +205,7 @@ def test_each_if_of_a_chain_is_told(tmp_path: Path) -> None:
     (finding,) = (one for one in of_workspace(tmp_path) if one.code == "replaced")
     first, second = line_of(path, "count == 2"), line_of(path, "count == 3")
     assert finding.place.endswith(f":{first}")
-    assert finding.fix == f"write elif instead of if in lines {first} and {second}"
+    assert finding.fix == f"write elif instead of if on lines {first} and {second}"
 
 
 @pytest.mark.parametrize(
@@ -218,7 +218,7 @@ def test_each_if_of_a_chain_is_told(tmp_path: Path) -> None:
         ),
         ("rate = self.rates['Stop']", "KeyError: 'Stop'", "write 'stop' instead of 'Stop'"),
         ("humidity = self.parts[1]", "IndexError: list index out of range", "print self.text above line "),
-        ("latest = self.kept[3]", "IndexError: list index out of range", "print self.kept in the line above"),
+        ("latest = self.kept[3]", "IndexError: list index out of range", "print self.kept on the line above"),
     ],
 )
 def test_an_element_that_is_not_there(tmp_path: Path, line: str, said: str, fix: str) -> None:
@@ -257,7 +257,7 @@ def test_prints_in_place_of_returns(tmp_path: Path) -> None:
     )
     assert (
         of_text(said, root)[0].fix
-        == "write return instead of print: `return 0.8` in line 3, and `return 0.0` in line 5"
+        == "write return instead of print: `return 0.8` on line 3, and `return 0.0` on line 5"
     )
 
 
@@ -309,7 +309,7 @@ ROW = "('share/ament_index/resource_index/packages'"
             "",
             "urdf/robot.urdf",
             "data-file-missing",
-            f"make the file {PACKAGE}/urdf/robot.urdf",
+            f"create the file {PACKAGE}/urdf/robot.urdf",
         ),
     ],
 )

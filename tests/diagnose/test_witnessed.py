@@ -64,7 +64,7 @@ def noted(
     [
         ("if step == 'left': self.turns.append(1)\nelif step == 'jump': self.turns.append(2)", "[]", "never-equal", "write `step = step.strip()` above line 12"),
         ("if step.strip() == 'stop': self.turns.append(1)", "[]", "never-equal", ""),
-        ("for one in self.steps: self.turns.append(one)", "map(str, [1, 2])", "used-up", "write list(...) around what self.steps is made of"),
+        ("for one in self.steps: self.turns.append(one)", "map(str, [1, 2])", "used-up", "write list(...) around the value given to self.steps"),
         ("for one in self.steps: self.turns.append(one)", "(n for n in (1, 2))", "used-up", "list(...)"),
         ("for one in self.steps: self.steps.remove(one)", "[1, 2, 3, 4]", "changed-in-loop", "write `in list(self.steps)`"),
     ],

@@ -690,7 +690,7 @@ def test_that_nothing_is_installed_is_not_said_where_something_is(rubric: Rubric
     broken = [replace(evidences.executable(name), command=[], fault="It is not there.") for name in names]
     given = replace(given, build=replace(given.build, executables=[*given.build.executables, *broken]))
     causes = [
-        f"The executable {name} names the module a.{name}, whose file is a/{name}.py; there is a/b/{name}.py in its place."
+        f"The entry point {name} names the module a.{name}, whose file is a/{name}.py; there is a/b/{name}.py instead."
         for name in names
     ]
     found = [
