@@ -110,7 +110,7 @@ def test_what_was_seen_is_no_cause_and_no_advice_if_it_is_said_again(
         ("type `ros2 launch my_bot robot.launch.py`", ["ros2 launch my_bot robot.launch.py"]),
         ("touch src/my_bot/resource/my_bot", ["touch src/my_bot/resource/my_bot"]),
         ("write QoSProfile(depth=10)", []),
-        ("compare the name with the file's; then colcon build", []),
+        ("compare it with the file's name; then colcon build", []),
         ("rm -rf /", []),
         ("rm -rf ../other", []),
     ],

@@ -139,8 +139,8 @@ POLLING = (
         (ASKING.replace("    try:\n        rclpy.spin(node)", "    try:\n        pass"), "", "rclpy.spin_until_future_complete(node, future)"),
         (POLLING, "time.sleep", "rclpy.spin_until_future_complete(node, future)` instead of this loop"),
         (f"    node.came.wait()\n{TRY}", "came.wait", "threading.Thread(target=rclpy.spin, args=(node,), daemon=True)"),
-        (TRY, "self.publisher_.publish", "let no constructor and no callback wait"),  # a method that does not return
-        (TRY, "", "let no constructor and no callback wait"),
+        (TRY, "self.publisher_.publish", "do not wait, sleep or loop"),  # a method that does not return
+        (TRY, "", "do not wait, sleep or loop"),
     ],
 )  # fmt: skip
 def test_what_waits_for_what_only_a_spin_brings_is_told_with_its_line(
@@ -179,7 +179,7 @@ def test_a_node_that_was_not_added_is_to_be_added(tmp_path: Path, added: str, is
     main = f"    second = StatusPublisher()\n    executor = MultiThreadedExecutor()\n    {added}\n    try:\n        executor.spin()\n"
     found = seen_unspun(tmp_path, main, "", makes="self.size = 0")
     assert ("executor.add_node(second)" in found.fix) is is_told
-    assert ("let no constructor" in found.fix) is not is_told
+    assert ("do not wait, sleep" in found.fix) is not is_told
 
 
 THREAD = "self.reader = threading.Thread(target=self.read)"

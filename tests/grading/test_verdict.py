@@ -659,7 +659,7 @@ def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:
 
 
 def test_a_misspelt_module_is_the_reason_why_a_node_is_not_started(rubric: Rubric) -> None:
-    cause = "The executable x names the module robot_controller.vel, and there is no such file. Did you mean robot_controller.velocity_publisher?"
+    cause = "The entry point x names the module robot_controller.vel, but there is no such file. Did you mean robot_controller.velocity_publisher?"
     about = ("x", "robot_controller.velocity_publisher")
     given = evidences.finding("entry-point-module", cause, "setup.py:27", "fix it", *about)(
         evidences.misplaced(evidences.VELOCITY)(right())

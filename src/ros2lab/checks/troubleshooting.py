@@ -37,7 +37,7 @@ CAUSES = (
             "What is the cause of error 1, of the lark?",
             (
                 "`drive` has no argument `self`",
-                "a dot stands where a comma belongs",
+                "there is a dot where a comma should be",
                 "the period must be a whole number",
             ),
             "b",
