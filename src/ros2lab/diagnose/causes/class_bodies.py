@@ -167,7 +167,7 @@ def _bad_name(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
     new = re.sub(r"\W", "_", name).strip("_") or "value"
     new = f"{new}_" if keyword.iskeyword(new) else f"x{new}" if new[0].isdigit() else new
     cause = f"{name!r} cannot be a field of a named tuple: the name must consist of letters, digits and _, must not begin with _, and must not be a Python keyword."
-    return cause, f"write {new} instead of {name}, also where it is used"
+    return cause, f"write {new} instead of {name}, here and wherever it is used"
 
 
 def _frozen(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:

@@ -223,7 +223,11 @@ def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
     place = leaf.source.at(call)
     if owner in ("os.environ", "environ"):
         cause = f"`{leaf.text}` returns None, because the variable {key} is not set where the program was started."
-        return cause, place, f"type export {key.strip(chr(39))}=... in the terminal before the program"
+        return (
+            cause,
+            place,
+            f"type export {key.strip(chr(39))}=... in the terminal before you start the program",
+        )
     made = [n for n in Spot(leaf.source, call.lineno).assigned(owner) if isinstance(n, ast.Dict)]
     keys = [ast.unparse(one) for node in made for one in node.keys if one]
     near = nearest(key, keys) if isinstance(call.args[0], ast.Constant) else None

@@ -80,9 +80,9 @@ def _of_several(text: str, kind: str, count: int | None) -> tuple[str, str]:
     """Return a list of an unknown length as it is wanted, and what is wrong with it."""
     items = f"[{_made(kind, 'one')} for one in {text}]"
     if count is None:
-        return items, "a list with other values in it"
+        return items, "a list with values of another type"
     filled = f"({items} + [{_ZERO.get(kind, '0')}] * {count})[:{count}]"
-    return filled, "a list of another length, or with other values in it"
+    return filled, "a list of another length, or with values of another type"
 
 
 def _is_several(made: ast.expr) -> bool:

@@ -188,7 +188,7 @@ def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
                 "not-in-data-files",
                 f"{inner} is in src but not in share/{package_name} in install, where ROS looks: it has not been installed since, or was installed elsewhere.",
                 package.shown(inner) if package else "",
-                f"let setup.py install it: (os.path.join('share', package_name, 'launch'), ['{inner}']), then colcon build --packages-select {package_name}",
+                f"add (os.path.join('share', package_name, 'launch'), ['{inner}']) to data_files in setup.py, then colcon build --packages-select {package_name}",
             )
     return Finding(
         "file-not-found",

@@ -295,7 +295,7 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
         if place.partition(":")[0].endswith((".xml", ".yaml", ".yml"))
         else "check LaunchDescription([...]): it must be a list of actions, such as Node(...), and nothing else"
     )
-    return Finding(SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", place, fix)
+    return Finding(SAID, f"launch cannot load the launch file: {said.rstrip('.')}.", place, fix)
 
 
 # Of the seven substitutions of ROS 1 those that have another name now; http://wiki.ros.org/roslaunch/XML.

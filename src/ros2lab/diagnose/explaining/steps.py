@@ -15,7 +15,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.error_text import read_error
 
 MARKER = ".one_step_at_a_time"
-_MARKER_TEXT = "Here `ros2lab diagnose` says the cause first, and more when it is asked.\n"
+_MARKER_TEXT = "Here `ros2lab diagnose` gives only the cause at first, and more when asked.\n"
 
 
 class Step(str, Enum):

@@ -360,7 +360,7 @@ def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Find
         plain: the topic without any launch file.
         are_together: whether both are in one namespace, so that only one of them minds it.
     """
-    why = f"in the namespace {moved.namespace}" if moved.namespace else "with another name for a topic"
+    why = f"in the namespace {moved.namespace}" if moved.namespace else "with a topic remapped"
     way = (
         f"write {plain[1:]!r}, without a slash, in both"
         if are_together

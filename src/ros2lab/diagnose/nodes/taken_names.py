@@ -57,7 +57,7 @@ def hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tupl
             why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with at least {least} argument{'s' * (least != 1)}."
         else:
             continue
-        fix = f"call it {method.name}_ or another name, also where it is used"
+        fix = f"rename it, for example to {method.name}_, also where it is used"
         yield method.name, Finding("node-property", why, one.source.at(method), fix)
 
 

@@ -194,12 +194,12 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
         wanted = next((name for name in meant if is_near_miss(topic, name)), None)
         if wanted:
             verb = "publishes on" if is_publisher else "subscribes to"
-            who = "any subscriber to" if is_publisher else "what is published on"
-            other = (
-                f"{who} {wanted!r} is not reached by it"
-                if wanted in others
-                else f"the course's topic is {wanted!r}"
+            who = (
+                "it does not reach subscribers to"
+                if is_publisher
+                else "it does not receive what is published on"
             )
+            other = f"{who} {wanted!r}" if wanted in others else f"the course's topic is {wanted!r}"
             yield Finding(
                 "topic-near-miss",
                 f"This node {verb} {topic!r}, but {other}: the names differ.",

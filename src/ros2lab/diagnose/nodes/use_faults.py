@@ -100,7 +100,7 @@ def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
                 "never-passed",
                 f"{shown[0]} changes {ast.unparse(node)} and {shown[1]} reads it, but they are two programs, each with its own copy.",
                 sources.sources[name].at(node),
-                f"publish it on a topic of its own in {shown[0]}, such as /robot/state, and subscribe to that in {shown[1]}",
+                f"publish it on its own topic in {shown[0]}, such as /robot/state, and subscribe to that in {shown[1]}",
             )
 
 
