@@ -12,6 +12,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.entry_point_faults import meant_function
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.packaging.layout_faults import hidden, outside
+from ros2lab.diagnose.packaging.listed_packages import not_built
 from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, nearest_module
@@ -246,6 +247,8 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
 def _own_module(name: str, place: str, look: Look) -> Finding | None:
     """Say why a module that lies in the workspace is not found; None if none is called so."""
     for package in look.packages:
+        if not place.startswith("cell") and (unlisted := not_built(package, name)):
+            return unlisted
         for module in package.sources:
             if module.endswith(f".{name}"):
                 return bare_import(module, name, place)

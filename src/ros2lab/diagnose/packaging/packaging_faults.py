@@ -14,6 +14,7 @@ from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.installed import INDEX
+from ros2lab.diagnose.packaging.listed_packages import folder_of, needed_packages, not_listed
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text, read_toml
@@ -105,7 +106,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         return
     place = at(setup.source.shown, setup.line("packages"))
     for name in names:
-        if _folder_of(package, name).is_dir():
+        if folder_of(package, name).is_dir():
             continue
         if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
             line = setup.line("package_dir") or _line_with(setup.source, "package_dir", 1)
@@ -117,7 +118,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             )
             continue
         if name != package.name and package.name in names:
-            left = [one for one in names if _folder_of(package, one).is_dir()]
+            left = [one for one in names if folder_of(package, one).is_dir()]
             cause = f"setup.py installs the Python package {name}, but there is no folder {name} next to setup.py."
             yield Finding("package-folder-missing", cause, place, f"write packages={left!r}")
             continue
@@ -129,52 +130,9 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             place,
             f"create the folder {name} in {package.shown('')} with an empty __init__.py, and put the nodes into it",
         )
-    for name in dict.fromkeys(_needed_packages(package, setup)):
-        if name in names:
-            continue
-        folder = _folder_of(package, name).relative_to(package.folder).as_posix()
-        # With its name written out, setuptools installs a folder without __init__.py, too.
-        if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
-            yield Finding(
-                "init-file-missing",
-                f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed.",
-                package.shown(f"{folder}/__init__.py"),
-                f"touch {package.shown(folder)}/__init__.py, and build again",
-            )
-        else:
-            yield Finding(
-                "package-not-listed",
-                f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
-                place,
-                f"add {name!r} to the list of packages in setup.py"
-                if names
-                else f"write packages={[name]!r} instead of what is there",
-            )
-
-
-def _needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
-    """Yield the Python packages whose modules lie there: the one that all have, and those that entry points and imports name."""
-    inner = package.folder / package.name
-    if inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
-        yield package.name
-    modules = [point.module for point in setup.entry_points or ()]
-    for source in package.sources.values():
-        for one in source.imports:
-            modules.append(one.target.rpartition(".")[0] if one.is_from else one.target)
-    for named in modules:
-        name, _, module = named.rpartition(".")
-        folder = _folder_of(package, name)
-        if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
-            yield name
-
-
-def _folder_of(package: SourcePackage, name: str) -> Path:
-    mapping = package.package_dirs
-    if name in mapping:
-        return package.folder / mapping[name]
-    top, _, rest = name.partition(".")
-    base = package.folder / mapping[top] if top in mapping else package.folder / mapping.get("", "") / top
-    return base.joinpath(*rest.split(".")) if rest else base
+    for name in dict.fromkeys(needed_packages(package, setup)):
+        if name not in names:
+            yield not_listed(package, setup, name)
 
 
 def _missing_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:

@@ -1,0 +1,128 @@
+"""Which Python packages a build installs, by what setup.py lists, and how one that is left out gets on the list."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.setup_script import SetupScript
+from ros2lab.diagnose.sources.static_value import UNKNOWN
+
+
+def not_built(package: SourcePackage, module: str) -> Finding | None:
+    """Say why no build installs a module whose file the package has; None if one does, or if that is not known."""
+    setup, names = package.setup, package.packages
+    if setup is None or names is None or module == package.name:
+        return None
+    path, parent = folder_of(package, module), module.rpartition(".")[0]
+    if package.folder not in path.parents:
+        return None
+    if path.is_dir() and any(path.glob("*.py")):
+        home = module
+    elif path.with_suffix(".py").is_file():
+        home = parent
+    else:
+        return None
+    if home:
+        return None if home in names else not_listed(package, setup, home)
+    return _beside_setup(setup, module)
+
+
+def _beside_setup(setup: SetupScript, module: str) -> Finding | None:
+    """Say that setup.py does not install a module that lies beside it; None if it does, or if that is not known."""
+    alone = setup.keywords.get("py_modules", [])
+    if alone is UNKNOWN or not isinstance(alone, (list, tuple)) or module in alone:
+        return None
+    return Finding(
+        "package-not-listed",
+        f"{module}.py lies beside setup.py, and setup.py installs only the folders in its `packages`, so no build installs {module}.",
+        at(setup.source.shown, setup.line("py_modules") or setup.line("packages")),
+        f"write `py_modules={[*alone, module]!r},` in setup(){' instead' if alone else ''}, and build again",
+    )
+
+
+def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding:
+    """Say that setup.py does not install a Python package, and how it does."""
+    names = package.packages or []
+    folder = folder_of(package, name).relative_to(package.folder).as_posix()
+    # With its name written out, setuptools installs a folder without __init__.py, too.
+    if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
+        return Finding(
+            "init-file-missing",
+            f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed.",
+            package.shown(f"{folder}/__init__.py"),
+            f"touch {package.shown(folder)}/__init__.py, and build again",
+        )
+    inner = (one for one in package.sources.values() if one.name.startswith(f"{name}."))
+    below = {one.name if one.is_package else one.name.rpartition(".")[0] for one in inner}
+    written = _with(setup, [name, *sorted(below - {name, *names})])
+    fix = f"write {name!r} into the list of packages in setup.py"
+    if not names:
+        fix = f"write packages={[name]!r} instead of what is there"
+    elif written:
+        fix += f": `packages={written},`"
+    return Finding(
+        "package-not-listed",
+        f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
+        at(setup.source.shown, setup.line("packages")),
+        f"{fix}, and build again" if names else fix,
+    )
+
+
+def _with(setup: SetupScript, names: list[str]) -> str:
+    """Return what setup() is given as `packages`, with some names more; empty if it is not written there."""
+    given = [
+        node.value for node in setup.source.nodes if isinstance(node, ast.keyword) and node.arg == "packages"
+    ]
+    match given:
+        case [ast.List(elts=[*known])]:
+            return ast.unparse(ast.List([*known, *map(ast.Constant, names)], ast.Load()))
+        case [ast.Call(func=func, args=args, keywords=[*keywords])]:
+            kept = [new for one in keywords if (new := _taking(one, names))]
+            return ast.unparse(ast.Call(func, args, kept))
+    return ""
+
+
+def _taking(keyword: ast.keyword, names: list[str]) -> ast.keyword | None:
+    """Return what find_packages() is given, so that it leaves out none of some names; None if nothing of it is left."""
+    if not isinstance(keyword.value, (ast.List, ast.Tuple)) or keyword.arg not in ("include", "exclude"):
+        return keyword
+    patterns = keyword.value.elts
+    if keyword.arg == "include":
+        patterns = [*patterns, *map(ast.Constant, names)]
+    else:
+        texts = {one: str(getattr(one, "value", "")) for one in patterns}
+        patterns = [one for one in patterns if not any(fnmatchcase(name, texts[one]) for name in names)]
+    return ast.keyword(keyword.arg, ast.List(patterns, ast.Load())) if patterns else None
+
+
+def needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
+    """Yield the Python packages whose modules lie there: the one that all have, and those that entry points and imports name."""
+    inner = package.folder / package.name
+    if inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
+        yield package.name
+    modules = [point.module for point in setup.entry_points or ()]
+    for source in package.sources.values():
+        for one in source.imports:
+            modules.append(one.target.rpartition(".")[0] if one.is_from else one.target)
+    for named in modules:
+        name, _, module = named.rpartition(".")
+        folder = folder_of(package, name)
+        if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
+            yield name
+        if package.folder in folder.parents and (folder / module / "__init__.py").is_file():
+            yield named
+
+
+def folder_of(package: SourcePackage, name: str) -> Path:
+    """Return the folder from which setup.py takes a Python package."""
+    mapping = package.package_dirs
+    if name in mapping:
+        return package.folder / mapping[name]
+    top, _, rest = name.partition(".")
+    base = package.folder / mapping[top] if top in mapping else package.folder / mapping.get("", "") / top
+    return base.joinpath(*rest.split(".")) if rest else base
