@@ -6,6 +6,7 @@ import ast
 import builtins
 import re
 from collections.abc import Mapping
+from difflib import get_close_matches
 
 from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.checking.members import in_place_of, members
@@ -18,8 +19,10 @@ from ros2lab.diagnose.nodes.message_faults import set_field
 from ros2lab.diagnose.nodes.parameter_faults import given_at, of_parameter_file, typed_rightly
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
-from ros2lab.diagnose.sources.interfaces import homes_of, launch_homes_of, methods_of
-from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
+from ros2lab.diagnose.sources.python_source import Import, own_nodes
+
+_MOST_OFFERED = 6  # names that are like the one that was missed
 
 
 def said_of(
@@ -127,15 +130,44 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
         return of_error("AttributeError", message, place, spot) or Finding(
             "attribute-unknown", message, place
         )
+    if groups.get("module") and (inner := _submodule(owner, name, spot_at(place, look), look)):
+        above = max((one.line for one in _imports(owner, spot_at(place, look))), default=0)
+        where = f"below line {above}" if above else "at the top"
+        cause = f"{owner}.{name} is a module of its own: `import {owner}` alone does not import it."
+        return Finding("import-wrong", cause, place, f"write `import {inner}` {where}")
     if homes:
         fix = f"write `from {homes[0]} import {name}` at the top, and {name} here"
         return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
     if owner in ("function", "method", "builtin_function_or_method"):
         return of_function(name, place, spot_at(place, look))
-    methods = methods_of(owner) or ", ".join(sorted(members(owner, look) - {*dir(object)}))
-    near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot_at(place, look), look)
-    fix = (
-        f"use one of the methods of {owner}: {methods}" if methods else "fix its spelling, or define it first"
+    spot = spot_at(place, look)
+    near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot, look)
+    known = members(owner, look) - {*dir(object), name}
+    offered = methods_of(owner) or ", ".join(
+        get_close_matches(name, sorted(known), n=_MOST_OFFERED, cutoff=0)
     )
+    fix = f"{owner} offers, for example: {offered}" if offered else "fix its spelling, or define it first"
     fix = f"write {near}" if near else fix
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix, (owner,))
+
+
+def _submodule(owner: str, name: str, spot: Spot, look: Look | None) -> str:
+    """Return the module of a package that a line asks for and that its file does not import; empty if there is none.
+
+    It may lie deeper than the first that is missed, as in `xml.etree.ElementTree`.
+    """
+    imports = spot.source.imports if spot.source else ()
+    is_hidden = spot.source and spot.source.path and spot.source.path.with_name(f"{owner}.py").is_file()
+    if is_hidden or any(f"{one.target}.".startswith(f"{owner}.{name}.") for one in imports):
+        return ""
+    own = {module for package in (look.packages if look else ()) for module in package.sources}
+    named = {one.local: owner for one in _imports(owner, spot)}
+    asked = [ast.unparse(node).split(".") for node in spot.nodes if isinstance(node, ast.Attribute)]
+    written = [".".join([named.get(first, first), *rest]) for first, *rest in asked]
+    inner = {f"{owner}.{name}", *(one for one in written if one.startswith(f"{owner}.{name}."))}
+    return max((one for one in inner if one in own or is_module(one)), key=len, default="")
+
+
+def _imports(owner: str, spot: Spot) -> list[Import]:
+    """Return what imports a package in the file of a line, under whatever name."""
+    return [one for one in (spot.source.imports if spot.source else ()) if owner in (one.local, one.target)]

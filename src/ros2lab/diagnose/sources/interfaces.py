@@ -66,6 +66,17 @@ def is_installed(module: str) -> bool:
         return False
 
 
+def is_module(name: str) -> bool:
+    """Return whether a dotted name is that of a module in an installed package, or in one of Python's own."""
+    package, *inner = name.split(".")
+    folder = folder_of(package)
+    if folder is None:
+        return False
+    path = folder.joinpath(*inner)
+    files = (path.with_suffix(".py"), path / "__init__.py", *path.parent.glob(f"{path.name}.*.so"))
+    return any(file.is_file() for file in files)
+
+
 @lru_cache(maxsize=256)
 def names_in(module: str) -> frozenset[str] | None:
     """Return what can be imported from a module such as `std_msgs.msg`; None if it cannot be told."""
