@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath
 from ros2lab.diagnose.finding import SAID, Finding, at
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import is_setup, spot_at
+from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import nearest
@@ -34,7 +35,12 @@ def of_shared_file(path: str, look: Look) -> Finding | None:
 
 def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Finding:
     name, target = PurePosixPath(inner).name, f"share/{package.name}/{PurePosixPath(inner).parent}"
-    lies = inner if package.has(inner) else next(_files_called(name, package), "")
+    lies = inner if package.has(inner) else next(_called(name, package), "")
+    if not lies and (other := lies_elsewhere(package, inner)):
+        cause = f"The package {package.name} has no file {inner}: the file lies in {other.folder}."
+        row = f"{installing(package, inner, inner)} in data_files"
+        fix = f"{other.command}, with {row}, and build again; or name the package {other.package.name} where the file is looked for"
+        return Finding("data-file-missing", cause, other.shown, fix, (name,))
     if not lies:
         there = [one.name for one in package.folder.rglob("*") if "__pycache__" not in one.parts]
         near = nearest(name, there)
@@ -64,7 +70,10 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
     if package is None:
         return None
     inner = path.removeprefix(package.shown("")).lstrip("./")
-    lies = inner if package.has(inner) else next(_files_called(Path(path).name, package), "")
+    lies = inner if package.has(inner) else next(_called(Path(path).name, package), "")
+    if is_setup(place) and (there := lies_elsewhere(package, inner)):
+        cause = f"setup.py looks for {path} from its own folder on, and the file lies in {there.folder}."
+        return Finding(SAID, cause, place, there.fix, (Path(path).name,))
     if not lies:
         alike = next(
             (one.name for one in package.folder.iterdir() if one.name.lower() == Path(path).name.lower()), ""
@@ -106,7 +115,8 @@ def installing(package: SourcePackage, lies: str, inner: str) -> str:
     return f"({target!r}, [{lies!r}])"
 
 
-def _files_called(name: str, package: SourcePackage) -> Iterator[str]:
+def _called(name: str, package: SourcePackage) -> Iterator[str]:
+    """Yield the files and folders of a package that have a name."""
     return (
         one.relative_to(package.folder).as_posix() for one in package.folder.rglob("*") if one.name == name
     )

@@ -10,6 +10,7 @@ from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.logged import as_logged
 from ros2lab.diagnose.launching.unread_words import unread_words
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
 
@@ -67,6 +68,12 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
             folder = (packages[package].folder / path).parent
             there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
             wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
+            if other := lies_elsewhere(packages[package], path):
+                cause = f"The launch file gives the parameter file {path} of {package}, and the file lies in {other.folder}: the nodes keep their defaults."
+                row = f"({f'share/{package}/{path}'.rpartition('/')[0]!r}, [{path!r}])"
+                fix = f"{other.command}, with {row} in data_files of setup.py, and build again"
+                yield Finding("parameter-file-missing", cause, node.place, fix)
+                continue
             yield Finding(
                 "parameter-file-missing",
                 f"The launch file uses the parameter file {path} of {package}, but there is no such file"

@@ -16,6 +16,7 @@ from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.installed import INDEX
 from ros2lab.diagnose.packaging.listed_packages import folder_of, needed_packages, not_listed
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
+from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text, read_toml
 from ros2lab.diagnose.sources.setup_cfg import read_cfg
@@ -189,6 +190,9 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
         return Finding("marker-missing", cause, place, f"touch {package.shown('resource')}/{package.name}")
     cause = f"setup.py installs {file}, but there is no such file."
     fix = f"create the file, or remove {file} from data_files"
+    if there := lies_elsewhere(package, file):
+        cause = f"setup.py installs {file}, a path that starts in its own folder, but the file is in {there.folder}."
+        fix = there.fix
     return Finding("data-file-missing", cause, place, fix, (file.rpartition("/")[2],))
 
 

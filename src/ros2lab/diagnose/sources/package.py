@@ -177,6 +177,11 @@ class SourcePackage:
         others = [path for path in others if "ros__parameters" in read_text(path)]
         return list(dict.fromkeys([*self.launch_files, *self.parameter_files, *others]))
 
+    def places_of(self, name: str) -> list[str]:
+        """Return where in its folder files of a name lie, the nearest to that folder first."""
+        paths = (path.relative_to(self.folder).as_posix() for path in self._own_files() if path.name == name)
+        return sorted(paths, key=lambda path: (path.count("/"), path))
+
     def _own_files(self) -> Iterator[Path]:
         """Yield its files, without tests, what a build makes, and other packages that lie in its folder."""
         for where, names, files in os.walk(self.folder):
