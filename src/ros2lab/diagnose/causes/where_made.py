@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from dataclasses import replace
 
 from ros2lab.diagnose.causes.class_bodies import of_class_body
@@ -20,7 +21,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 
 
 def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
@@ -32,12 +33,15 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
         spot = replace(spot, part=frames[0].part, is_innermost=frames[0] is report.frames[-1])
     if (source := spot.source) is None:
         return []
-    message = report.message
+    message, lines = report.message, _lines_of_use(source, spot)
+    by_comma = {f"{source.shown}:{line}" for line in {*lines, *spot.lines}}
+    if commas := [one for one in known if one.code == "comma-tuple" and one.place in by_comma]:
+        return commas
     if early := _told_at_once(report, spot, look):
         return [early]
     if report.kind == "KeyError" and (missing := _of_key(message, spot, error, look)):
         return [missing]
-    places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
+    places = {f"{source.shown}:{line}" for line in lines - {spot.line}}
     found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
     if found or report.kind not in ("AttributeError", "TypeError"):
         return found
@@ -64,15 +68,31 @@ def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding
 def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
     """Return the lines of a file that make what a line of it uses."""
     used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
+    used |= {ast.unparse(n.target) for n in spot.nodes if isinstance(n, ast.AugAssign)}
     lines: set[int] = set()
     for node in source.nodes:
         if isinstance(node, ast.ClassDef) and node.name in used:
             lines |= {node.lineno, *(method.lineno for method in node.body)}
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name in used:
-            lines.add(node.lineno)
-        elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and used & {
+            node.name,
+            f"self.{node.name}",
+        }:
+            returns = (n.lineno for n in own_nodes(node) if isinstance(n, ast.Return))
+            lines |= {node.lineno, *(returns)}
+        elif isinstance(node, ast.Assign) and used & {
+            whole for one in node.targets for whole in _with_owners(one)
+        }:
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     return lines
+
+
+def _with_owners(target: ast.expr) -> Iterator[str]:
+    """Yield what is set, and each object of which it is a part, as `msg.header` and `msg` of `msg.header.stamp`."""
+    yield ast.unparse(target)
+    while isinstance(target, ast.Attribute):
+        target = target.value
+        if not isinstance(target, ast.Name) or target.id != "self":
+            yield ast.unparse(target)
 
 
 # What makes a value or a class other than was meant, so that what uses it fails.

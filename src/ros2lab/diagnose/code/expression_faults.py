@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource, children
+from ros2lab.diagnose.sources.python_source import PythonSource, children, own_nodes
 
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "lower": str.lower,
@@ -80,19 +80,53 @@ def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterat
 
 def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
     for node in source.nodes:
-        value = getattr(node, "value", None)
-        if (
-            isinstance(node, (ast.Assign, ast.Return))
-            and isinstance(value, ast.Tuple)
-            and len(value.elts) == 1
+        made = node.value if isinstance(node, (ast.Assign, ast.Return)) else None
+        if made is not None and is_by_comma(source, made) and not _is_taken_apart(source, node):
+            line = made.end_lineno or made.lineno
+            text = source.text.splitlines()[line - 1].partition("#")[0].strip().removesuffix(",")
+            cause = f"The comma at the end turns `{ast.unparse(made).splitlines()[0][1:-2][:60]}` into a tuple."
+            written = f": `{text}`" if made.lineno == line else ""
+            yield Finding(
+                "comma-tuple", cause, source.at(line), f"remove the comma at the end of this line{written}"
+            )
+
+
+def is_by_comma(source: PythonSource, value: ast.expr) -> bool:
+    """Return whether a value is a tuple of one element only because of the comma after it: nothing is around the two."""
+    is_alone = isinstance(value, ast.Tuple) and len(value.elts) == 1
+    return is_alone and (ast.get_source_segment(source.text, value) or "").endswith(",")
+
+
+def _is_taken_apart(source: PythonSource, node: ast.AST) -> bool:
+    """Return whether a tuple of one element may be meant: what it is put into, or who calls for it, takes it apart."""
+    if isinstance(node, ast.Assign):
+        names = set(map(ast.unparse, node.targets))
+    else:
+        around = [n for n in source.nodes if isinstance(n, ast.FunctionDef) and node in own_nodes(n)]
+        calls = [n for n in source.nodes if isinstance(n, ast.Call)]
+        last = {one.name for one in around}
+        names = {ast.unparse(n) for n in calls if getattr(n.func, "attr", getattr(n.func, "id", "")) in last}
+        if not names and not any(isinstance(n, ast.Call) for n in children(node)):
+            return True  # some library may call it, and want a tuple
+    return any(not names.isdisjoint(map(ast.unparse, taken)) for taken in map(_apart, source.nodes))
+
+
+def _apart(node: ast.AST) -> Sequence[ast.expr]:
+    """Return what a piece of code takes for a list or a tuple."""
+    match node:
+        case (
+            ast.Subscript(value=value)
+            | ast.Starred(value=value)
+            | ast.For(iter=value)
+            | ast.comprehension(iter=value)
+            | ast.Assign(targets=[ast.Tuple() | ast.List()], value=value)
+            | ast.Compare(ops=[ast.In() | ast.NotIn()], comparators=[value])
+            | ast.keyword(value=value)
         ):
-            segment = (ast.get_source_segment(source.text, value) or "").strip()
-            if isinstance(value.elts[0], ast.Call) and not segment.startswith("(("):
-                line = value.end_lineno or value.lineno
-                cause = f"The comma at the end turns `{ast.unparse(value.elts[0]).splitlines()[0][:60]}` into a tuple."
-                yield Finding(
-                    "comma-tuple", cause, source.at(line), "remove the comma at the end of this line"
-                )
+            return [value]
+        case ast.Call(func=ast.Name(id="len" | "list" | "tuple" | "sorted" | "set")):
+            return node.args
+    return ()
 
 
 def path_faults(source: PythonSource) -> Iterator[Finding]:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
+from ros2lab.diagnose.code.expression_faults import is_by_comma
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import fitting, meant_call
@@ -124,6 +125,8 @@ def _value_faults(
     given = scope.kind(value)
     if wanted is None:
         yield from _field_fault(scope, message, field, place)
+    elif is_by_comma(scope.source, value):
+        return  # that is told of the comma
     elif given is not None and given != wanted and not given.startswith(PUBLISHER):
         target = place if isinstance(place, ast.Attribute) else None
         for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
@@ -174,15 +177,11 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
             f"write {text}.0 instead of {text}" if text.lstrip("-").isdigit() else f"write float({text})",
         )
     elif wanted == "str" and given in PLAIN:
-        what = (
-            f"{text} is {_described(given)}"
-            if not isinstance(value, ast.Tuple)
-            else f"the comma makes a tuple: {text}"
-        )
-        cause = f"{which} holds a string, but {what}."
+        cause = f"{which} holds a string, but {text} is {_described(given)}."
         yield Finding("string-data-type", cause, place, f"write {fitting('str', value) or f'str({text})'}")
     elif not (wanted in ("int", "float") and given == "bool") and (wanted != "float" or given in PLAIN):
-        cause = f"{which} holds {_described(wanted)}, but {text} is {_described(given)}."
+        is_tuple = isinstance(value, ast.Tuple)
+        cause = f"{which} holds {_described(wanted)}, but {text} is {'a tuple' if is_tuple else _described(given)}."
         fix = f"give it {_described(wanted)}"
         yield Finding("field-type", cause, place, f"write {text}()" if given == f"{CLASS}{wanted}" else fix)
 
