@@ -9,24 +9,27 @@ from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_choices import choice_when_it_runs
+from ros2lab.diagnose.launching.opaque_functions import as_opaque_function, needed_at_once, runs_at_once
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 
 def used_too_early(source: PythonSource) -> Iterator[Finding]:
     """Yield a value that is known only while launch runs, and that Python is to compare or to compute with."""
-    made = {
-        ast.unparse(target)
-        for node in source.nodes
-        if isinstance(node, ast.Assign) and _is_substitution(source, node.value)
-        for target in node.targets
+    assigned = [node for node in source.nodes if isinstance(node, ast.Assign)]
+    others = {
+        ast.unparse(t) for node in assigned if not _is_substitution(source, node.value) for t in node.targets
     }
+    made = {ast.unparse(target) for node in assigned for target in node.targets} - others
     for node in source.nodes:
         used = _given_to_python(source, node)
         early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
         if early:
             text = ast.unparse(early[0])
             cause = f"{text} gets its value only when launch runs; here, while the file is being read, it is not a string yet."
-            fix = choice_when_it_runs(source, node, {*map(ast.unparse, early)})
+            if needed_at_once(source, node):
+                fix = as_opaque_function(source, node, early)
+            else:
+                fix = choice_when_it_runs(source, node, {*map(ast.unparse, early)})
             fix = fix or _when_it_runs(source, node, used, early)
             yield Finding("launch-argument", cause, source.at(node), fix)
 
@@ -68,7 +71,7 @@ def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
             | ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value])
         ):
             return [value]
-        case ast.Call(args=[*used]) if (source.resolve(node.func) or "").startswith("os.path."):
+        case ast.Call(args=[*used]) if runs_at_once(source, node):
             return used
     return []
 

@@ -148,8 +148,8 @@ def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator
     yield from _of_the_same(node, known, trial, call)
     if kind.startswith("dict["):
         yield Change(Edit(node, f"{before}[{node.attr!r}]"), _FORM)
-    if node.attr in known:
-        return
+    if node.attr in known or kind.startswith("<module "):
+        return  # a function of a module is no method of something else
     for name in _never_read(trial.owner) if before == "self" and trial.owner else ():
         yield Change(Edit(node, f"self.{name}"), _SLIP, is_one_of_many=True)
     for holder in trial.names:

@@ -1,0 +1,176 @@
+"""What Python itself does with a value of launch while it reads the file, as a function that launch calls when it runs."""
+
+from __future__ import annotations
+
+import ast
+import sys
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+
+# What only holds, or hands on, what it is given, whatever that is.
+_HOLDING = frozenset(
+    ("collections", "contextlib", "copy", "dataclasses", "functools", "itertools", "operator", "typing")
+)
+_JOIN = "os.path.join"
+_FUNCTION = "launch_setup"
+
+
+def runs_at_once(source: PythonSource, node: ast.AST) -> bool:
+    """Return whether Python calls here a function that knows nothing of launch, and so needs what it is given at once."""
+    if not isinstance(node, ast.Call):
+        return False
+    target = source.resolve(node.func) or ast.unparse(node.func)
+    module = target.partition(".")[0]
+    if target == "open":
+        return "open" not in source.stored
+    if module in sys.stdlib_module_names:
+        return target != module and module not in _HOLDING
+    return source.resolve(node.func) == target != module and not _knows_launch(target.rpartition(".")[0])
+
+
+def _knows_launch(module: str) -> bool:
+    """Return whether the file of a module names launch; what is not installed may."""
+    package, *inner = module.split(".")
+    folder = interfaces.folder_of(package)
+    path = folder.joinpath(*inner) if folder else None
+    texts = [read_text(file) for file in ((path / "__init__.py", path.with_suffix(".py")) if path else ())]
+    return not any(texts) or package.startswith("launch") or any("launch" in text for text in texts)
+
+
+def needed_at_once(source: PythonSource, node: ast.AST) -> bool:
+    """Return whether what is made of a value goes to a function of Python that runs while the file is read."""
+    body = _body(source, node)
+    names: set[str] = set()
+    for statement in body:
+        if node in ast.walk(statement) or _loads(statement) & names:
+            names |= _stores(statement)
+    calls = (one for statement in body for one in ast.walk(statement) if runs_at_once(source, one))
+    for call in calls:
+        is_join = source.resolve(call.func) == _JOIN  # type: ignore[attr-defined]
+        if not is_join and (node in ast.walk(call) or _loads(call) & names):
+            return True
+    return False
+
+
+@dataclass
+class _Moved:
+    """What goes into the function: the statements, the actions that it returns, and the lines that both take now."""
+
+    names: set[str]
+    statements: list[ast.stmt] = field(default_factory=list)
+    actions: list[ast.expr] = field(default_factory=list)
+    lines: set[int] = field(default_factory=set)
+    adder: str = ""
+
+    def take(self, statement: ast.stmt) -> None:
+        """Take a statement of the description's function, if it needs one of the names, or what is made of it."""
+        match statement:
+            case ast.Return(value=value):
+                lists = [n for n in ast.walk(value or statement) if isinstance(n, ast.List)][:1]
+                for action in (action for one in lists for action in one.elts if _loads(action) & self.names):
+                    self.actions.append(action)
+                    self.lines.update(_lines(action))
+            case ast.Expr(value=ast.Call(func=ast.Attribute(attr="add_action") as adds, args=[action])):
+                self.adder = ast.unparse(adds)
+                self.actions.append(action)
+                self.lines.update(_lines(statement))
+            case _:
+                self.statements.append(statement)
+                self.names |= _stores(statement)
+                self.lines.update(_lines(statement))
+
+
+def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> str:
+    """Say how the lines that need a value are put into a function that launch calls when the value is there."""
+    texts = {ast.unparse(one) for one in early}
+    body = _body(source, node)
+    made = {
+        ast.unparse(one.targets[0]): one.value
+        for one in body
+        if isinstance(one, ast.Assign) and ast.unparse(one.targets[0]) in texts
+    }
+    moved = _Moved({*made})
+    for statement in body:
+        is_source = isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) in made
+        if not is_source and (node in ast.walk(statement) or _loads(statement) & moved.names):
+            moved.take(statement)
+    rows = [f"{name} = {ast.unparse(value)}.perform(context)" for name, value in made.items()]
+    rows += [row for one in moved.statements for row in _performed(one, texts - {*made}).splitlines()]
+    rows.append(f"return [{', '.join(map(ast.unparse, moved.actions))}]")
+    function = textwrap.indent(
+        "\n".join([f"def {_FUNCTION}(context):", *(f"    {row}" for row in rows)]), "    "
+    )
+    call = f"OpaqueFunction(function={_FUNCTION})"
+    here = (
+        f"`{moved.adder}({call})` below it" if moved.adder else f"`{call}` into the list of LaunchDescription"
+    )
+    known = "OpaqueFunction" in source.names
+    more = "" if known else ", with `from launch.actions import OpaqueFunction` at the top"
+    return (
+        f"let launch do it when it runs: put this function above the return, instead of {_in_words(moved.lines)}:\n"
+        f"{function}\n  Then write {here}{more}{_plain_instead(source, made, node)}"
+    )
+
+
+def _plain_instead(source: PythonSource, made: dict[str, ast.expr], node: ast.AST) -> str:
+    """Say what may stand there if nobody is to choose the value: the default of its argument."""
+    for name, value in made.items():
+        for call in (n for n in source.nodes if isinstance(n, ast.Call)):
+            default = next((one.value for one in call.keywords if one.arg == "default_value"), None)
+            is_its = bool(call.args and isinstance(value, ast.Call) and value.args) and (
+                ast.unparse(call.args[0]) == ast.unparse(value.args[0])  # type: ignore[attr-defined]
+            )
+            if default is not None and is_its:
+                line = getattr(node, "lineno", 0)
+                return f"; or, if nobody needs to choose it, write `{ast.unparse(default)}` instead of `{name}` in line {line}"
+    return ""
+
+
+def _performed(statement: ast.stmt, texts: Iterable[str]) -> str:
+    """Return a statement in which each value of launch that is written out is asked for its text."""
+    text = ast.unparse(statement)
+    for one in texts:
+        text = text.replace(one, f"{one}.perform(context)")
+    return text
+
+
+def _body(source: PythonSource, node: ast.AST) -> list[ast.stmt]:
+    """Return the statements of the function around something; none if it stands in none."""
+    around = [n for n in source.nodes if isinstance(n, ast.FunctionDef) and node in ast.walk(n)]
+    return around[-1].body if around else []
+
+
+def _lines(node: ast.stmt | ast.expr) -> range:
+    return range(node.lineno, (node.end_lineno or node.lineno) + 1)
+
+
+def _in_words(lines: set[int]) -> str:
+    """Return lines as a reader finds them: those that follow each other as one range."""
+    firsts = sorted(one for one in lines if one - 1 not in lines)
+    lasts = sorted(one for one in lines if one + 1 not in lines)
+    return " and ".join(
+        f"line {first}" if first == last else f"lines {first}-{last}"
+        for first, last in zip(firsts, lasts, strict=True)
+    )
+
+
+def _loads(node: ast.AST) -> set[str]:
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+
+
+def _stores(node: ast.AST) -> set[str]:
+    """Return the names that something gives values to, or whose objects it changes, as `values['k'] = 1` does."""
+    inner = [*ast.walk(node)]
+    changed = [n for n in inner if isinstance(getattr(n, "ctx", None), ast.Store)]
+    changed += [n.value.func for n in inner if isinstance(n, ast.Expr) and isinstance(n.value, ast.Call)]
+    return {_owner(one).id for one in changed if isinstance(_owner(one), ast.Name)}  # type: ignore[attr-defined]
+
+
+def _owner(node: ast.AST) -> ast.AST:
+    while isinstance(node, (ast.Subscript, ast.Attribute)):
+        node = node.value
+    return node
