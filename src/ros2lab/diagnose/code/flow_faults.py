@@ -7,6 +7,7 @@ import itertools
 import re
 from collections.abc import Iterator
 
+from ros2lab.diagnose.code.deadlocks import deadlocks
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
@@ -34,11 +35,11 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _disordered(source, block)
         yield from _bound_late(source)
         yield from _never_true(source)
+    yield from deadlocks(sources)
     for creation, function in sources.callbacks():
         yield from _hidden(creation.source, function)
         if creation.method in ("create_timer", "create_subscription"):
             yield from _made_again(creation.source, function)
-        yield from _deadlocks(creation.source, function)
     yield from _named_alike(sources)
     for owner in sources.nodes:
         yield from _never_started(owner.source, owner)
@@ -267,38 +268,6 @@ def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
                 f"{function.name}() is called repeatedly and makes a new {method.removeprefix('create_')} each time, which is not yet connected when it is used.",
                 source.at(node),
                 f"move {method}(...) into __init__, and keep it as an attribute of self",
-            )
-
-
-def _deadlocks(source: PythonSource, function: Function) -> Iterator[Finding]:
-    """Yield waits of a callback for what only another turn of the same executor could bring."""
-    if any(
-        getattr(n, "id", getattr(n, "attr", "")) in ("MultiThreadedExecutor", "ReentrantCallbackGroup")
-        for n in source.nodes
-    ):
-        return
-    clients = {
-        ast.unparse(t)
-        for n in source.nodes
-        if isinstance(n, ast.Assign)
-        for t in n.targets
-        if isinstance(n.value, ast.Call)
-        and getattr(n.value.func, "attr", "") == "create_client"
-        and not is_self_attribute(getattr(n.value.func, "value", None))
-    }
-    for node in own_nodes(function):
-        name = (source.resolve(node.func) or ast.unparse(node.func)) if isinstance(node, ast.Call) else ""
-        given = node.args[:1] if isinstance(node, ast.Call) else []
-        # Another node than the one that is spun may be kept just for this.
-        is_spin = name in ("rclpy.spin_until_future_complete", "rclpy.spin_once") and not any(
-            map(is_self_attribute, given)
-        )
-        if is_spin or (name.endswith(".call") and name.removesuffix(".call") in clients):
-            yield Finding(
-                "callback-waits",
-                f"{function.name}() is a callback, and {name}() in it waits for a response that cannot arrive until the callback returns.",
-                source.at(node),
-                "write future = client.call_async(request), and future.add_done_callback(self.answered)",
             )
 
 

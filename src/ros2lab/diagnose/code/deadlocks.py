@@ -1,0 +1,287 @@
+"""Callbacks that wait for an answer, which their executor takes in only when they have returned."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, returns_value
+
+_SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
+_FREE = frozenset(("MultiThreadedExecutor", "ReentrantCallbackGroup"))
+
+
+@dataclass(frozen=True)
+class _Wait:
+    """A statement that waits for an answer.
+
+    Attributes:
+        statement: the whole of it.
+        node: what in it waits.
+        future: what the answer comes with; None where that is a call of the client itself, which gives the answer.
+    """
+
+    statement: ast.stmt
+    node: ast.expr | ast.While
+    future: ast.expr | None
+
+    @property
+    def client(self) -> ast.expr | None:
+        """The client that is asked, if the statement says so."""
+        call = self.node if self.future is None else self.future
+        return (
+            call.func.value if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) else None
+        )
+
+    @property
+    def asked(self) -> ast.expr:
+        """What gives a future for the answer."""
+        if self.future is not None:
+            return self.future
+        call = copy.deepcopy(self.node)
+        call.func.attr += "_async"  # type: ignore[union-attr]
+        return call  # type: ignore[return-value]
+
+    def with_answer(self, written: str) -> str:
+        """Return the statement with what gives the answer written anew; nothing where it only waits."""
+        if self.future is not None:
+            return ""
+        return ast.unparse(self.statement).replace(ast.unparse(self.node), written)
+
+
+@dataclass(frozen=True)
+class _Callback:
+    """A method that an executor calls, or that such a one calls.
+
+    Attributes:
+        function: which waits.
+        given: the call with which rclpy was given the callback.
+        is_direct: whether it is the callback itself.
+    """
+
+    source: PythonSource
+    owner: NodeClass | None
+    function: Function
+    given: ast.Call
+    is_direct: bool
+
+    @property
+    def owes(self) -> bool:
+        """Whether what has called it waits for what it returns: a service, an action, a change of parameters."""
+        return returns_value(self.function)
+
+    @property
+    def may_be_async(self) -> bool:
+        """Whether rclpy awaits it; it asks at once whether parameters may be set."""
+        return self.is_direct and not getattr(self.given.func, "attr", "").startswith("add_")
+
+
+def deadlocks(sources: NodeSources) -> Iterator[Finding]:
+    """Yield waits of a callback for what only another turn of the same executor could bring."""
+    seen: set[int] = set()
+    for callback in _callbacks(sources):
+        source, function = callback.source, callback.function
+        names = {getattr(n, "id", getattr(n, "attr", "")) for n in source.nodes}
+        if id(function) in seen or names & _FREE:
+            continue
+        seen.add(id(function))
+        if waits := [*_waits(source, function)]:
+            yield _told(callback, waits, sources)
+
+
+def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
+    """Yield the functions that rclpy is given to call, and the methods that they call themselves."""
+    for source in sources.sources.values():
+        for owner, _function, call in sources.scoped(source):
+            if not isinstance(call, ast.Call) or not _is_of_ros(source, call):
+                continue
+            for given in (*call.args, *(one.value for one in call.keywords)):
+                name = given.attr if is_self_attribute(given) else ""
+                function = sources.method(owner, name) if owner and name else None
+                function = function or _plain(source, given)
+                if function is None:
+                    continue
+                yield _Callback(source, owner, function, call, is_direct=True)
+                for node in own_nodes(function):
+                    inner = node.func if isinstance(node, ast.Call) else None
+                    called = sources.method(owner, inner.attr) if is_self_attribute(inner) else None
+                    if called is not None:
+                        yield _Callback(source, owner, called, call, is_direct=False)
+
+
+def _plain(source: PythonSource, given: ast.expr) -> Function | None:
+    functions = (n for n in source.nodes if isinstance(n, Function))
+    return next((one for one in functions if isinstance(given, ast.Name) and one.name == given.id), None)
+
+
+def _is_of_ros(source: PythonSource, call: ast.Call) -> bool:
+    name = getattr(call.func, "attr", "")
+    is_giving = name.startswith("create_") or (name.startswith("add_") and name.endswith("_callback"))
+    return is_giving or (source.resolve(call.func) or "").startswith("rclpy.")
+
+
+def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
+    clients = _clients(source)
+    for statement in (n for n in own_nodes(function) if isinstance(n, ast.stmt)):
+        match statement:
+            case ast.While(test=test) if done := [
+                n for n in ast.walk(test) if getattr(n, "attr", "") == "done"
+            ]:
+                is_awaited = any(isinstance(n, ast.Await) for n in ast.walk(statement))
+                if (
+                    isinstance(test, (ast.UnaryOp, ast.BoolOp))
+                    and isinstance(done[0], ast.Attribute)
+                    and not is_awaited
+                ):
+                    yield _Wait(statement, statement, done[0].value)
+                continue
+            case ast.Expr() | ast.Assign() | ast.Return() | ast.AnnAssign():
+                calls = [n for n in ast.walk(statement) if isinstance(n, ast.Call)]
+            case _:
+                continue
+        for call in calls:
+            name = source.resolve(call.func) or ast.unparse(call.func)
+            # Another node than the one that is spun may be kept just for this.
+            if name in _SPINS and not any(map(is_self_attribute, call.args[:1])):
+                future = [*call.args[1:2], *(one.value for one in call.keywords if one.arg == "future")]
+                yield _Wait(
+                    statement, call, future[0] if future and name == _SPINS[0] else ast.Constant(None)
+                )
+            elif name.rpartition(".")[2] in ("call", "send_goal") and name.rpartition(".")[0] in clients:
+                yield _Wait(statement, call, None)
+
+
+def _clients(source: PythonSource) -> dict[str, ast.Assign]:
+    """Return the clients of the nodes of a file, each with the line that makes it."""
+    found = {}
+    for node in source.nodes:
+        match node:
+            case ast.Assign(targets=[target], value=ast.Call(func=func)) if ast.unparse(func).rpartition(".")[
+                2
+            ] in ("create_client", "ActionClient"):
+                # One of another node than the one that is spun.
+                if not is_self_attribute(getattr(func, "value", None)):
+                    found[ast.unparse(target)] = node
+    return found
+
+
+def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> Finding:
+    source, function, first = callback.source, callback.function, waits[0]
+    text = ast.unparse(first.node.test if isinstance(first.node, ast.While) else first.node)
+    cause = f"{function.name}() is called by the executor, and `{text}` in it waits for an answer that the executor takes in only after {function.name}() has returned."
+    block = next((one for one in _blocks(function) if first.statement in one), function.body)
+    is_whole = block is function.body and not any(isinstance(one.future, ast.Constant) for one in waits)
+    if all(isinstance(one.future, ast.Constant) for one in waits):
+        fix = f"take `{text}` away: whatever it is to bring, rclpy calls the callback for it when {function.name}() has returned"
+    elif callback.owes and callback.may_be_async:
+        fix = _awaited(callback, waits)
+    elif is_whole and not callback.owes:
+        fix = _later(source, function, first)
+    else:
+        fix = _in_threads(callback, waits, sources)
+    return Finding("callback-waits", cause, source.at(first.node), fix)
+
+
+def _blocks(function: Function) -> Iterator[list[ast.stmt]]:
+    for node in (function, *own_nodes(function)):
+        for name in ("body", "orelse", "finalbody"):
+            block = getattr(node, name, None)
+            if isinstance(block, list):
+                yield block
+
+
+def _later(source: PythonSource, function: Function, first: _Wait) -> str:
+    """Say which lines go into a function of their own, which is called when the answer has come."""
+    rows = _rows(source, function, function.body[function.body.index(first.statement) :])
+    last = function.body[-1].end_lineno or function.body[-1].lineno
+    return f"write these lines instead of {_range(first.statement.lineno, last)}:\n{textwrap.indent(chr(10).join(rows), '        ')}"
+
+
+def _rows(source: PythonSource, function: Function, rest: Sequence[ast.stmt]) -> list[str]:
+    """Return statements in which the first one waits no more, and the others come when the answer has come."""
+    waits = {one.statement: one for one in _waits(source, function)}
+    found = [n for n, one in enumerate(rest) if one in waits]
+    if not found:
+        return [row for one in rest for row in ast.unparse(one).splitlines()]
+    before, wait, after = rest[: found[0]], waits[rest[found[0]]], rest[found[0] + 1 :]
+    rows = [row for one in before for row in ast.unparse(one).splitlines()]
+    name = ast.unparse(wait.future) if isinstance(wait.future, ast.Name) else "future"
+    called = f"when_{name}_is_done"
+    inner = [*wait.with_answer(f"{name}.result()").splitlines(), *_rows(source, function, after)] or ["pass"]
+    if ast.unparse(wait.asked) != name:
+        rows.append(f"{name} = {ast.unparse(wait.asked)}")
+    return [
+        *rows,
+        f"def {called}({name}):",
+        *(f"    {row}" for row in inner),
+        f"{name}.add_done_callback({called})",
+    ]
+
+
+def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
+    """Say how a callback that owes an answer awaits another one, with a client in a group of its own."""
+    lines = callback.source.text.splitlines()
+    head = lines[callback.function.lineno - 1].strip()
+    edits = [] if head.startswith("async ") else [f"`async {head}` in line {callback.function.lineno}"]
+    for one in waits:
+        awaited = f"await {ast.unparse(one.asked)}"
+        written = one.with_answer(awaited) or awaited
+        last = one.statement.end_lineno or one.statement.lineno
+        edits.append(f"`{written}` in {_range(one.statement.lineno, last)}")
+    return f"write {', '.join(edits)}{_grouped(callback, waits)}"
+
+
+def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> str:
+    """Say how another thread takes in the answer: a client in a group of its own, and an executor of several threads."""
+    edits = []
+    for one in (one for one in waits if one.future is not None and not isinstance(one.future, ast.Constant)):
+        last = one.statement.end_lineno or one.statement.lineno
+        name = ast.unparse(one.future) if isinstance(one.future, ast.Name) else "future"
+        made = "" if isinstance(one.future, ast.Name) else f"{name} = {ast.unparse(one.asked)}`, and `"
+        edits.append(
+            f"`{made}while not {name}.done(): time.sleep(0.01)` in {_range(one.statement.lineno, last)}"
+        )
+    if edits and "time" not in callback.source.names:
+        edits[-1] += ", with `import time` at the top"
+    homes = [callback.source, *(one for one in sources.sources.values() if one is not callback.source)]
+    calls = ((home, n) for home in homes for n in home.nodes if isinstance(n, ast.Call) and n.args)
+    for home, spin in [one for one in calls if one[0].resolve(one[1].func) == "rclpy.spin"][:1]:
+        node, where = ast.unparse(spin.args[0]), "" if home is callback.source else f" of {home.shown}"
+        edits.append(
+            f"`executor = MultiThreadedExecutor()`, `executor.add_node({node})` and `executor.spin()` in line {spin.lineno}{where}, "
+            "with `from rclpy.executors import MultiThreadedExecutor`"
+        )
+    return f"write {', '.join(edits)}{_grouped(callback, waits)}"
+
+
+def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
+    """Say how the clients that are asked are made in a group of their own; with no other callback of the node."""
+    clients = _clients(callback.source)
+    assigned = {
+        ast.unparse(n.targets[0]): n.value for n in own_nodes(callback.function) if isinstance(n, ast.Assign)
+    }
+    asked = [one.client or _client_of(assigned.get(ast.unparse(one.asked))) for one in waits]
+    made = list(
+        dict.fromkeys(clients[text] for one in asked if one and (text := ast.unparse(one)) in clients)
+    )
+    rows = []
+    for one in made:
+        call = copy.deepcopy(one)
+        group = ast.keyword("callback_group", ast.parse("MutuallyExclusiveCallbackGroup()", mode="eval").body)
+        call.value.keywords.append(group)  # type: ignore[attr-defined]
+        rows.append(f"`{ast.unparse(call)}` in line {one.lineno}")
+    more = f", and {' and '.join(rows)}" if rows else ", and give the client a callback group of its own"
+    return f"{more}, with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
+
+
+def _client_of(call: ast.expr | None) -> ast.expr | None:
+    return call.func.value if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) else None
+
+
+def _range(first: int, last: int) -> str:
+    return f"line {first}" if first == last else f"lines {first}-{last}"

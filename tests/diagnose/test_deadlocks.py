@@ -1,0 +1,104 @@
+"""A callback waits for an answer: how it goes on without, depends on whether it owes one itself."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+
+import pytest
+
+from ros2lab.diagnose.code.deadlocks import deadlocks
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+HEAD = """\
+import rclpy
+from rclpy.action import ActionClient, ActionServer
+from rclpy.node import Node
+
+
+class Asker(Node):
+    def __init__(self):
+        super().__init__('asker')
+        self.cli = self.create_client(Trigger, 'level')
+        self.act = ActionClient(self, Fibonacci, 'count')
+"""
+TAIL = "\n\ndef main():\n    node = Asker()\n    rclpy.spin(node)\n"
+TIMER, SERVICE = "self.create_timer(1.0, self.ask)", "self.create_service(Trigger, 'ask', self.ask)"
+SPIN = "rclpy.spin_until_future_complete(self, {})"
+LATER = [
+    (f"answer = self.cli.call_async(self.req)\n{SPIN.format('answer')}\nprint(answer.result())", 1),
+    ("reply = self.cli.call(self.req)\nprint(reply)", 1),
+    ("answer = self.cli.call_async(self.req)\nwhile not answer.done():\n    pass\nprint(answer)", 1),
+    (f"sent = self.act.send_goal_async(goal)\n{SPIN.format('sent')}\ngot = sent.result().get_result_async()\n{SPIN.format('got')}\nprint(got)", 2),
+    (f"{SPIN.format('self.cli.call_async(self.req)')}\nprint(1)", 1),
+]  # fmt: skip
+OWED = [
+    ("answer = self.cli.call(request)\nreturn answer", "answer = await self.cli.call_async(request)", "self.cli = "),
+    ("return self.cli.call(request)", "return await self.cli.call_async(request)", "self.cli = "),
+    (f"sent = self.act.send_goal_async(goal)\n{SPIN.format('sent')}\nreturn sent", "await sent", "self.act = "),
+    ("future = self.cli.call_async(request)\nwhile rclpy.ok() and not future.done():\n    pass\nreturn future", "await future", "self.cli = "),
+]  # fmt: skip
+RIGHT = [
+    (TIMER, "future = self.cli.call_async(self.req)\nfuture.add_done_callback(self.got)"),
+    (TIMER, "rclpy.spin_until_future_complete(self.other, self.other_cli.call_async(self.req))"),
+    (TIMER, "if self.future.done():\n    print(self.future.result())"),
+    (TIMER, "self.table.call(self.req)"),
+    ("self.button.add_command(command=self.ask)", "self.cli.call(self.req)"),
+    ("self.executor = MultiThreadedExecutor()\nself.create_timer(1.0, self.ask)", "self.cli.call(self.req)"),
+    ("pass", "self.cli.call(self.req)"),
+]
+
+
+def told(init: str, body: str, parameters: str = "self", more: str = "") -> tuple[str, list[Finding]]:
+    text = f"{HEAD}{textwrap.indent(init, ' ' * 8)}\n\n    def ask({parameters}):\n{textwrap.indent(body, ' ' * 8)}\n{more}{TAIL}"
+    return text, found_in(text)
+
+
+def found_in(text: str) -> list[Finding]:
+    return [*deadlocks(NodeSources({"pk.ask": PythonSource("pk.ask", "ask.py", text)}))]
+
+
+@pytest.mark.parametrize(("body", "count"), LATER)
+def test_what_owes_nothing_goes_on_when_the_answer_has_come(body: str, count: int) -> None:
+    text, (finding,) = told(TIMER, body)
+    match = re.fullmatch(
+        r"write these lines instead of lines? (\d+)(?:-(\d+))?:\n(.*)", finding.fix, re.DOTALL
+    )
+    assert match
+    lines = text.splitlines()
+    lines[int(match[1]) - 1 : int(match[2] or match[1])] = match[3].splitlines()
+    after = "\n".join(lines)
+    compile(after, "ask.py", "exec")
+    assert found_in(after) == []
+    assert after.count("add_done_callback(") == count
+    assert "print(" in after
+
+
+@pytest.mark.parametrize(("body", "awaited", "client"), OWED)
+@pytest.mark.parametrize("init", [SERVICE, "self.server = ActionServer(self, Fibonacci, 'mine', self.ask)"])
+def test_what_owes_an_answer_awaits_another_one(init: str, body: str, awaited: str, client: str) -> None:
+    _, (finding,) = told(init, body, "self, request, response")
+    assert f"`{awaited}` in line" in finding.fix
+    assert "`async def ask(self, request, response):` in line" in finding.fix
+    assert re.search(rf"`{client}.*callback_group=MutuallyExclusiveCallbackGroup\(\)\)` in line", finding.fix)
+
+
+def test_what_may_not_await_is_called_by_several_threads() -> None:
+    init = "self.add_on_set_parameters_callback(self.ask)"
+    _, (finding,) = told(init, "return self.cli.call(request)", "self, parameters")
+    assert "`executor = MultiThreadedExecutor()`, `executor.add_node(node)`" in finding.fix
+    assert "async" not in finding.fix
+
+
+def test_a_method_that_a_callback_calls_waits_as_well() -> None:
+    more = "\n    def inner(self):\n        return self.cli.call(self.req)\n"
+    text, (finding,) = told(SERVICE, "return self.inner()", "self, request, response", more)
+    assert finding.place == f"ask.py:{text.splitlines().index('        return self.cli.call(self.req)') + 1}"
+    assert "MultiThreadedExecutor" in finding.fix
+
+
+@pytest.mark.parametrize(("init", "body"), RIGHT)
+def test_what_waits_for_nothing_is_right(init: str, body: str) -> None:
+    assert told(init, body)[1] == []
