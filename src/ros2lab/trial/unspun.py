@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.executors import two_executors
 from ros2lab.diagnose.printed.error_text import Frame
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.entrance import Entrance
@@ -26,7 +27,7 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
     found = seen.entrance(name)
     spot, is_called_back = _stood(seen, str(run.stopped.get(name, {}).get("said", "")))
     if found is not None:
-        told = _left_out(found, node)
+        told = next(two_executors(found), None) or _left_out(found, node)
         if told := told or _waiting(found, spot, is_called_back=is_called_back):
             return told
     return Finding(
@@ -82,8 +83,16 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
         "not-spinning",
         f"`{spot.text}` waits, and nothing spins {node_name} in the meantime, so none of its callbacks is called.",
         source.at(spot.line),
-        f"write `threading.Thread(target=rclpy.spin, args=({node_name},), daemon=True).start()` above this line, or do its work in a timer callback and write rclpy.spin instead",
+        f"write `threading.Thread(target=rclpy.spin, args=({node_name},), daemon=True).start()` above line {_outermost(spot)}, "
+        "or do its work in a timer callback and write rclpy.spin instead",
     )
+
+
+def _outermost(spot: Spot) -> int:
+    """Return the line of the outermost loop around a line, or that line itself: a thread is begun once."""
+    loops = [n for n in walk(spot.function) if isinstance(n, (ast.While, ast.For))] if spot.function else []
+    around = [one.lineno for one in loops if one.lineno <= spot.line <= (one.end_lineno or 0)]
+    return min(around, default=spot.line)
 
 
 def _asking(

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.executors import two_executors
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance, entrance_faults
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
@@ -38,7 +39,9 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
     """
     for name in mains if mains is not None else [one for one in sources.functions if one.endswith(".main")]:
         if name in sources.functions:
-            yield from entrance_faults(Entrance(sources, name))
+            entrance = Entrance(sources, name)
+            yield from entrance_faults(entrance)
+            yield from two_executors(entrance)
     for source in sources.sources.values():
         yield from _spin_not_called(source)
     yield from _callback_faults(sources)

@@ -1,0 +1,120 @@
+"""One node and two executors: the one that gets it later takes it from the one before."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.entrance import Call, Entrance
+from ros2lab.diagnose.sources.python_source import own_nodes, walk
+
+# What rclpy does with an executor of its own, from which it takes the node away again.
+_FOR_A_WHILE = frozenset(("rclpy.spin_once", "rclpy.spin_until_future_complete"))
+
+
+def two_executors(entrance: Entrance) -> Iterator[Finding]:
+    """Yield what takes a node from the executor to which it was added and which is to spin it."""
+    added = [one for one in entrance.calls if one.short == "add_node" and one.call.args]
+    for one in added:
+        executor = _executor(one)
+        if executor not in _spun(one):
+            continue
+        for other in added:
+            is_same = other.function is one.function and _node(other) == _node(one)
+            if is_same and executor != _executor(other) and other.call.lineno > one.call.lineno:
+                cause = f"A node is in one executor only: this line takes {_node(one)} from {executor}, which then calls none of its callbacks."
+                fix = f"take `{ast.unparse(other.call)}` away, or give it another node"
+                yield Finding("not-spinning", cause, other.source.at(other.call), fix)
+        for turn in entrance.calls:
+            if (
+                turn.name in _FOR_A_WHILE
+                and _has_no_executor(turn.call)
+                and _comes_after(entrance, one, turn)
+            ):
+                yield _taken_away(one, turn, entrance)
+
+
+def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
+    """Say that a spin of rclpy's own takes a node away, and how its own executor turns instead."""
+    node = ast.unparse(turn.call.args[0])
+    rest = [*map(ast.unparse, turn.call.args[1:]), *map(ast.unparse, turn.call.keywords)]
+    is_until = turn.name.endswith("complete")
+    written = f"{node}.executor.{turn.short}({', '.join(rest)})"
+    if turn.function is added.function:
+        written = f"{_executor(added)}.{turn.short}({', '.join(rest)})"
+    fix = f"write `{written}` instead of `{ast.unparse(turn.call)}`"
+    if _begun_before(entrance, added):
+        fix = f"take `{ast.unparse(turn.call)}` away: {_executor(added)} spins {node} already in its thread"
+        if is_until and rest:
+            fix = f"write `while not {rest[0]}.done(): time.sleep(0.01)` instead of `{ast.unparse(turn.call)}`, for {_executor(added)} spins {node} already in its thread; with `import time` at the top"
+    of_file = "" if added.source is turn.source else f" of {added.source.shown}"
+    cause = f"{turn.name}() spins with an executor of its own, and so takes the node from {_executor(added)}, to which line {added.call.lineno}{of_file} has added it: after this line {_executor(added)} spins no node."
+    return Finding("not-spinning", cause, turn.source.at(turn.call), fix)
+
+
+def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
+    """Return whether a spin is reached after a node was added, and of the same node as far as can be told."""
+    made = [one for one in entrance.calls if entrance.makes_node(one)]
+    if _node(added) != ast.unparse(turn.call.args[0]) and len(made) != 1:
+        return False
+    if turn.function is added.function:
+        return turn.call.lineno > added.call.lineno
+    later = {n for n in walk(added.function) if getattr(n, "lineno", 0) > added.call.lineno}
+    names = _called(later)
+    seen: set[str] = set()
+    while new := [
+        f for f in entrance.functions if _names(f, entrance) & names and f.name not in seen | {"main"}
+    ]:
+        seen |= {one.name for one in new}
+        names = names.union(*(_called(own_nodes(one)) for one in new))
+        if turn.function in new:
+            return True
+    return False
+
+
+def _called(nodes: Iterable[ast.AST]) -> set[str]:
+    """Return the last names of what is called."""
+    calls = [n.func for n in nodes if isinstance(n, ast.Call)]
+    return {str(getattr(one, "attr", getattr(one, "id", ""))) for one in calls}
+
+
+def _names(function: ast.AST, entrance: Entrance) -> set[str]:
+    """Return by which names a function is called: a constructor by that of its class."""
+    name = str(getattr(function, "name", ""))
+    if name != "__init__":
+        return {name}
+    classes = entrance.sources.classes.values()
+    return {one.definition.name for one in classes if one.methods.get("__init__") is function}
+
+
+def _has_no_executor(call: ast.Call) -> bool:
+    places = 3 if ast.unparse(call.func).endswith("complete") else 2
+    return (
+        bool(call.args)
+        and len(call.args) < places
+        and all(one.arg != "executor" for one in call.keywords)
+    )
+
+
+def _spun(added: Call) -> set[str]:
+    """Return what is spun in the function in which a node is added: by a call, or by a thread."""
+    spins = (n for n in walk(added.function) if isinstance(n, ast.Attribute) and n.attr.startswith("spin"))
+    return {ast.unparse(one.value) for one in spins}
+
+
+def _begun_before(entrance: Entrance, added: Call) -> bool:
+    """Return whether a thread spins the executor: then nobody else may."""
+    wanted = f"{_executor(added)}.spin"
+    calls = (one.call for one in entrance.calls if one.short == "Thread")
+    return any(
+        wanted in map(ast.unparse, [*call.args, *(one.value for one in call.keywords)]) for call in calls
+    )
+
+
+def _executor(added: Call) -> str:
+    return ast.unparse(added.call.func).removesuffix(".add_node")
+
+
+def _node(added: Call) -> str:
+    return ast.unparse(added.call.args[0])

@@ -1,0 +1,81 @@
+"""A node that was added to an executor, and that another one takes away."""
+
+from __future__ import annotations
+
+import textwrap
+
+import pytest
+
+from ros2lab.diagnose.nodes.executors import two_executors
+from ros2lab.diagnose.sources.entrance import Entrance
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+HEAD = """\
+import threading
+import rclpy
+from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.node import Node
+
+
+class Server(Node):
+    def __init__(self):
+        super().__init__('server')
+
+    def prepare(self):
+        future = self.cli.call_async(self.req)
+        rclpy.spin_until_future_complete(self, future)
+
+    def ready(self):
+        self.prepare()
+
+
+def main():
+    rclpy.init()
+    node = Server()
+    other = Server()
+    executor = MultiThreadedExecutor()
+    future = other.cli.call_async(1)
+"""
+ADD, SPIN = "executor.add_node(node)\n", "executor.spin()"
+THREAD = "threading.Thread(target=executor.spin, daemon=True).start()\n"
+UNTIL = "rclpy.spin_until_future_complete(node, future)\n"
+WRONG = [
+    (ADD + "rclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
+    (ADD + "rclpy.spin_once(node, timeout_sec=1.0)\n" + SPIN, "write `executor.spin_once(timeout_sec=1.0)`"),
+    (ADD + UNTIL + SPIN, "write `executor.spin_until_future_complete(future)`"),
+    (ADD + "while not node.done:\n    rclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
+    (ADD + THREAD + UNTIL, "write `while not future.done(): time.sleep(0.01)`"),
+    (ADD + "second = SingleThreadedExecutor()\nsecond.add_node(node)\n" + SPIN, "take `second.add_node(node)` away"),
+    (ADD + "node.prepare()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),
+    (ADD + "node.ready()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),
+]  # fmt: skip
+RIGHT = [
+    UNTIL + ADD + SPIN,
+    "node.prepare()\n" + ADD + SPIN,
+    ADD + "rclpy.spin_once(node, executor=executor)\n" + SPIN,
+    ADD + "rclpy.spin_until_future_complete(node, future, executor)\n" + SPIN,
+    ADD + "rclpy.spin_until_future_complete(other, future)\n" + SPIN,
+    ADD + "executor.spin_until_future_complete(future)\n" + SPIN,
+    ADD + "second = SingleThreadedExecutor()\nsecond.add_node(other)\n" + SPIN,
+    "rclpy.spin(node)",
+]
+
+
+def found(lines: str) -> list[str]:
+    made = "" if "other" in lines else "    other = Server()\n"
+    text = HEAD.replace(made, "").replace("other.cli", "node.cli" if made else "other.cli")
+    text = f"{text}{textwrap.indent(lines, '    ')}\n"
+    sources = NodeSources({"pk.a": PythonSource("pk.a", "a.py", text)})
+    return [one.fix for one in two_executors(Entrance(sources, "pk.a.main"))]
+
+
+@pytest.mark.parametrize(("lines", "fix"), WRONG)
+def test_what_takes_the_node_away_is_told(lines: str, fix: str) -> None:
+    (told,) = found(lines)
+    assert told.startswith(fix)
+
+
+@pytest.mark.parametrize("lines", RIGHT)
+def test_a_node_that_stays_where_it_is_is_right(lines: str) -> None:
+    assert found(lines) == []
