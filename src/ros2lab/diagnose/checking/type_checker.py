@@ -13,12 +13,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ros2lab.diagnose.checking.call_forms import as_it_was_meant, call_at, rewritten
+from ros2lab.diagnose.checking.call_forms import (
+    argument_at,
+    as_it_was_meant,
+    call_at,
+    given_another,
+    rewritten,
+)
 from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.stubs import write_stubs
-from ros2lab.diagnose.checking.type_words import of_class, plain
-from ros2lab.diagnose.finding import SAID, Finding, shown_path
+from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain, types_named
+from ros2lab.diagnose.finding import SAID, Finding, shown_path, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
@@ -50,21 +56,26 @@ _PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|
 _CATCHES = frozenset(("AttributeError", "TypeError", "Exception", "ImportError"))
 
 
-def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ()) -> Iterator[Finding]:
+def type_faults(
+    look: Look, known: Iterable[Finding], named: Iterable[str] = (), message: str = ""
+) -> Iterator[Finding]:
     """Yield what a type checker finds in a workspace's nodes and launch files.
 
     Args:
         look: the workspace.
         known: what is known of it; nothing is said twice of a line, but instead of what is only passed on.
         named: the lines that an error names, as their places are shown; there, everything is believed.
+        message: what the error says; of several objections to a line, that one counts of whose types it speaks.
     """
-    told = {one.place for one in known if one.code != SAID}
     lines = set(named)
+    # What only surprises in a line is not why it failed.
+    told = {one.place for one in known if stops_node(one) or (one.place not in lines and one.code != SAID)}
     sources = {
         str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
     }
     owners = {s: look.sources(p) for p in look.packages for s in p.sources.values()}
-    for row in _rows([*sources, *_launch_files(look)]):
+    rows = _rows([*sources, *_launch_files(look)])
+    for row in sorted(rows, key=lambda row: -types_named(row["said"], message)):
         said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
         source = sources.get(f"/{row['file']}")
         shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
@@ -175,6 +186,9 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         return Finding("argument-missing", *of_class(said, spot))
     call = call_at(spot, int(row["column"]) - 1, rule)
     short = owner.rpartition(".")[2]
+    at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
+    if at_fault:
+        said["value"] = ast.unparse(at_fault)
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
@@ -186,7 +200,12 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         )
         fix = f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})"
     ways = {**as_it_was_meant(spot.source, call), **rewritten(call, rule, said)}
-    good = first_that_stands(spot.source, call, list(ways))
+    others = (
+        given_another(spot.source, call, at_fault, said["wanted"]) if at_fault and "wanted" in said else {}
+    )
+    good = first_that_stands(spot.source, call, [*ways, *others])
+    good = good or first_that_stands(spot.source, call, [*others], settled=row["said"])
+    ways |= others
     if rule == "invalid-argument-type" and _lacks_one(spot.source, call):
         code = "argument-missing"
         cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
@@ -246,7 +265,12 @@ def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
 
 
 def first_that_stands(
-    source: PythonSource, call: ast.Call, ways: Sequence[str], *, are_items_open: bool = False
+    source: PythonSource,
+    call: ast.Call,
+    ways: Sequence[str],
+    *,
+    are_items_open: bool = False,
+    settled: str = "",
 ) -> str:
     """Return the first way to write a call in which a type checker finds nothing, each in a copy of the file; empty if none is.
 
@@ -256,6 +280,7 @@ def first_that_stands(
         ways: how it may be written.
         are_items_open: whether a list may hold other items than the library's annotation says, which is often narrower
             than what it takes.
+        settled: which of the objections to the call is to go, so that the others may stay; empty if all are.
     """
     lines = source.text.encode().splitlines(keepends=True)
     last = call.end_lineno or call.lineno
@@ -265,8 +290,10 @@ def first_that_stands(
         changed = [*lines[: call.lineno - 1], before + written.encode() + after, *lines[last:]]
         changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
         texts.append(b"".join(changed))
-    for written, rows in zip(ways, checked(source, texts), strict=True):
-        objections = [row for row in rows if row.rule in _RULES and row.line == call.lineno]
+    now, *rows_of = checked(source, [source.text.encode(), *texts]) if texts else [[]]
+    left = {row.said for row in now if settled and call.lineno <= row.line <= last} - {settled}
+    for written, rows in zip(ways, rows_of, strict=True):
+        objections = [r for r in rows if r.rule in _RULES and r.line == call.lineno and r.said not in left]
         if are_items_open:
             objections = [row for row in objections if not _OF_ITEMS.search(row.said)]
         if not objections:
@@ -394,12 +421,7 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
             cause,
             "remove the extra arguments, or pass them as keyword arguments, as in name=value",
         )
-    wanted = plain(said["wanted"])
-    return (
-        "argument-type",
-        f"{short} needs {wanted} here, but is given {plain(said['given'])}.",
-        f"give it {wanted}",
-    )
+    return "argument-type", *not_taken(short, said.get("value", ""), said["wanted"], said["given"])
 
 
 def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str]:

@@ -7,6 +7,7 @@ import re
 
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.signatures import heads_of
 
 
 def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
@@ -34,6 +35,48 @@ def _made_of(name: str, spot: Spot) -> str:
     return ""
 
 
+def types_named(said: str, message: str) -> int:
+    """Return how many of the types that an argument should have, and has, are named in an error's message."""
+    types = re.search(r"Expected `(.+)`, found `(.+)`", said)
+    heads = heads_of(types[1]) | heads_of(types[2]) if types else set()
+    return len(heads.intersection(re.findall(r"\w+", message)))
+
+
+def not_taken(function: str, value: str, wanted: str, given: str) -> tuple[str, str]:
+    """Say that a function is given a value of another type than it takes, and what to give it.
+
+    Args:
+        function: its name.
+        value: what is given, as it is written; empty if that is not known.
+        wanted: the type that it takes, as the type checker writes it.
+        given: that of the value.
+    """
+    takes, is_given = plain(wanted), plain(given)
+    if is_given in takes.split(" or "):  # the same words say nothing
+        called, has = (re.search(r"\(([^()]*)\) ->", kind) for kind in (wanted, given))
+        if called is None or has is None:
+            return f"{function} takes `{wanted}` here, and is given `{given}`.", f"give it `{wanted}`"
+        number, own = _counted(called[1]), _counted(has[1])
+        values = f"{number} value{'s' * (number != 1)}"
+        called_as = f"`{value}`" if value else "the function"
+        fix = f"let {called_as} take {values} (self is not counted)"
+        return f"{function} calls {called_as} with {values}, and it takes {own}.", fix
+    is_given = "a text" if is_given.startswith("the text ") else is_given.partition("[")[0]
+    takes, is_given = map(_with_article, (takes, is_given))
+    named = f"is given {is_given}" if value in ("", is_given) else f"`{value}` is {is_given}"
+    return f"{function} takes {takes} here, and {named}.", f"give it {takes}"
+
+
+def _with_article(words: str) -> str:
+    """Return types in words, each class among them with its article."""
+    return re.sub(r"(?:^|(?<= or ))(?!None\b|True\b|False\b)(?=\w+(?: or |$))", "a ", words)
+
+
+def _counted(names: str) -> int:
+    """Return how many parameters stand between the parentheses of a function, as the type checker writes it."""
+    return len([one for one in names.split(",") if one.strip() and one.strip() not in ("/", "*", "self")])
+
+
 def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     """Return a type in words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
@@ -48,7 +91,7 @@ def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     if len(parts) > 1 or kind.endswith(" | None"):
         return " or ".join(dict.fromkeys(map(plain, parts)))
     if inner := re.fullmatch(r"(?:Iterable|list|Sequence|List|Collection)\[(.+)\]", kind):
-        return f"a list of {inner[1].rpartition('.')[2]}s, in brackets"
+        return "a list" if "|" in inner[1] else f"a list of {inner[1].rpartition('.')[2]}s, in brackets"
     if made := re.fullmatch(r"type\[(.+)\]|<class '(.+)'>", kind):
         return f"the class {made[1] or made[2]} itself"
     if kind.startswith(("(", "def ", "bound method", "Callable")):

@@ -232,7 +232,8 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
         ]
     # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
     is_pythons = not error.reports or hasattr(builtins, error.reports[-1].kind)
-    asked = (*called_at_once(look), *type_faults(look, known, named)) if named and is_pythons else ()
+    said = error.reports[-1].message if error.reports else ""
+    asked = (*called_at_once(look), *type_faults(look, known, named, said)) if named and is_pythons else ()
     found = [one for one in asked if one.place in named]
     innermost = error.reports[-1].frames[-1:] if error.reports else ()
     if not found and not own_frames(innermost):
@@ -240,7 +241,6 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
             # Of what is known of a line already nothing else is said.
             told = {one.place for one in known if stops_node(one)}
             lines = {int(place.rpartition(":")[2]) for place in {*named} - told if _file(place) == shown}
-            said = error.reports[-1].message if error.reports else ""
             found += call_faults(read_source(path, path.stem, shown), lines, said, stands_trial)
     return found
 

@@ -45,10 +45,10 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "add the missing arguments",
     ),
     meaning(
-        r"Expected QoSProfile or int, but received",
-        "argument-order",
-        "The arguments are in the wrong order: the queue depth comes last.",
-        "write create_subscription(String, 'topic', self.callback, 10)",
+        r"Expected QoSProfile or int, but received <class '(?:[\w.]+\.)?(?P<given>\w+)'>",
+        "argument-order argument-type",
+        "The quality of service must be a queue length such as 10, or a QoSProfile, but a value of type {given} is given.",
+        "write 10 where the queue length belongs, as in create_subscription(String, 'topic', self.callback, 10)",
     ),
     meaning(
         r"unexpected keyword argument 'queue_size'",

@@ -65,7 +65,7 @@ def call_faults(
             if signature and needs_all
             else []
         )
-        asked = [one for one in asked if not one.is_positional and _example(one) != one.name]
+        asked = [one for one in asked if not one.is_positional and example_of(one) != one.name]
         if fix:
             what = (
                 f"does not accept {', '.join(wrong)[:_LONGEST]} as written"
@@ -77,7 +77,7 @@ def call_faults(
             texts = [
                 *map(ast.unparse, node.args),
                 *_texts(node.keywords),
-                f"{asked[0].name}={_example(asked[0])}",
+                f"{asked[0].name}={example_of(asked[0])}",
             ]
             cause = f"{ast.unparse(node.func)} needs the argument {asked[0].name}, which is not given."
             yield Finding(
@@ -139,7 +139,7 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
     named = dict(_named(signature, call, given, rest))
     values_of = {**given, **named}
     required = (one for one in signature.parameters if not one.default)
-    lacking = {one.name: _example(one) for one in required if one.name not in values_of}
+    lacking = {one.name: example_of(one) for one in required if one.name not in values_of}
     by_name = () if rest else {keyword.arg for keyword in call.keywords}
     placed = []
     for name in (one.name for one in places):
@@ -221,8 +221,8 @@ def _fit(places: list[Parameter], values: list[ast.expr]) -> int:
     return sum(1 for place, one in zip(places, values, strict=False) if kind_of(one) and place.takes(one))
 
 
-def _example(parameter: Parameter) -> str:
-    """Return what may be given for a parameter."""
+def example_of(parameter: Parameter) -> str:
+    """Return what may be given for a parameter; its own name where nothing else is known."""
     heads = heads_of(parameter.type)
     known = {"QoSProfile": "10", "int": "10", "float": "1.0", "Callable": "self.callback", "bool": "True"}
     if not heads & {"str", "Text", "SomeSubstitutionsType"}:
