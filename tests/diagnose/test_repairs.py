@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,10 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import Finding, of_text, of_workspace
+from ros2lab.diagnose.checking.trials import Edit, Trial
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 NAME = NAMES[1]
 LISTENER = """import datetime
@@ -270,12 +275,12 @@ LIST = """    return LaunchDescription([
         (
             "Node(package='my_bot', executable='talker', condition=LaunchConfiguration('on'))",
             "'LaunchConfiguration' object has no attribute 'evaluate'",
-            "Node(package='my_bot', executable='talker', condition=IfCondition(LaunchConfiguration('on'))),",
+            "`IfCondition(LaunchConfiguration('on'))` instead of `LaunchConfiguration('on')`",
         ),
         (
             "OpaqueFunction(function=start)",
             "start() takes 0 positional arguments but 1 was given",
-            "def start(context):",
+            "`def start(context):`",
         ),
     ],
 )
@@ -285,7 +290,7 @@ def test_a_change_where_launch_names_no_line(action: str, said: str, wanted: str
     root = Files.right(NAME).put("launch/robot.launch.py", text).write(tmp_path)
     printed = f"[ERROR] [launch]: Caught exception in launch (see debug for traceback): {said}\n"
     assert (
-        of_text(f"student$ ros2 launch my_bot robot.launch.py\n{printed}", root)[0].fix == f"write `{wanted}`"
+        of_text(f"student$ ros2 launch my_bot robot.launch.py\n{printed}", root)[0].fix == f"write {wanted}"
     )
 
 
@@ -323,3 +328,22 @@ def test_a_call_that_lacks_what_is_there_is_still_made(tmp_path: Path) -> None:
         "TypeError: spin() missing 1 required positional argument: 'node'\n"
     )
     assert of_text(printed, root)[0].fix == "write `rclpy.spin(node)`"
+
+
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ("log.infos('a')  # to be seen\n", "`log.info('a')`"),
+        ("log.infos(\n    'a')\n", "`log.info('a')`"),
+        ("log.infos(  # to be seen\n    'a',\n    'b')\n", "`log.info('a', 'b')`"),
+        ("if log.infos(\n        'a'):\n    pass\n", "`if log.info('a'):`"),
+        (f"log.infos(\n    '{'a' * 110}')\n", "`log.info` instead of `log.infos`"),
+    ],
+)
+def test_a_fix_is_never_a_part_of_a_statement_over_several_lines(
+    written: str, told: str, tmp_path: Path
+) -> None:
+    source = PythonSource("talk", "talk.py", written)
+    trial = Trial(source, Spot(source, 1), Look(Files.right(NAME).write(tmp_path)))
+    (wrong,) = (node for node in source.nodes if isinstance(node, ast.Attribute))
+    assert trial.told(Edit(wrong, "log.info")) == told

@@ -129,6 +129,7 @@ def _put(spot: Spot, element: ast.Subscript, name: str) -> str:
         and ast.unparse(node.targets[0].value) == name
     }
     if any(isinstance(n, (ast.For, ast.While)) and element in ast.walk(n) for n in nodes):
-        return f"write `{name}.append({values[ast.unparse(element.slice)]})` instead of `{spot.text}`"
+        value = values[ast.unparse(element.slice)]
+        return f"write `{name}.append({value})` instead of `{ast.unparse(element)} = {value}`"
     whole = ", ".join(value for _, value in sorted(values.items()))
     return f"write `{name} = [{whole}]`, with all its elements, instead of {name}[...] = ..."

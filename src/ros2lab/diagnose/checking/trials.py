@@ -19,6 +19,7 @@ from ros2lab.diagnose.sources.interfaces import has_name
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, children, own_nodes, parameters
 
+_LONGEST = 110  # letters of a statement that is told as a whole
 UNKNOWN_TYPE = re.compile(r"\b(?:Unknown|Any|Never)\b|^object$")
 
 
@@ -159,12 +160,18 @@ class Trial:
         places = {copy.at(line) for line in {*self.spot.lines, edit.node.lineno}}
         return not any(one.place in places and stops_node(one) for one in text_faults(copy))
 
-    def line_after(self, edit: Edit) -> str:
-        """Return what the line of an edit says then; of an expression over several lines, all of them in one."""
-        lines = edit.applied(self.source.text.encode().splitlines(keepends=True))
-        first = edit.node.lineno - 1
-        texts = (line.decode().strip() for line in lines[first : first + len(edit.text.splitlines())])
-        return " ".join(texts).partition("  #")[0]
+    def told(self, edit: Edit) -> str:
+        """Return what is to be written: the whole statement in one line, or the edit alone where that is too long."""
+        text = b"".join(edit.applied(self.source.text.encode().splitlines(keepends=True))).decode()
+        copied = PythonSource(self.source.name, self.source.shown, text, self.source.is_package)
+        spot = Spot(copied, edit.node.lineno)
+        if len(spot.lines) == 1:
+            return f"`{spot.text.partition('  #')[0]}`"
+        statement = statement_of(spot)
+        lines = ast.unparse(statement).splitlines() if statement else []
+        whole = next((line for line in lines if not line.startswith("@")), "")
+        is_short = 0 < len(whole) <= _LONGEST
+        return f"`{whole}`" if is_short else f"`{edit.text}` instead of `{ast.unparse(edit.node)}`"
 
     def copy_with(self, edit: Edit) -> bytes:
         """Return the file with an edit, and the imports that it needs."""

@@ -171,6 +171,8 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
         cause = f"{name} is passed on here, but {function.name}() has no parameter of that name."
         new = re.sub(r"\)(?=[^)]*$)", f"{', ' if function.args.args else ''}{name}=None)", first, count=1)
         fix = f"write `{new}` on line {function.lineno}"
+        if not new.endswith(":"):  # its parameters stand in several lines
+            fix = f"write `{name}=None` as the last parameter of {function.name}() (line {function.lineno})"
     else:
         is_called = any(isinstance(one, ast.Call) and one.func is node for one in source.nodes)
         fix = (

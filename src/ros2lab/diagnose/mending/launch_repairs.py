@@ -30,9 +30,9 @@ class _Way:
         return self.change.cost
 
     @property
-    def line(self) -> str:
-        """What its line says then."""
-        return self.trial.line_after(self.change.edit)
+    def told(self) -> str:
+        """What is to be written."""
+        return self.trial.told(self.change.edit)
 
 
 def loaded(
@@ -71,7 +71,7 @@ def loaded(
         return None
     known = passed_on if is_guess else finding  # what was told does not help
     place = source.at(good[0].change.edit.node)
-    return replace(known, place=place, fix=f"write {', or '.join(f'`{text}`' for text in texts)}")
+    return replace(known, place=place, fix=f"write {', or '.join(texts)}")
 
 
 def _lines(source: PythonSource) -> list[int]:
@@ -97,5 +97,5 @@ def _best(ways: Sequence[_Way], source: PythonSource, look: Look) -> list[_Way]:
 
 def _told(good: Sequence[_Way]) -> list[str]:
     """Return what the cheapest of some changes make of their lines: of one alone, unless nothing speaks for one."""
-    same = [way.line for way in good if way.cost == good[0].cost]
+    same = [way.told for way in good if way.cost == good[0].cost]
     return [*dict.fromkeys(same if good[0].change.is_one_of_many else same[:1])]

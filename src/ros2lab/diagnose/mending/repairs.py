@@ -80,7 +80,7 @@ def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
         return finding
     place = trial.source.at(good[0].node)
     more = "" if place == finding.place else f" Line {trial.spot.line} fails because of this one."
-    texts = (f"`{trial.line_after(edit)}`" for edit in good)
+    texts = map(trial.told, good)
     cause = finding.cause.partition(" Did you mean")[0]  # that was a guess
     return replace(finding, cause=f"{cause}{more}", place=place, fix=f"write {', or '.join(texts)}")
 
