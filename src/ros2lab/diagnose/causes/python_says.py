@@ -182,35 +182,6 @@ def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     return cause, "call another function there, or rename the method so that it differs from the one it calls"
 
 
-def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    name, text = match["name"], spot.source.text if spot.source else ""
-    function = spot.function
-    if function and function.name != "__init__" and _runs_again(spot, function.name):
-        cause = f"`{spot.text}` is in {function.name}(), which runs repeatedly, but a parameter can be declared only once."
-        return cause, "move this line into __init__, after super().__init__(...)"
-    if len(re.findall(rf"declare_parameters?\(.*['\"]{re.escape(name)}['\"]", text)) == 1:
-        return (
-            f"The node already has the parameter {name} when `{spot.text}` is reached.",
-            "remove this line",
-        )
-    return f"The parameter {name} is declared twice.", "remove one of the two lines with declare_parameter"
-
-
-def _runs_again(spot: Spot, name: str) -> bool:
-    """Return whether a method is a callback, or is called by another method than the constructor."""
-    for node in spot.source.nodes if spot.source else ():
-        is_other = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name not in (
-            "__init__",
-            name,
-        )
-        if is_other and any(isinstance(n, ast.Attribute) and n.attr == name for n in own_nodes(node)):
-            return True
-        is_given = isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith("create_")
-        if is_given and any(getattr(one, "attr", "") == name for one in node.args):  # type: ignore[attr-defined]
-            return True
-    return False
-
-
 def _plain(cause: str, fix: str) -> _Said:
     def of_line(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         groups = {**match.groupdict(default=""), "text": spot.text}
@@ -339,7 +310,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
-        _declared_again,
+        _plain("The node has the parameter {name} already when `{text}` is reached.", "take this line away"),
     ),
     (
         r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",

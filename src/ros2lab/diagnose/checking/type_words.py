@@ -55,16 +55,16 @@ def not_taken(function: str, value: str, wanted: str, given: str) -> tuple[str, 
     if is_given in takes.split(" or "):  # the same words say nothing
         called, has = (re.search(r"\(([^()]*)\) ->", kind) for kind in (wanted, given))
         if called is None or has is None:
-            return f"{function} takes `{wanted}` here, and is given `{given}`.", f"give it `{wanted}`"
+            return f"{function} takes `{wanted}` here, but is given `{given}`.", f"give it `{wanted}`"
         number, own = _counted(called[1]), _counted(has[1])
         values = f"{number} value{'s' * (number != 1)}"
         called_as = f"`{value}`" if value else "the function"
         fix = f"let {called_as} take {values} (self is not counted)"
-        return f"{function} calls {called_as} with {values}, and it takes {own}.", fix
-    is_given = "a text" if is_given.startswith("the text ") else is_given.partition("[")[0]
+        return f"{function} calls {called_as} with {values}, but it takes {own}.", fix
+    is_given = "a string" if is_given.startswith("the string ") else is_given.partition("[")[0]
     takes, is_given = map(_with_article, (takes, is_given))
     named = f"is given {is_given}" if value in ("", is_given) else f"`{value}` is {is_given}"
-    return f"{function} takes {takes} here, and {named}.", f"give it {takes}"
+    return f"{function} takes {takes} here, but {named}.", f"give it {takes}"
 
 
 def _with_article(words: str) -> str:

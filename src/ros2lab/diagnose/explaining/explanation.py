@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.where_made import where_made
 from ros2lab.diagnose.checking.called_at_once import called_at_once
 from ros2lab.diagnose.checking.type_checker import stands_trial, type_faults
@@ -152,6 +153,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or made_twice(error, known, look)
         or called_by_rclpy(error, look)
         or taken_from_rclpy(error, known, look)
+        or declaration_fault(error, look)
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at, not_read
@@ -17,7 +17,7 @@ from ros2lab.diagnose.sources.parameter_file import (
     kind_of,
     read_parameter_file,
 )
-from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.python_source import children, read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
@@ -45,7 +45,13 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
             if isinstance(name, str) and name not in declared and name != "use_sim_time":
                 there = f" The declared parameters are: {', '.join(sorted(declared))}." if declared else ""
                 close = nearest(name, declared, 0.5)
-                declare = f"self.declare_parameter({name!r}, 1.0) in the constructor before it is read"
+                default = default_by_use(source.nodes, node) or "..."
+                declare = (
+                    f"`self.declare_parameter({name!r}, {default})` in the constructor, before it is read"
+                )
+                declare += ", with the value that it has if nobody sets it instead of the dots" * (
+                    default == "..."
+                )
                 yield Finding(
                     "parameter-undeclared",
                     f"The parameter {name!r} is read but never declared.{there}",
@@ -55,6 +61,43 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 _FIELDS = {bool: "bool_value", int: "integer_value", float: "double_value", str: "string_value"}
+
+
+# What may be a default where the value is used as one of a type.
+_BY_USE = {
+    "double_value": "1.0",
+    "integer_value": "1",
+    "string_value": "''",
+    "bool_value": "False",
+    "float": "1.0",
+    "int": "1",
+    "str": "''",
+    "bool": "False",
+    "create_timer": "1.0",
+    "sleep": "1.0",
+}
+
+
+def default_by_use(nodes: Iterable[ast.AST], call: ast.AST) -> str | None:
+    """Return a default for a parameter that a call reads, as its value is used there; None if that tells nothing.
+
+    Args:
+        nodes: all that stands around the call.
+        call: what reads it.
+    """
+    above = {id(inner): node for node in nodes for inner in children(node)}
+    while (node := above.get(id(call))) is not None:
+        match node:
+            case ast.Attribute(attr=attr) if attr in _BY_USE:
+                return _BY_USE[attr]
+            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _BY_USE:
+                return _BY_USE[name]
+            case ast.BinOp(op=ast.Mult() | ast.Div() | ast.Sub()):
+                return "1.0"
+            case ast.stmt():
+                return None
+        call = node
+    return None
 
 
 def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:

@@ -1,0 +1,287 @@
+"""Parameters that rclpy does not know yet where they are read, or knows already where they are declared."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ros2lab import every_node
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.parameter_faults import declared_in, default_by_use, sections_of
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.sources.given_names import argument_of, calls_of, names_given
+from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, read_text
+from ros2lab.diagnose.sources.spelling import nearest
+
+_OPTION = "automatically_declare_parameters_from_overrides"
+_DECLARES = ("declare_parameter", "declare_parameters", "set_parameters", "set_parameters_atomically")
+
+
+@dataclass(frozen=True)
+class _Use:
+    """A call of a node's method that names parameters.
+
+    Attributes:
+        call: the call.
+        named: the expression in it that names them.
+        names: the parameters of which the error speaks.
+        lines: the student's lines through which the error came, as (file, line), the innermost first.
+    """
+
+    look: Look
+    sources: NodeSources
+    source: PythonSource
+    spot: Spot
+    owner: NodeClass | None
+    function: Function | None
+    call: ast.Call
+    named: ast.expr
+    names: tuple[str, ...]
+    lines: tuple[tuple[str, int], ...]
+
+    @property
+    def node(self) -> str:
+        """What stands for the node, such as `self`."""
+        return ast.unparse(self.call.func.value) if isinstance(self.call.func, ast.Attribute) else "self"
+
+    @property
+    def text(self) -> str:
+        """The names in words."""
+        return " and ".join(self.names)
+
+    @property
+    def is_in_callback(self) -> bool:
+        """Whether its function is a callback, or is called by one."""
+        callbacks = [function for _, function in self.sources.callbacks()]
+        around = [self.function, *(function for _, function, _ in self.calls)]
+        return any(one is function for one in around if one is not None for function in callbacks)
+
+    @property
+    def calls(self) -> list[tuple[PythonSource, Function | None, ast.Call]]:
+        """The calls of its function; none of a constructor."""
+        is_called = self.function is not None and self.function.name != "__init__"
+        return [*calls_of(self.sources, self.function)] if self.function and is_called else []
+
+
+def declaration_fault(error: ErrorText, look: Look) -> Finding | None:
+    """Return why a parameter is not declared where it is read, or was declared before; None if the error is another one."""
+    report = error.reports[-1] if error.reports else None
+    told = {
+        "ParameterNotDeclaredException": _undeclared,
+        "ParameterAlreadyDeclaredException": _declared_before,
+    }
+    if report is None or report.kind not in told:
+        return None
+    names = re.findall(r"[\w./-]+", report.message.partition(": ")[2])
+    use = _use_of(tuple(dict.fromkeys(names)), error, look)
+    return told[report.kind](use) if use else None
+
+
+def _use_of(names: tuple[str, ...], error: ErrorText, look: Look) -> _Use | None:
+    """Return the call in the line of an error that names the parameters of which it speaks; None if none is found."""
+    frames = own_frames(error.reports[-1].frames)
+    places = [place_of([one], look).rpartition(":") for one in frames]
+    spot = spot_at(place_of(frames, look), look)
+    homes = [(look.sources(one), source) for one in look.packages for source in one.sources.values()]
+    for sources, source in homes:
+        if places and source.shown == places[0][0]:
+            lines = tuple((file, int(line)) for file, _, line in places if line.isdigit())
+            uses = _uses_at(look, sources, source, spot, lines)
+            return next((found for use in uses if (found := _about(use, names))), None)
+    return None
+
+
+def _uses_at(
+    look: Look, sources: NodeSources, source: PythonSource, spot: Spot, lines: tuple[tuple[str, int], ...]
+) -> Iterator[_Use]:
+    """Yield what stands in the call of a node's method in a line, and may name parameters."""
+    known = members_of("rclpy.node", "Node")[0]
+    scoped = [one for one in sources.scoped(source) if getattr(one[2], "lineno", 0) in spot.lines]
+    for owner, function, call in reversed(scoped):  # the innermost first
+        if isinstance(call, ast.Call) and getattr(call.func, "attr", "") in known:
+            inside = {id(node) for node in ast.walk(call)}
+            for _, _, node in scoped:
+                if isinstance(node, ast.expr) and id(node) in inside and not isinstance(node, ast.Call):
+                    yield _Use(look, sources, source, spot, owner, function, call, node, (), lines)
+
+
+def _about(use: _Use, names: tuple[str, ...]) -> _Use | None:
+    """Return a use with those of its names of which an error speaks; where it names none, with those not declared."""
+    given = names_given(use.sources, use.source, use.function, use.named)
+    declared = declared_in(use.sources) or {}
+    meant = tuple(one for one in names or given if one in given and (names or one not in declared))
+    return replace(use, names=meant) if meant else None
+
+
+def _undeclared(use: _Use) -> Finding:
+    """Say that a parameter is read before it is declared, and how it is declared in the terms of that line."""
+    name, declared = use.names[0], declared_in(use.sources) or {}
+    given = names_given(use.sources, use.source, use.function, use.named)
+    _, origin = given[name]
+    comes = (
+        f" The name comes from `{ast.unparse(origin)}` (line {origin.lineno})."
+        if isinstance(origin, ast.Call)
+        else ""
+    )
+    there = f" Declared are: {', '.join(sorted(declared))}." if declared else ""
+    text, default = ast.unparse(use.named), _default(use, name)
+    is_list = isinstance(use.sources.value(use.source, use.named), list) or isinstance(
+        origin, (ast.List, ast.Tuple)
+    )
+    named = [one for one in given if one not in declared] if is_list else []
+    lines = [f"{use.node}.declare_parameter({one!r}, {_given_value(one, use.look)})" for one in named]
+    lines = lines or [f"{use.node}.declare_parameter({text}, {default})"]
+    written = ", and ".join(f"`{line}`" for line in lines)
+    here = use.spot.lines.start
+    where = (
+        f"above line {here}"
+        if text != repr(name) or _is_constructor(use)
+        else "in the constructor, before it is read"
+    )
+    if text != repr(name) and (use.is_in_callback or len(use.calls) > len(given)):
+        written, where = (
+            f"`if not {use.node}.has_parameter({text}):`",
+            f"above line {here}, and {written} below it, indented",
+        )
+    more = (
+        ", with the value that it has if nobody sets it instead of the dots"
+        if "...)" in written + where
+        else ""
+    )
+    close = nearest(name, declared, 0.5)
+    fix = f"write {written} {where}{more}"
+    fix = f"write {close!r} if that is meant; else {fix}" if close and not comes else fix
+    cause = f"The parameter {name!r} is read and never declared.{comes}{there}"
+    return Finding("parameter-undeclared", cause, use.source.at(here), fix)
+
+
+def _is_constructor(use: _Use) -> bool:
+    return use.function is None or use.function.name in ("__init__", "main")
+
+
+def _default(use: _Use, name: str) -> str:
+    """Return a default for a parameter, as it is written beside the name: a variable, or a value."""
+    match use.named, use.function:
+        case ast.Name(id=own), ast.FunctionDef() as function:
+            taken = ("self", "cls", own, use.node)
+            others = [one.arg for one in parameters(function) if one.arg not in taken]
+            if own in [one.arg for one in parameters(function)] and len(others) == 1:
+                return others[0]
+            for node in ast.walk(function):
+                match node:
+                    case ast.For(target=ast.Tuple(elts=[ast.Name(id=first), ast.Name(id=second)])) if (
+                        first == own
+                    ):
+                        return second
+    return _given_value(name, use.look, default_by_use(use.source.nodes, use.call) or "...")
+
+
+def _given_value(name: str, look: Look, other: str = "...") -> str:
+    """Return what a file or a launch file gives a parameter; something other if none does."""
+    sections: list[Mapping[Any, Any]] = [n.values for file in look.launch_files for n in file.nodes]
+    for path in (path for package in look.packages for path in package.parameter_files):
+        try:
+            content = read_parameter_file(read_text(path))
+        except ParameterFileError:
+            continue
+        sections += [values for _, values in sections_of(content)] if isinstance(content, Mapping) else []
+    known = (one[name] for one in sections if name in one)
+    return next((repr(one) for one in known if isinstance(one, (str, int, float, bool, list))), other)
+
+
+def _declared_before(use: _Use) -> Finding:
+    """Say who has declared a parameter before the line in which it is declared, and what to change."""
+    place = use.source.at(use.call)
+    is_of_every_node = [one for one in use.names if one.partition(".")[0] in every_node.PARAMETERS]
+    if is_of_every_node:
+        cause = f"Every node declares {is_of_every_node[0]} by itself, so it is there already."
+        return Finding("python-error", cause, place, _without(use))
+    for source, owner, call, given in _others(use):
+        verb = (
+            "declares" if getattr(call.func, "attr", "").startswith("declare") else "sets, and so declares,"
+        )
+        base = owner and owner is not use.owner and owner.name.rpartition(".")[2]
+        who = f"{base}, the base class of {use.owner.definition.name}," if base and use.owner else ""
+        line = f"line {given.lineno}" if source is use.source else source.at(given)
+        cause = f"{who or line} {verb} the parameter {use.text} already{f' ({line})' if who else ''}."
+        fix = _without(use) + f", and change the default in {line} if you want another one" * bool(who)
+        return Finding("python-error", f"{cause[0].upper()}{cause[1:]}", _asked_at(use) or place, fix)
+    for source in use.sources.sources.values():
+        for node in source.nodes:
+            if isinstance(node, ast.keyword) and node.arg == _OPTION and ast.unparse(node.value) != "False":
+                line = f"line {node.value.lineno}" if source is use.source else source.at(node.value)
+                cause = f"{_OPTION} ({line}) lets ROS declare each parameter that is given from outside when the node starts, and this line declares {use.text} again."
+                fix = f"take `{_OPTION}={ast.unparse(node.value)}` away in {line}"
+                return Finding("python-error", cause, place, fix)
+    if use.function is not None and (use.is_in_callback or len(use.calls) > 1):
+        cause = f"{use.function.name}() runs more than once, and a parameter can be declared only once."
+        return Finding(
+            "python-error", cause, place, "move this line into __init__, after super().__init__(...)"
+        )
+    cause = f"The node has the parameter {use.text} already when this line declares it."
+    return Finding("python-error", cause, place, _without(use))
+
+
+def _asked_at(use: _Use) -> str:
+    """Return where a function is called that is given the name which it declares; empty if it names it itself."""
+    names = [one.arg for one in parameters(use.function)] if use.function else []
+    is_given = any(isinstance(n, ast.Name) and n.id in names for n in ast.walk(use.named))
+    return "{}:{}".format(*use.lines[1]) if is_given and len(use.lines) > 1 else ""
+
+
+def _others(use: _Use) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Call, ast.expr]]:
+    """Yield the other calls of the same node's classes that declare a parameter, each with the line that names it."""
+    lineage = [None, *use.sources.lineage(use.owner)[0]] if use.owner else [None]
+    for source in use.sources.sources.values():
+        for owner, function, call in use.sources.scoped(source):
+            method = getattr(call.func, "attr", "") if isinstance(call, ast.Call) else ""
+            if not isinstance(call, ast.Call) or method not in _DECLARES or owner not in lineage:
+                continue
+            values = [*call.args, *(one.value for one in call.keywords)]
+            naming = values[:1] if method == "declare_parameter" else [n for v in values for n in ast.walk(v)]
+            for node in naming:
+                given = names_given(use.sources, source, function, node) if isinstance(node, ast.expr) else {}
+                for _, (home, where) in ((one, given[one]) for one in use.names if one in given):
+                    asked = where if isinstance(where, ast.Call) else call
+                    yield from _earlier(use, home, owner, call, asked)
+
+
+def _earlier(
+    use: _Use, home: PythonSource, owner: NodeClass | None, call: ast.Call, where: ast.expr
+) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Call, ast.expr]]:
+    """Yield a declaration, unless the error came through its line."""
+    through = {line for file, line in use.lines if file == home.shown}
+    if through.isdisjoint(range(where.lineno, (where.end_lineno or where.lineno) + 1)):
+        yield home, owner, call, where
+    elif where is not use.call and isinstance(where, ast.Call) and use.function:
+        for source, _, other in calls_of(use.sources, use.function):
+            names = [one.arg for one in parameters(use.function)]
+            texts = [argument_of(use.function, other, name) for name in names]
+            is_same = any(getattr(one, "value", None) in use.names for one in texts if one is not None)
+            if is_same and other.lineno not in {line for file, line in use.lines if file == source.shown}:
+                yield source, owner, call, other
+
+
+def _without(use: _Use) -> str:
+    """Say how a declaration is taken away; what its value is used for reads the parameter instead."""
+    statement = next((n for n in use.source.nodes if isinstance(n, ast.Expr) and n.value is use.call), None)
+    names = " and ".join(map(repr, use.names))
+    if getattr(use.call.func, "attr", "") == "declare_parameters":
+        return f"take {names} out of the list here"
+    if _asked_at(use):
+        return f"take one of the two lines away that ask for {names}"
+    if statement is None:
+        text = f"{use.node}.get_parameter({ast.unparse(use.named)})"
+        return f"write `{text}` instead of `{ast.unparse(use.call)}`"
+    last = statement.end_lineno or statement.lineno
+    return (
+        "take this line away" if last == statement.lineno else f"take lines {statement.lineno} to {last} away"
+    )

@@ -1,0 +1,133 @@
+"""Which names an expression may be: one that is written there, or that comes through a variable, a loop or a call."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+
+_DEEPEST = 5  # variables and calls through which a name is followed
+# Each name with what gives it: the expression itself, or the call of the function that is given it.
+Names = Mapping[str, tuple[PythonSource, ast.expr]]
+
+
+def names_given(
+    sources: NodeSources,
+    source: PythonSource,
+    function: Function | None,
+    node: ast.expr,
+    depth: int = _DEEPEST,
+) -> Names:
+    """Return the names that an expression may be, as far as they are known; those of a list are its items.
+
+    Args:
+        sources: the files, in which the function may be called.
+        source: the file in which the expression stands.
+        function: the function around it, if there is one.
+        node: the expression.
+        depth: through how many variables and calls a name is followed still.
+    """
+    value = sources.value(source, node)
+    if isinstance(value, (str, list, dict)):
+        return dict.fromkeys(_first_texts([value] if isinstance(value, str) else value), (source, node))
+    if depth == 0:
+        return {}
+    found: dict[str, tuple[PythonSource, ast.expr]] = {}
+    match node:
+        case ast.JoinedStr(values=parts):
+            texts = [part.value if isinstance(part, ast.FormattedValue) else part for part in parts]
+            found = dict(_joined(sources, source, function, texts, depth))
+        case ast.BinOp(op=ast.Add(), left=left, right=right):
+            found = dict(_joined(sources, source, function, [left, right], depth))
+        case ast.List(elts=items) | ast.Tuple(elts=items):
+            heads = (
+                one.elts[0] if isinstance(one, (ast.Tuple, ast.List)) and one.elts else one for one in items
+            )
+            for one in heads:
+                found |= names_given(sources, source, function, one, depth - 1)
+        case ast.Name(id=name):
+            for number, given in _bound(source, function, name):
+                held = sources.value(source, given)
+                firsts = _first_texts(held, number) if isinstance(held, (list, dict)) else ()
+                found |= dict.fromkeys(firsts, (source, node))
+                if number is None:
+                    found |= names_given(sources, source, function, given, depth - 1)
+            if function and name in [one.arg for one in parameters(function)]:
+                found |= _of_callers(sources, function, name, depth)
+    return found
+
+
+def _first_texts(items: Any, number: int | None = 0) -> Iterator[str]:
+    """Yield the texts among some items, and of each item that is a list itself the one at a place in it."""
+    for item in items:
+        if isinstance(item, list):
+            yield from (one for one in item[number or 0 :][:1] if isinstance(one, str))
+        elif isinstance(item, str) and not number:
+            yield item
+
+
+def _joined(
+    sources: NodeSources, source: PythonSource, function: Function | None, parts: list[ast.expr], depth: int
+) -> Iterator[tuple[str, tuple[PythonSource, ast.expr]]]:
+    """Yield what texts in a row may make together, each with what gives the first of them that is not written there."""
+    rows = [names_given(sources, source, function, one, depth - 1).items() for one in parts]
+    for way in itertools.islice(itertools.product(*rows), 100):
+        given = [place for _, place in way]
+        yield (
+            "".join(text for text, _ in way),
+            next((p for p in given if isinstance(p[1], ast.Call)), given[0]),
+        )
+
+
+def _bound(
+    source: PythonSource, function: Function | None, name: str
+) -> Iterator[tuple[int | None, ast.expr]]:
+    """Yield what a name holds: an expression, or the items of one, and then at which place of each item."""
+    for node in own_nodes(function) if function else source.tree.body:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=bound)], value=value) if bound == name:
+                yield None, value
+            case ast.For(target=target, iter=over) | ast.comprehension(target=target, iter=over):
+                names = target.elts if isinstance(target, ast.Tuple) else [target]
+                held = over.func.value if _is_of_keys(over) else over  # type: ignore[attr-defined]
+                yield from ((n, held) for n, one in enumerate(names) if getattr(one, "id", "") == name)
+
+
+def _is_of_keys(over: ast.expr) -> bool:
+    return isinstance(over, ast.Call) and getattr(over.func, "attr", "") in ("items", "keys")
+
+
+def _of_callers(sources: NodeSources, function: Function, name: str, depth: int) -> Names:
+    """Return the names that a function's parameter is given where the function is called."""
+    found: dict[str, tuple[PythonSource, ast.expr]] = {}
+    for home, around, call in calls_of(sources, function):
+        given = argument_of(function, call, name)
+        texts = names_given(sources, home, around, given, depth - 1) if given is not None else ()
+        found |= dict.fromkeys(texts, (home, call))
+    return found
+
+
+def calls_of(
+    sources: NodeSources, function: Function
+) -> Iterator[tuple[PythonSource, Function | None, ast.Call]]:
+    """Yield the calls of a function by its name, each with its file and the function around it."""
+    for source in sources.sources.values():
+        for _, around, call in sources.scoped(source):
+            called = call.func if isinstance(call, ast.Call) else None
+            is_named = getattr(called, "attr", getattr(called, "id", "")) == function.name
+            if isinstance(call, ast.Call) and is_named:
+                yield source, around, call
+
+
+def argument_of(function: Function, call: ast.Call, name: str) -> ast.expr | None:
+    """Return what a call gives one of the parameters of a function; its default if it gives nothing."""
+    names = [one.arg for one in parameters(function)]
+    is_method = bool(names) and names[0] in ("self", "cls")
+    given = dict(zip(names[is_method:], call.args, strict=False))
+    given |= {one.arg: one.value for one in call.keywords if one.arg}
+    defaults = dict(zip(reversed(names), reversed(function.args.defaults), strict=False))
+    return given.get(name) or defaults.get(name)
