@@ -106,6 +106,8 @@ class Look:
         yield from guarded(dependency_circle, self.packages)
         yield from guarded(taken_packages, self.packages)
         yield from guarded(layout_faults, self.root, self.packages, self.passed_over)
+        started = [*guarded(self._started_faults)]
+        told = {(one.code, one.place) for one in started}
         for package in self.packages:
             is_plain = package.name in plain
             if not is_plain:
@@ -113,13 +115,14 @@ class Look:
             yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
             yield from source_faults(self.sources(package), _mains(package))
             yield from guarded(self._shadowed, package)
-            yield from guarded(self._file_faults, package)
+            of_files = guarded(self._file_faults, package)
+            yield from (one for one in of_files if (one.code, one.place) not in told)
             yield from guarded(install_faults, self.root, package)
         yield from guarded(self._faults_of_launch_files, by_name)
         yield from guarded(self._topic_faults)
         yield from guarded(service_faults, map(self.sources, self.packages))
         yield from guarded(lambda: passed_over(self._with_sources, self.launch_files))
-        yield from guarded(self._started_faults)
+        yield from started
         if self.environ is not None:
             yield from guarded(environment_faults, self.root, by_name, self.environ)
 
@@ -127,7 +130,15 @@ class Look:
         """Yield what is wrong with a package's parameter files."""
         launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
         names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
-        return file_faults(package, self.sources(package), names)
+        started = [one for file in self.launch_files for one in started_in(file, self._with_sources)]
+        moved = {
+            name
+            for one in started
+            if one.package is package
+            for name, (source, _) in one.sources.node_names().items()
+            if source.name == one.module and (one.name != name or one.namespace)
+        }
+        return file_faults(package, self.sources(package), names, moved)
 
     def _faults_of_launch_files(self, by_name: Mapping[str, SourcePackage]) -> Iterator[Finding]:
         for launch_file in self.launch_files:

@@ -95,7 +95,8 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
     if not findings and here is not None and text.strip():
         # What runs without an error may still do nothing: then the cause is in the files.
         error = read_error(text)
-        findings = of_needed(of_workspace(here, os.environ), error, Look(here.absolute()))
+        look = Look(here.absolute(), loads="launch" in text)
+        findings = of_needed(of_workspace(here, os.environ), error, look)
         if error.typed:
             # What was sourced, the text shows itself: it may be of another terminal.
             findings = [one for one in findings if one.code != "not-sourced"]

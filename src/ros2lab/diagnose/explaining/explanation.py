@@ -26,6 +26,7 @@ from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.said import launch_line, of_launch
 from ros2lab.diagnose.explaining.said_by_tools import lines_of, said_by_tools
+from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.explaining.usage import accepted_form
@@ -66,7 +67,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return [earlier]
     error = _whole(error, text, look)
     known = [*_beside(error, sources, look), *of_needed(look.findings, error, look)]
-    shown = [*shown_values(error, look)] if not error.reports else []
+    shown = [*shown_values(error, look), *sections_read(error, look)[0]] if not error.reports else []
     return [worth_typing(one, look) for one in shown] or _of_error(error, text, known, look)
 
 

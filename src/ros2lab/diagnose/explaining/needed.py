@@ -1,10 +1,11 @@
-"""Which packages the commands of a terminal need: those that they name, and what these import, start or depend on."""
+"""What of a workspace's findings is about what a terminal shows: the packages that it needs, the files that were not read."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
 
+from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
@@ -14,16 +15,22 @@ _BUILDS_ALL = re.compile(r"\bcolcon build\b(?!.*--packages-(?:select|up-to|start
 
 
 def of_needed(findings: Sequence[Finding], error: ErrorText, look: Look) -> list[Finding]:
-    """Return findings without those of packages that were not built, and that no command needs.
+    """Return findings without those of packages that were not built and that no command needs, and of files that were read.
 
     Where no command names a package of the workspace, or one builds them all, each of them is needed.
     """
+    _, served = sections_read(error, look)
+    findings = [
+        one
+        for one in findings
+        if one.code != "parameter-file-node" or one.place.partition(":")[0] not in served
+    ]
     by_name = {package.name: package for package in look.packages}
     said = error.decisive if error.is_clear else ""
     words = {word for line in (*error.typed, said) for word in re.findall(r"[\w-]+", line)}
     needed = words & by_name.keys()
     if not needed or any(map(_BUILDS_ALL.search, error.typed)):
-        return [*findings]
+        return findings
     new = set(needed)
     while new:
         new = {name for one in new for name in _uses(by_name[one], look)} & by_name.keys() - needed

@@ -12,7 +12,7 @@ from typing import Any
 from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
-from ros2lab.diagnose.nodes.parameter_faults import sections_of
+from ros2lab.diagnose.nodes.parameter_faults import is_for, sections_of
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -59,6 +59,17 @@ class Started:
     def full_name(self) -> str:
         """Its name with its namespace."""
         return f"{self.namespace}/{self.name}"
+
+    @cached_property
+    def runs_as(self) -> str:
+        """Its full name, with the namespace of the code where launch gives it none; empty if its name is not known."""
+        names = [full for full in self.sources.full_names().values() if self._makes(full.rpartition("/")[2])]
+        of_code = names[0].rpartition("/")[0] if len(names) == 1 else ""
+        return f"{self.namespace or of_code}/{self.name}" if self.name else ""
+
+    def _makes(self, name: str) -> bool:
+        home = self.sources.node_names().get(name)
+        return home is not None and home[0].name == self.module
 
     @cached_property
     def ends(self) -> list[tuple[End, str, str]]:
@@ -287,21 +298,26 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
         except ParameterFileError:
             continue
         keys = [key for key, _ in sections_of(content)] if isinstance(content, Mapping) else []
-        unused = [key for key in keys if not any(not n.name or _is_for(key, n.full_name) for n in takers)]
-        without = [n for n in takers if n.name and not any(_is_for(key, n.full_name) for key in keys)]
+        unused = [key for key in keys if all(n.runs_as and not is_for(key, n.runs_as) for n in takers)]
+        without = [n for n in takers if n.runs_as and not any(is_for(key, n.runs_as) for key in keys)]
         shown = home.shown(path)
+        is_only_one = len(takers) == 1 and len(unused) == len(keys) == 1
         for key in unused:
-            meant = _meant(key, without)
+            meant = _meant(key, without) or (takers[0] if is_only_one else None)
             if meant is None:
                 continue
-            cause = f"The launch file starts {meant.launched.executable} as {meant.full_name}, but {shown} gives its parameters to {key}, so the node keeps its defaults."
-            number = line_of(key, text)
-            fix = f"write {meant.full_name}: instead of {key}:, or /**: for every node"
-            yield Finding("parameter-file-node", cause, at(shown, number), fix)
+            names = dict.fromkeys(one.runs_as for one in without if one.module == meant.module)
+            cause = (
+                f"{shown} sets parameters for {key}, but the launch file starts {meant.launched.executable} as "
+                f"{' and '.join(names)}, so it silently keeps its defaults."
+            )
+            sections = " or ".join(f"{name}:" for name in names)
+            fix = f"write {sections} instead of {key}:, or /**: for every node"
+            yield Finding("parameter-file-node", cause, at(shown, line_of(key, text)), fix)
 
 
 def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
-    """Return the node for which a section was meant: by its own name, that of its executable, or the only one."""
+    """Return the node for which a section was meant, by its own name or that of its executable."""
     last = key.rstrip("/").rpartition("/")[2]
     for node in nodes:
         own = [name for name, (source, _) in node.sources.node_names().items() if source.name == node.module]
@@ -317,15 +333,6 @@ def line_of(key: str, text: str) -> int | None:
     return next(
         (number for number, line in enumerate(lines, 1) if line.lstrip("/").startswith((last, key))), None
     )
-
-
-def _is_for(key: str, full_name: str) -> bool:
-    """Return whether a section of a parameter file, such as `/**/talker`, is for a node."""
-    parts = [
-        ".*" if part == "**" else re.escape(part).replace(r"\*", "[^/]*")
-        for part in key.strip("/").split("/")
-    ]
-    return re.fullmatch("/" + "/".join(parts).replace(".*/", "(?:.*/)?"), full_name) is not None
 
 
 def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:

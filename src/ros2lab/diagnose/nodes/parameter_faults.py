@@ -259,15 +259,19 @@ def _declare(found: dict[str, Any], name: str, default: Any) -> None:
     found[name] = UNKNOWN if is_other else default
 
 
-def file_faults(package: SourcePackage, sources: NodeSources, launched: Collection[str]) -> Iterator[Finding]:
+def file_faults(
+    package: SourcePackage, sources: NodeSources, launched: Collection[str], moved: Collection[str]
+) -> Iterator[Finding]:
     """Yield what is wrong with a package's parameter files.
 
     Args:
         package: the package.
         sources: its Python files.
         launched: names that launch files give its nodes; "" stands for one that is not known.
+        moved: names in its code which launch files replace, or to which they give a namespace.
     """
     names = {*sources.node_names(), *launched}
+    full = {name: whole for name, whole in sources.full_names().items() if name not in {*launched, *moved}}
     declared = declared_in(sources)
     for path in package.parameter_files:
         shown = package.shown(str(path.relative_to(package.folder)))
@@ -279,7 +283,9 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
             continue
         lines_of = _Lines(shown, text)
         if isinstance(content, Mapping) and BELOW in text:
-            yield from _content_faults(content, names, declared, lines_of)
+            offered = {*names} - {*moved} | {*launched}
+            yield from _content_faults(content, names, offered, declared, lines_of)
+            yield from _apart(content, full, lines_of)
         elif isinstance(content, Mapping) and (near := _nearly_below(content)):
             cause = f"In {shown} the line above the parameters is {near}:, but ROS reads only what is below {BELOW}:."
             yield Finding(
@@ -314,6 +320,10 @@ class _Lines:
     def at(self, key: str) -> str:
         return at(self.shown, self._number(key))
 
+    def at_section(self, key: str) -> str:
+        """Return the place of a section, which may be written with its namespace or below it."""
+        return self.at(key if key.startswith("/") else key.rpartition("/")[2])
+
     def written(self, key: str) -> str:
         """Return what comes after a key in its line."""
         line = self.lines[(self._number(key) or 1) - 1] if self.lines else ""
@@ -324,12 +334,33 @@ class _Lines:
         return next(found, None)
 
 
+def _apart(content: Mapping[Any, Any], full: Mapping[str, str], lines: _Lines) -> Iterator[Finding]:
+    """Yield a section that has a node's last name, and not its namespace, as the code gives it."""
+    keys = [key for key, _ in sections_of(content)]
+    for key in keys:
+        runs_as = full.get(key.rstrip("/").rpartition("/")[2], "")
+        if runs_as.count("/") > 1 and not any(is_for(one, runs_as) for one in keys):
+            yield other_name(key, runs_as, lines.shown, lines.at_section(key))
+
+
+def other_name(key: str, runs_as: str, shown: str, place: str) -> Finding:
+    """Say that a section of a parameter file has another name than the node for which it is meant."""
+    cause = f"{shown} sets parameters for {key}, but the node runs as {runs_as}, so it silently keeps its defaults."
+    return Finding(
+        "parameter-file-node", cause, place, f"write {runs_as}: instead of {key}:, or /**: for every node"
+    )
+
+
 def _content_faults(
-    content: Mapping[Any, Any], names: Collection[str], declared: Mapping[str, Any] | None, lines: _Lines
+    content: Mapping[Any, Any],
+    names: Collection[str],
+    offered: Collection[str],
+    declared: Mapping[str, Any] | None,
+    lines: _Lines,
 ) -> Iterator[Finding]:
     sections = dict(sections_of(content))
     wrong = [key for key in sections if not is_node(key, names)]
-    own = sorted(name for name in names if name)
+    own = sorted(name for name in offered if name)
     for key in wrong if own and "" not in names else ():
         short = key.rpartition("/")[2]
         near = next((name for name in own if is_near_miss(short, name)), None)
@@ -339,8 +370,9 @@ def _content_faults(
         if near or len(wrong) == len(sections):
             yield Finding(
                 "parameter-file-node",
-                f"The file gives parameters to a node {short}, but the nodes here are named {', '.join(own)}: they silently keep their defaults.",
-                lines.at(key.rpartition("/")[2] if not key.startswith("/") else key),
+                f"{lines.shown} sets parameters for a node called {short}, but {'the node is' if len(own) == 1 else 'the nodes are'} "
+                f"called {', '.join(own)} here, so the defaults are kept silently.",
+                lines.at_section(key),
                 f"write {likely} instead of {short}",
             )
     for values in sections.values():
@@ -382,3 +414,12 @@ def is_node(key: str, names: Collection[str]) -> bool:
     """Return whether a key of a parameter file, such as `/**/talker`, means one of the nodes."""
     last = key.rstrip("/").rpartition("/")[2]
     return "*" in last or last in names
+
+
+def is_for(key: str, full_name: str) -> bool:
+    """Return whether a section of a parameter file, such as `/**/talker`, is for a node."""
+    parts = [
+        ".*" if part == "**" else re.escape(part).replace(r"\*", "[^/]*")
+        for part in key.strip("/").split("/")
+    ]
+    return re.fullmatch("/" + "/".join(parts).replace(".*/", "(?:.*/)?"), full_name) is not None

@@ -373,6 +373,16 @@ class NodeSources:
             found[""] = next(iter(found.values()), (next(iter(self.sources.values())), ast.Constant("")))
         return found
 
+    def full_names(self) -> dict[str, str]:
+        """Return the full names of nodes, such as `/hall/guide`, by their last parts; without those not known."""
+        found: dict[str, set[str]] = {}
+        for source in self.sources.values():
+            for owner, function, node in self.scoped(source):
+                if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
+                    whole = self._whole_name(source, node)
+                    found.setdefault(whole.rpartition("/")[2], set()).add(f"/{whole}")
+        return {name: full.pop() for name, full in found.items() if name and len(full) == 1}
+
     def _might_be_node(self, one: NodeClass) -> bool:
         names = [ast.unparse(base) for base in one.definition.bases]
         has_name = "__init__" in one.methods and any(self._handed(base) in self.classes for base in one.bases)

@@ -1,0 +1,112 @@
+"""Sections of the parameter files that a program was given, against the full name under which its node really ran."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import PurePath
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.started_faults import line_of
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.parameter_faults import is_for, other_name, sections_of
+from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.transcript import Step
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import read_text
+
+_LOGGED = re.compile(
+    r"^(?:\[(?P<process>[\w.]+)-\d+\] )?\[(?:DEBUG|INFO|WARN|ERROR|FATAL)\] (?:\[[\d.]+\] )?\[(?P<name>[\w.]+)\]: "
+)
+
+
+@dataclass(frozen=True)
+class _Ran:
+    """A node of the workspace that was started with a parameter file.
+
+    Attributes:
+        runs_as: its full name.
+        names: what a section may have been called that was meant for it.
+        file: the name of the file.
+    """
+
+    runs_as: str
+    names: frozenset[str]
+    file: str
+
+
+def sections_read(error: ErrorText, look: Look) -> tuple[list[Finding], set[str]]:
+    """Return which sections no node has read, and which files were read by a node, as they are shown."""
+    found, served = list[Finding](), set[str]()
+    for ran in (ran for step in error.steps for ran in _ran(step, look)):
+        for package in look.packages:
+            for path in (one for one in package.parameter_files if one.name == ran.file):
+                shown, text = package.shown(path.relative_to(package.folder).as_posix()), read_text(path)
+                try:
+                    content = read_parameter_file(text)
+                except ParameterFileError:
+                    continue
+                keys = [key for key, _ in sections_of(content)] if isinstance(content, Mapping) else []
+                meant = [key for key in keys if key.rstrip("/").rpartition("/")[2] in ran.names]
+                if any(is_for(key, ran.runs_as) for key in keys):
+                    served.add(shown)
+                elif len(keys) == 1 or len(meant) == 1:
+                    (key,) = meant or keys
+                    found.append(other_name(key, ran.runs_as, shown, f"{shown}:{line_of(key, text) or 1}"))
+    return found, served
+
+
+def _ran(step: Step, look: Look) -> Iterator[_Ran]:
+    """Yield the nodes that a command has started with a parameter file."""
+    try:
+        words = shlex.split(step.command)
+    except ValueError:
+        return
+    match words:
+        case ["ros2", "run", package, program, *rest]:
+            yield from _run(package, program, rest, _logged(step), look)
+        case ["ros2", "launch", _, file, *_]:
+            yield from _launched(file, step, look)
+
+
+def _run(package: str, program: str, rest: list[str], logged: set[str], look: Look) -> Iterator[_Ran]:
+    """Yield the node of a program with the files and names that it was given in the command."""
+    pairs = [*pairwise(rest)]
+    files = [value for option, value in pairs if option == "--params-file"]
+    given = dict(
+        value.split(":=", 1) for option, value in pairs if option in ("-r", "--remap") and ":=" in value
+    )
+    home = next((one for one in look.packages if one.name == package), None)
+    points = (home.setup.entry_points if home and home.setup else None) or ()
+    module = next((point.module for point in points if point.name == program), "")
+    if home is None or not files:
+        return
+    sources = look.sources(home)
+    here = [name for name, (source, _) in sources.node_names().items() if source.name == module and name]
+    whole = sources.full_names().get(here[0], "") if len(here) == 1 else ""
+    space, _, name = whole.rpartition("/")
+    name, space = given.get("__node", name), given.get("__ns", space).rstrip("/")
+    if len(logged) == 1 or name:
+        runs_as = next(iter(logged)) if len(logged) == 1 else f"{space}/{name}"
+        names = frozenset({*here, program, runs_as.rpartition("/")[2]})
+        yield from (_Ran(runs_as, names, PurePath(file).name) for file in files)
+
+
+def _launched(file: str, step: Step, look: Look) -> Iterator[_Ran]:
+    """Yield the nodes that a launch file has started with a parameter file, and that have logged something."""
+    started = [one for one in look.launched.values() if one.launched.place.partition(":")[0].endswith(file)]
+    for node in started:
+        logged = _logged(step, str(node.launched.executable))
+        if len(logged) == 1:
+            (runs_as,) = logged
+            names = frozenset({node.module.rpartition(".")[2], str(node.launched.executable), node.name})
+            yield from (_Ran(runs_as, names, PurePath(path).name) for _, path in node.launched.files)
+
+
+def _logged(step: Step, process: str = "") -> set[str]:
+    """Return the full names of the nodes that have logged something: a logger's name has dots instead of slashes."""
+    matches = filter(None, map(_LOGGED.match, step.lines))
+    return {f"/{match['name'].replace('.', '/')}" for match in matches if (match["process"] or "") == process}
