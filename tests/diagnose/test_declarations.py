@@ -68,6 +68,8 @@ LONE = "def read(self, name):\n    return self.get_parameter(name).value\n"
         ("for one in ('kp', 'ki'):\n    print(self.get_parameter(one).value)", "", "kp", ["get_parameter(one)"], "'kp'", "write `self.declare_parameter(one, ...)` above"),
         ("for one, first in {'kp': 1.0}.items():\n    print(self.get_parameter(one).value)", "", "kp", ["get_parameter(one)"], "'kp'", "write `self.declare_parameter(one, first)` above"),
         ("self.rate = self.get_parameter(RATE).get_parameter_value().integer_value", "", "rate", ["get_parameter(RATE)"], "'rate'", "write `self.declare_parameter(RATE, 1)` above"),
+        ("self.all = {one: self.get_parameter(one).value for one in ('kp', 'ki')}", "", "kp", ["self.all"], "'kp'", "write `for one in ('kp', 'ki'): self.declare_parameter(one, ...)` above"),
+        ("self.name = 'rate'\nprint(self.get_parameter(self.name).value)", "", "rate", ["get_parameter(self.name)"], "'rate'", "write `self.declare_parameter(self.name, ...)` above"),
         ("names = ['kp', 'ki']\nself.a, self.b = self.get_parameters(names)", "", "kp", ["get_parameters(names)"], "'kp'", "`self.declare_parameter('kp', ...)`, and `self.declare_parameter('ki', ...)` above"),
         ("self.a = self.gain('left')", "def gain(self, side):\n    return self.get_parameter(f'{side}.kp').value\n", "left.kp", ["'left'", ".kp"], "'left.kp'", "write `self.declare_parameter(f'{side}.kp', ...)` above"),
         ("self.timer = self.create_timer(self.get_parameter('cycle').value, self.tick)", "def tick(self):\n    pass\n", "cycle", ["'cycle'"], "'cycle'", "write `self.declare_parameter('cycle', 1.0)` above"),
@@ -99,6 +101,7 @@ SPEED = "self.declare_parameter('speed', 1.0)"
         (f"{PLAIN}self.a = self.declare_parameter('use_sim_time', True).value", "", "['use_sim_time']", ["use_sim_time"], "Every node", "write `self.get_parameter('use_sim_time')` instead of `self.declare_parameter('use_sim_time', True)`"),
         (f"{PLAIN}{SPEED}\nself.declare_parameter(\n    'speed',\n    2.0)", "", "['speed']", ["declare_parameter("], "Line 17 declares the parameter speed already", "take lines 18 to 20 away"),
         (f"{PLAIN}self.a = self.read('speed', 1.0)\nself.b = self.read('speed', 2.0)", "def read(self, name, default):\n    return self.declare_parameter(name, default).value\n", "['speed']", ["'speed', 2", "parameter(name"], "Line 17 declares", "take one of the two lines away that ask for 'speed'"),
+        (f"{PLAIN}for one in ('kp', 'ki', 'kp'):\n    self.declare_parameter(one, 1.0)", "", "['kp']", ["parameter(one"], "kp stands twice in `('kp', 'ki', 'kp')`", "take one 'kp' away in line 17"),
         (f"{PLAIN}self.tick()\nself.tick()", f"def tick(self):\n    {SPEED}\n", "['speed']", ["self.tick()", "'speed'"], "tick() runs more than once", "move this line into __init__"),
     ],
 )  # fmt: skip

@@ -14,7 +14,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, default_by_use, sections_of
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
-from ros2lab.diagnose.sources.given_names import argument_of, calls_of, names_given
+from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of, first_texts, names_given
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
@@ -139,6 +139,20 @@ def _undeclared(use: _Use) -> Finding:
     named = [one for one in given if one not in declared] if is_list else []
     lines = [f"{use.node}.declare_parameter({one!r}, {_given_value(one, use.look)})" for one in named]
     lines = lines or [f"{use.node}.declare_parameter({text}, {default})"]
+    around = [n for n in use.spot.source.nodes if isinstance(n, ast.comprehension)] if use.spot.source else []
+    loop = next(
+        (
+            n
+            for n in around
+            if text in map(ast.unparse, ast.walk(n.target)) and n.iter.lineno in use.spot.lines
+        ),
+        None,
+    )
+    lines = (
+        [f"for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}: {one}" for one in lines]
+        if loop
+        else lines
+    )
     written = ", and ".join(f"`{line}`" for line in lines)
     here = use.spot.lines.start
     where = (
@@ -151,11 +165,7 @@ def _undeclared(use: _Use) -> Finding:
             f"`if not {use.node}.has_parameter({text}):`",
             f"above line {here}, and {written} below it, indented",
         )
-    more = (
-        ", with the value that it has if nobody sets it instead of the dots"
-        if "...)" in written + where
-        else ""
-    )
+    more = ", with a default value where the dots are" if "...)" in written + where else ""
     close = nearest(name, declared, 0.5)
     fix = f"write {written} {where}{more}"
     fix = f"write {close!r} if that is meant; else {fix}" if close and not comes else fix
@@ -221,6 +231,15 @@ def _declared_before(use: _Use) -> Finding:
                 cause = f"{_OPTION} ({line}) lets ROS declare each parameter that is given from outside when the node starts, and this line declares {use.text} again."
                 fix = f"take `{_OPTION}={ast.unparse(node.value)}` away in {line}"
                 return Finding("python-error", cause, place, fix)
+    if isinstance(use.named, ast.Name):
+        for number, given in bound_to(use.source, use.function, use.named.id):
+            held = use.sources.value(use.source, given)
+            texts = [*first_texts(held, number)] if isinstance(held, list) else []
+            if any(texts.count(name) > 1 for name in use.names):
+                cause = f"{use.text} stands twice in `{ast.unparse(given)}`, and a parameter can be declared only once."
+                return Finding(
+                    "python-error", cause, place, f"take one {use.names[0]!r} away in line {given.lineno}"
+                )
     if use.function is not None and (use.is_in_callback or len(use.calls) > 1):
         cause = f"{use.function.name}() runs more than once, and a parameter can be declared only once."
         return Finding(

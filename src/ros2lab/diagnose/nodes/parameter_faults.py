@@ -49,9 +49,7 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                 declare = (
                     f"`self.declare_parameter({name!r}, {default})` in the constructor, before it is read"
                 )
-                declare += ", with the value that it has if nobody sets it instead of the dots" * (
-                    default == "..."
-                )
+                declare += ", with a default value where the dots are" * (default == "...")
                 yield Finding(
                     "parameter-undeclared",
                     f"The parameter {name!r} is read but never declared.{there}",

@@ -33,7 +33,7 @@ def names_given(
     """
     value = sources.value(source, node)
     if isinstance(value, (str, list, dict)):
-        return dict.fromkeys(_first_texts([value] if isinstance(value, str) else value), (source, node))
+        return dict.fromkeys(first_texts([value] if isinstance(value, str) else value), (source, node))
     if depth == 0:
         return {}
     found: dict[str, tuple[PythonSource, ast.expr]] = {}
@@ -49,10 +49,13 @@ def names_given(
             )
             for one in heads:
                 found |= names_given(sources, source, function, one, depth - 1)
+        case ast.Attribute(attr=name):
+            for given in _kept(sources, ast.unparse(node), name):
+                found |= names_given(sources, source, function, given, depth - 1)
         case ast.Name(id=name):
-            for number, given in _bound(source, function, name):
+            for number, given in bound_to(source, function, name):
                 held = sources.value(source, given)
-                firsts = _first_texts(held, number) if isinstance(held, (list, dict)) else ()
+                firsts = first_texts(held, number) if isinstance(held, (list, dict)) else ()
                 found |= dict.fromkeys(firsts, (source, node))
                 if number is None:
                     found |= names_given(sources, source, function, given, depth - 1)
@@ -61,7 +64,21 @@ def names_given(
     return found
 
 
-def _first_texts(items: Any, number: int | None = 0) -> Iterator[str]:
+def _kept(sources: NodeSources, text: str, name: str) -> Iterator[ast.expr]:
+    """Yield what is assigned to an attribute such as `self.name`, also in the body of a class."""
+    for node in (node for source in sources.sources.values() for node in source.nodes):
+        match node:
+            case ast.Assign(targets=[ast.Attribute() as target], value=value) if ast.unparse(target) == text:
+                yield value
+            case ast.ClassDef(body=body):
+                yield from (
+                    one.value
+                    for one in body
+                    if isinstance(one, ast.Assign) and [name] == [getattr(n, "id", "") for n in one.targets]
+                )
+
+
+def first_texts(items: Any, number: int | None = 0) -> Iterator[str]:
     """Yield the texts among some items, and of each item that is a list itself the one at a place in it."""
     for item in items:
         if isinstance(item, list):
@@ -83,7 +100,7 @@ def _joined(
         )
 
 
-def _bound(
+def bound_to(
     source: PythonSource, function: Function | None, name: str
 ) -> Iterator[tuple[int | None, ast.expr]]:
     """Yield what a name holds: an expression, or the items of one, and then at which place of each item."""
