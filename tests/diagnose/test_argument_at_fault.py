@@ -84,10 +84,10 @@ def test_the_argument_of_which_the_error_speaks(
 @pytest.mark.parametrize(
     ("wanted", "given", "words"),
     [
-        ("(Unknown, /) -> None", "def receive(msg, tracker) -> Unknown", "calls `f` with 1 value, and it takes 2"),
-        ("(Unknown, Unknown, /) -> None", "bound method A.f(self) -> None", "with 2 values, and it takes 0"),
-        ("list[list[int]]", "list[list[str]]", "takes `list[list[int]]` here, and is given `list[list[str]]`"),
-        ("float", "bool", "takes a float here, and `f` is True or False"),
+        ("(Unknown, /) -> None", "def receive(msg, tracker) -> Unknown", "calls `f` with 1 value, but it takes 2"),
+        ("(Unknown, Unknown, /) -> None", "bound method A.f(self) -> None", "with 2 values, but it takes 0"),
+        ("list[list[int]]", "list[list[str]]", "takes `list[list[int]]` here, but is given `list[list[str]]`"),
+        ("float", "bool", "takes a float here, but `f` is True or False"),
     ],
 )  # fmt: skip
 def test_never_are_the_two_told_in_the_same_words(wanted: str, given: str, words: str) -> None:

@@ -38,7 +38,7 @@ def test_both_remedies_bring_it_there(tmp_path: Path, named: str, lies: str) -> 
     found = of_text(text, root)[0]
     folder = f"{SRC}/{lies}".rpartition("/")[0]
     assert found.code == "data-file-missing"
-    assert f"the file lies in {folder}/" in found.cause
+    assert f"the file is in {folder}/" in found.cause
     assert f"name it as {lies!r}" in found.fix
     assert found.place.startswith(f"{SRC}/setup.py:")
     subprocess.run(found.fix.partition(";")[0], shell=True, cwd=root, check=True)
@@ -62,7 +62,7 @@ def test_a_file_of_another_package_is_copied(tmp_path: Path) -> None:
 def test_what_lies_nowhere_is_to_be_made(tmp_path: Path, lies: str) -> None:
     root = installing(tmp_path, "data/a.csv", lies or "README")
     found = next(one for one in of_workspace(root) if one.code == "data-file-missing")
-    assert found.fix == "make the file, or take data/a.csv out of data_files"
+    assert found.fix == "create the file, or remove data/a.csv from data_files"
 
 
 def test_a_readme_of_another_package_is_not_meant(tmp_path: Path) -> None:
