@@ -61,6 +61,15 @@ def test_what_setup_leaves_out_no_build_installs(
     assert fix in found.fix
 
 
+def test_a_list_in_setup_cfg_is_mended_there(tmp_path: Path) -> None:
+    package = made(tmp_path, "version='0.0.1'", *INNER)
+    (package.folder / "setup.cfg").write_text("[options]\npackages =\n    bot\n")
+    found = not_built(package, "bot.inner")
+    assert found is not None
+    assert found.place == "src/bot/setup.cfg:2"
+    assert "write bot.inner on a line of its own" in found.fix
+
+
 @pytest.mark.parametrize(("given", "files", "module"), BUILT)
 def test_what_setup_takes_is_only_to_be_built(
     tmp_path: Path, given: str, files: tuple[str, ...], module: str

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
@@ -65,6 +66,15 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
         fix = f"write packages={[name]!r} instead of what is there"
     elif written:
         fix += f": `packages={written},`"
+    cfg = package.setup_cfg
+    if setup.line("packages") is None and cfg is not None and cfg.has_option("options", "packages"):
+        lines = read_text(package.folder / "setup.cfg").splitlines()
+        line = next((n for n, text in enumerate(lines, 1) if text.startswith("packages")), None)
+        cause = (
+            f"setup.cfg does not install the Python package {name}: its `packages` holds {', '.join(names)}."
+        )
+        fix = f"write {name} on a line of its own below {names[-1]}, as far to the right, and build again"
+        return Finding("package-not-listed", cause, at(package.shown("setup.cfg"), line), fix)
     return Finding(
         "package-not-listed",
         f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
