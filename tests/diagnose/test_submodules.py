@@ -64,3 +64,9 @@ def test_a_file_of_the_packages_name_is_not_the_package(tmp_path: Path) -> None:
     (root / "src/my_bot/my_bot/sensor_msgs.py").write_text("")
     found = of_text(missed(root, "import sensor_msgs", "sensor_msgs.msg.Imu"), root)
     assert all("import sensor_msgs.msg" not in one.fix for one in found)
+
+
+def test_a_misspelt_module_is_imported_as_well(tmp_path: Path) -> None:
+    root = Files.right(NAMES[1]).write(tmp_path)
+    found = of_text(missed(root, "import rclpy", "rclpy.nod.Node"), root)[0]
+    assert "write node instead of nod, with `import rclpy.node` at the top" in found.fix

@@ -240,11 +240,21 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
         cause, fix = (
             f"{plain(owner)} has no {name}. Did you mean {meant}?",
-            f"write {meant} instead of {name}",
+            f"write {meant} instead of {name}{_imported(owner, meant, spot)}",
         )
     else:
         fix = _unwrapped(said, spot) or fix
     return Finding(code, cause, spot.source.at(spot.line), fix)
+
+
+def _imported(owner: str, meant: str, spot: Spot) -> str:
+    """Say which import a member of a package needs that is a module of its own; empty if it needs none."""
+    module = f"{owner}.{meant}"
+    known = spot.source.imports if spot.source else ()
+    needs = interfaces.is_module(module) and all(
+        not f"{one.target}.".startswith(f"{module}.") for one in known
+    )
+    return f", with `import {module}` at the top" if needs else ""
 
 
 def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
@@ -429,7 +439,10 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, s
     if close := in_place_of(name, owner, spot, look):
         is_name = close.isidentifier()
         return (
-            (f"{cause} Did you mean {close}?", f"write {close} instead of {name}")
+            (
+                f"{cause} Did you mean {close}?",
+                f"write {close} instead of {name}{_imported(owner, close, spot)}",
+            )
             if is_name
             else (cause, f"write {close}")
         )
