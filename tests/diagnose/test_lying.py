@@ -58,6 +58,14 @@ def test_a_file_of_another_package_is_copied(tmp_path: Path) -> None:
     assert found.fix == wanted
 
 
+def test_the_same_name_elsewhere_is_nearer_than_another_name_here(tmp_path: Path) -> None:
+    root = installing(tmp_path, "maps/room.yaml", "room.yaml")
+    (root / SRC / "maps").mkdir()
+    (root / SRC / "maps/room.pgm").write_text("")
+    found = next(one for one in of_workspace(root) if one.code == "data-file-missing")
+    assert found.fix.startswith(f"mv {SRC}/room.yaml {SRC}/maps/room.yaml;")
+
+
 @pytest.mark.parametrize("lies", ["", "test/a.csv", "build/data/a.csv"])
 def test_what_lies_nowhere_is_to_be_made(tmp_path: Path, lies: str) -> None:
     root = installing(tmp_path, "data/a.csv", lies or "README")

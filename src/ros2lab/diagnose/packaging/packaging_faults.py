@@ -138,9 +138,9 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
 
 def _missing_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     for file in (file for _, files in setup.data_files for file in files):
-        if not (package.folder / file).exists() and not like(
-            package.folder / file
-        ):  # that is told of its shape
+        path = package.folder / file
+        # What is only called otherwise is told of its shape.
+        if not path.exists() and (lies_elsewhere(package, file) or not like(path)):
             yield _missing_file(package, setup, file)
 
 

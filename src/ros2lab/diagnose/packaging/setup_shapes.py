@@ -14,6 +14,7 @@ from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging import setup_child
+from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
@@ -235,7 +236,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
                 cause,
                 f"write glob('{file.rstrip('/')}/*') instead of ['{file}'], with `from glob import glob` at the top",
             )
-        elif not path.exists() and (close := like(path)):
+        elif not path.exists() and (close := like(path)) and not lies_elsewhere(package, file):
             shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
             yield Finding(
                 "data-file-missing",
