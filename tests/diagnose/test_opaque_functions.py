@@ -17,12 +17,13 @@ HEAD = """\
 import functools
 import json
 import os
+import subprocess
 from pathlib import Path
 
 import yaml
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, LogInfo
-from launch.substitutions import LaunchConfiguration
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 
 
 def generate_launch_description():
@@ -37,6 +38,7 @@ WRONG = [
     f"with open(f'{{directory}}/v.json') as f:\n    values = json.load(f)\n{LIST}",
     f"with open(directory + '/v.yaml') as f:\n    values = yaml.safe_load(f)\n{LIST}",
     f"path = os.path.join(LaunchConfiguration('dir'), 'v.yaml')\nvalues = yaml.safe_load(Path(path).read_text())\n{LIST}",
+    f"text = subprocess.check_output(['cat', PathJoinSubstitution([directory, 'v.yaml'])]).decode()\nvalues = yaml.safe_load(text)\n{LIST}",
     f"values = {{}}\nif os.path.exists(directory):\n    values['k'] = 'v'\n{LIST}",
     "ld = LaunchDescription()\nld.add_action(argument)\npath = os.path.join(directory, 'v.json')\nvalues = json.loads(Path(path).read_text())\nlog = LogInfo(msg=values['k'])\nld.add_action(log)\nreturn ld",
 ]

@@ -71,8 +71,9 @@ def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
             | ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value])
         ):
             return [value]
-        case ast.Call(args=[*used]) if runs_at_once(source, node):
-            return used
+        case ast.Call() if runs_at_once(source, node):
+            given = [*node.args, *(one.value for one in node.keywords)]
+            return [inner for one in given for inner in getattr(one, "elts", [one])]
     return []
 
 
