@@ -36,6 +36,7 @@ LATER = [
 ]  # fmt: skip
 OWED = [
     ("answer = self.cli.call(request)\nreturn answer", "answer = await self.cli.call_async(request)", "self.cli = "),
+    ("total += self.cli.call(request)\nreturn total", "total += await self.cli.call_async(request)", "self.cli = "),
     ("return self.cli.call(request)", "return await self.cli.call_async(request)", "self.cli = "),
     (f"sent = self.act.send_goal_async(goal)\n{SPIN.format('sent')}\nreturn sent", "await sent", "self.act = "),
     ("future = self.cli.call_async(request)\nwhile rclpy.ok() and not future.done():\n    pass\nreturn future", "await future", "self.cli = "),

@@ -140,10 +140,11 @@ def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
                 ):
                     yield _Wait(statement, statement, done[0].value)
                 continue
-            case ast.Expr() | ast.Assign() | ast.Return() | ast.AnnAssign():
-                calls = [n for n in ast.walk(statement) if isinstance(n, ast.Call)]
+            case ast.If(test=test):
+                calls = [n for n in ast.walk(test) if isinstance(n, ast.Call)]
             case _:
-                continue
+                is_plain = not hasattr(statement, "body")
+                calls = [n for n in ast.walk(statement) if isinstance(n, ast.Call)] if is_plain else []
         for call in calls:
             name = source.resolve(call.func) or ast.unparse(call.func)
             # Another node than the one that is spun may be kept just for this.
