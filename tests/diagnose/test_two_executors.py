@@ -47,6 +47,7 @@ WRONG = [
     (ADD + "while not node.done:\n    rclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
     (ADD + THREAD + UNTIL, "write `while not future.done(): time.sleep(0.01)`"),
     (ADD + "second = SingleThreadedExecutor()\nsecond.add_node(node)\n" + SPIN, "take `second.add_node(node)` away"),
+    ("for one in (node, other):\n    executor.add_node(one)\nrclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
     (ADD + "node.prepare()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),
     (ADD + "node.ready()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),
 ]  # fmt: skip
@@ -79,3 +80,41 @@ def test_what_takes_the_node_away_is_told(lines: str, fix: str) -> None:
 @pytest.mark.parametrize("lines", RIGHT)
 def test_a_node_that_stays_where_it_is_is_right(lines: str) -> None:
     assert found(lines) == []
+
+
+IN_CLASS = """\
+import rclpy
+
+
+class Server(Node):
+    def __init__(self):
+        super().__init__('server')
+        self.own = MultiThreadedExecutor()
+        BEFORE
+        self.own.add_node(self)
+        AFTER
+
+    def start(self):
+        rclpy.spin_until_future_complete(self, self.future)
+
+
+def main():
+    node = Server()
+    node.own.spin()
+    node.start()
+    self.own.spin()
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_told"),
+    [
+        ("pass", "pass", True),
+        ("self.start()", "pass", False),
+        ("pass", "self.create_timer(1.0, self.start)", False),
+    ],
+)
+def test_a_node_that_adds_itself(before: str, after: str, is_told: bool) -> None:
+    text = IN_CLASS.replace("BEFORE", before).replace("AFTER", after)
+    sources = NodeSources({"pk.a": PythonSource("pk.a", "a.py", text)})
+    assert bool([*two_executors(Entrance(sources, "pk.a.main"))]) is is_told

@@ -18,7 +18,7 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
     added = [one for one in entrance.calls if one.short == "add_node" and one.call.args]
     for one in added:
         executor = _executor(one)
-        if executor not in _spun(one):
+        if executor not in _spun(entrance):
             continue
         for other in added:
             is_same = other.function is one.function and _node(other) == _node(one)
@@ -56,8 +56,13 @@ def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
 def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
     """Return whether a spin is reached after a node was added, and of the same node as far as can be told."""
     made = [one for one in entrance.calls if entrance.makes_node(one)]
-    if _node(added) != ast.unparse(turn.call.args[0]) and len(made) != 1:
+    node = ast.unparse(turn.call.args[0])
+    if node not in _nodes(added) and len(made) != 1:
         return False
+    early = _called(n for n in walk(added.function) if getattr(n, "lineno", 0) < added.call.lineno)
+    if added.function.name == "__init__" and node == _node(added) == "self" and turn.source is added.source:
+        given = {getattr(arg, "attr", "") for one in entrance.calls for arg in one.call.args}
+        return turn.function.name not in early | given  # what is given to somebody is called while they spin
     if turn.function is added.function:
         return turn.call.lineno > added.call.lineno
     later = {n for n in walk(added.function) if getattr(n, "lineno", 0) > added.call.lineno}
@@ -90,16 +95,13 @@ def _names(function: ast.AST, entrance: Entrance) -> set[str]:
 
 def _has_no_executor(call: ast.Call) -> bool:
     places = 3 if ast.unparse(call.func).endswith("complete") else 2
-    return (
-        bool(call.args)
-        and len(call.args) < places
-        and all(one.arg != "executor" for one in call.keywords)
-    )
+    return bool(call.args) and len(call.args) < places and all(one.arg != "executor" for one in call.keywords)
 
 
-def _spun(added: Call) -> set[str]:
-    """Return what is spun in the function in which a node is added: by a call, or by a thread."""
-    spins = (n for n in walk(added.function) if isinstance(n, ast.Attribute) and n.attr.startswith("spin"))
+def _spun(entrance: Entrance) -> set[str]:
+    """Return what a program spins: by a call, or by a thread."""
+    nodes = (n for one in entrance.functions for n in walk(one))
+    spins = (n for n in nodes if isinstance(n, ast.Attribute) and n.attr.startswith("spin"))
     return {ast.unparse(one.value) for one in spins}
 
 
@@ -114,6 +116,14 @@ def _begun_before(entrance: Entrance, added: Call) -> bool:
 
 def _executor(added: Call) -> str:
     return ast.unparse(added.call.func).removesuffix(".add_node")
+
+
+def _nodes(added: Call) -> set[str]:
+    """Return the names of the nodes that are added by a call; in a loop, those through which it goes."""
+    loops = (
+        n for n in walk(added.function) if isinstance(n, ast.For) and ast.unparse(n.target) == _node(added)
+    )
+    return {_node(added), *(ast.unparse(one) for loop in loops for one in getattr(loop.iter, "elts", ()))}
 
 
 def _node(added: Call) -> str:
