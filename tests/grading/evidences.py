@@ -710,7 +710,7 @@ FAULTS: dict[str, tuple[str, Change]] = {
                 readme_commands={"colcon build": True, f"ros2 run {package} status_publisher": is_true},
             ),
         )
-        for package, is_true in (("<package_name>", None), ("PACKAGE", None), ("your_package", False), ("[pkg]", None))
+        for package, is_true in (("<package name>", None), ("<package_name>", None), ("PACKAGE", None), ("your_package", False), ("[pkg]", None))
     },
     "README in which a word stands for what is built": (
         "documentation",

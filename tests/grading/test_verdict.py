@@ -1255,7 +1255,12 @@ def test_a_readme_that_misspells_the_package_is_about_this_one(rubric: Rubric) -
 
 @pytest.mark.parametrize(
     ("command", "points"),
-    [("turtlesim turtlesim_node", 1.5), ("PACKAGE NODE", 1.5), ("my_robot status_publisher", 3)],
+    [
+        ("turtlesim turtlesim_node", 1.5),
+        ("PACKAGE NODE", 1.5),
+        ("<package>", 1.5),
+        ("my_robot status_publisher", 3),
+    ],
 )
 def test_a_readme_that_starts_only_what_is_not_handed_in_does_not_say_how_to_run(
     rubric: Rubric, command: str, points: float
@@ -2219,3 +2224,26 @@ def test_a_package_that_has_a_part_of_the_work_counts(rubric: Rubric, is_seen: b
     assert any(note.startswith("Part of the work") and "my_package" in note for note in given.notes)
     code = next(one for one in given.criteria if one.id == "documentation.code")
     assert code.points < code.max
+
+
+@pytest.mark.parametrize(("count", "level"), [(1, "now and then"), (2, "every 2.3 s")])
+def test_what_comes_once_behind_each_command_has_no_rhythm_of_its_own(
+    rubric: Rubric, count: int, level: str
+) -> None:
+    """That is the rhythm in which the commands were said."""
+    run = evidences.command_run()
+    topics = [
+        {
+            "/robot/status": evidences.heard(
+                evidences.STRING, "/command_subscriber", [{"data": "free"}] * count, 2.3, 4.6 * n
+            )
+        }
+        for n in range(len(run.commands))
+    ]
+    answering = replace(
+        run,
+        publishes={"/robot/status": {"/command_subscriber": [evidences.STRING]}},
+        commands=[replace(one, topics=heard) for one, heard in zip(run.commands, topics, strict=True)],
+    )
+    one = judged(right([answering]), rubric, "status_publisher.period")
+    assert level in one.reason

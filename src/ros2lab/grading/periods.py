@@ -28,8 +28,12 @@ def quiet_times(player: Player) -> list[float]:
 
 
 def gaps_of(player: Player) -> list[float]:
-    """Return the times between all messages that came in a run, in s."""
-    return gaps_apart([time for heard in player.heard for time in heard.times])
+    """Return the times between all messages that came in a run, in s.
+
+    What never comes but once behind a command has the rhythm of the commands, and none of its own.
+    """
+    is_own = quiet_times(player) or any(heard.count > 1 for heard in player.heard)
+    return gaps_apart([time for heard in player.heard for time in heard.times]) if is_own else []
 
 
 def is_changed(before: Run, after: Run) -> bool:

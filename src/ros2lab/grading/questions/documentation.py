@@ -132,9 +132,10 @@ def _can_be_typed(case: Case, text: str) -> bool:
     """Return whether a reader can type a command as it stands, or with a program that the README names."""
     files = case.evidence.files
     match text.split():
-        case ["ros2", "run" | "launch", package, name, *_] if files.readme_commands[text] is None:
+        case ["ros2", "run" | "launch", package, *names] if files.readme_commands[text] is None:
             paths = (PurePosixPath(path).name for path in files.launch_files)
-            is_told = not is_placeholder(name) or _is_any_named({*_programs(case), *paths}, files.readme)
+            is_open = any(map(is_placeholder, names[:1]))
+            is_told = not is_open or _is_any_named({*_programs(case), *paths}, files.readme)
             return is_told and not is_placeholder(package) and not _is_foreign(case, text)
         case ["colcon", *words]:
             return not any(map(is_placeholder, words))
