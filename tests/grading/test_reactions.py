@@ -98,6 +98,7 @@ def test_a_robot_that_obeys_is_believed(one: Run) -> None:
         (run(BY_CHANCE, **JOINED), {}),  # type: ignore[arg-type]
         (run(quiet=(GO, STAND, GO), tells_on={"/robot/state": ["/command_subscriber"]}), {}),
         (run(([GO, STAND, GO], *OBEYED[1:])), {}),
+        (run(([STAND], [STAND], [GO], [GO], [GO], [GO])), {}),
     ],
     ids=[
         "restless",
@@ -106,6 +107,7 @@ def test_a_robot_that_obeys_is_believed(one: Run) -> None:
         "joined_but_by_chance",
         "not_joined",
         "changes_twice",
+        "changes_once_in_all",
     ],
 )
 def test_chance_tells_nothing(one: Run, alone: dict[str, Heard]) -> None:

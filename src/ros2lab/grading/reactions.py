@@ -248,10 +248,12 @@ def tells(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
     """Return whether what a topic says tells of the commands in a run: the same word brings the same, and nothing else does.
 
     Where no graph shows that nodes hear each other, they may still meet by a service or a file; then only what is
-    steady by itself tells.
+    steady by itself tells, and what the same word was seen to bring more than once.
     """
-    is_from_there = is_reached(run, topic) or not _is_restless(run, topic, alone)
-    return is_from_there and _is_determined(run, topic)
+    left = _left_by(run, topic)
+    is_told_twice = any(len(states) > 1 for states in left.values())
+    is_from_there = is_reached(run, topic) or (is_told_twice and not _is_restless(run, topic, alone))
+    return is_from_there and all(len({*states}) == 1 for states in left.values())
 
 
 def is_reached(run: Run, topic: str) -> bool:
@@ -276,8 +278,8 @@ def _is_restless(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
     return any(changes[: len(quiet)]) or any(count > 1 for count in changes[len(quiet) :])
 
 
-def _is_determined(run: Run, topic: str) -> bool:
-    """Return whether each word that was said more than once left a topic as it did before.
+def _left_by(run: Run, topic: str) -> dict[str, list[str]]:
+    """Return how each word that changed what a topic says left it, whenever it was said from then on.
 
     A velocity is only asked whether it is one. What changes nothing leaves it in one state or another.
     """
@@ -292,7 +294,7 @@ def _is_determined(run: Run, topic: str) -> bool:
                 after.setdefault(one.text, []).append(state)
             elif one.text in after:
                 after[one.text].append(state)
-    return all(len({*states}) == 1 for states in after.values())
+    return after
 
 
 def _state(values: list[Any]) -> str:
