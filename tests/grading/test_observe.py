@@ -326,6 +326,17 @@ rclpy.spin(node)
 # What a thread does, and when, is chance; and what is watched in another way than by itself, twice.
 OTHERS = {
     "gated": _GATED,
+    "managed": """
+from rclpy.lifecycle import Node as Managed, TransitionCallbackReturn
+class Status(Managed):
+    def on_configure(self, state):
+        self.publisher = self.create_lifecycle_publisher(String, "/robot/status", 10)
+        self.create_timer(0.5, lambda: self.publisher.publish(String(data="well")))
+        willing = sys.argv[1] == "True"
+        return TransitionCallbackReturn.SUCCESS if willing else TransitionCallbackReturn.FAILURE
+rclpy.init()
+rclpy.spin(Status("status"))
+""",
     **{
         f"{way}_{name}": _LOCKED.replace("LOCK)", f"{lock.replace('NAME', name)!r})")
         for way, lock in {**_LOCKS, "of_each": _OF_EACH}.items()
@@ -824,6 +835,16 @@ def test_what_waits_for_flags_is_given_them_in_each_way(
     assert [run.given for run in runs] == [sorted(names)] * 2
     assert ["/robot/status" in run.quiet for run in runs] == [is_opened] * 2
     assert is_opened or [run.tried for run in runs] == [sorted(names)] * 2
+
+
+@pytest.mark.parametrize("is_willing", [True, False])
+def test_a_managed_node_is_told_to_begin(observer: Observer, is_willing: bool) -> None:
+    """One that refuses would do so wherever it is told to."""
+    managed = replace(program("managed"), command=[*program("managed").command, str(is_willing)])
+    (run,) = observer.watch([Job.given([managed], has_flags=False)])
+    assert ("/robot/status" in run.quiet) == is_willing
+    assert run.tried == run.given
+    assert "/status/change_state" in run.given
 
 
 @pytest.mark.parametrize("way", [*_LOCKS])

@@ -19,7 +19,8 @@ from ros2lab.observed_domain import LATCHED, UNTOLD
 from ros2lab.topics import find_type
 
 MOST_FLAGS = 3  # that are given in all ways
-FLAG: tuple[list[str], ...] = (["boolean"], [])  # the fields of what is a flag, or nothing at all
+MANAGES = "lifecycle_msgs/srv/ChangeState"  # by which a managed node is told to begin
+BEGIN = (1, 3)  # configure, activate
 
 
 class Given:
@@ -33,6 +34,7 @@ class Given:
     Attributes:
         names: the topics and services on which something was given.
         flags: those of them on which nothing but a flag can be given.
+        plain: those on which there is nothing to choose.
     """
 
     def __init__(self, watch: Watch, kept: Collection[str], *, flags: bool) -> None:
@@ -40,6 +42,7 @@ class Given:
         self._turn = 0
         self.names: set[str] = set()
         self.flags: list[str] = []
+        self.plain: set[str] = set()
         self._watch = watch
         self._kept = {*kept, *HIDDEN_TOPICS}
         self._publishers: dict[str, Any] = {}
@@ -56,7 +59,7 @@ class Given:
     def tried(self) -> list[str]:
         """The topics and services on which all was given that can be, at once with what can be given on the others."""
         is_all = len(self.flags) == 1 or self._turn == self.turns - 1
-        return sorted(self.flags) if is_all and len(self.flags) <= MOST_FLAGS else []
+        return sorted([*self.plain, *(self.flags if is_all and len(self.flags) <= MOST_FLAGS else ())])
 
     def give(self, turn: int | None = None) -> None:
         """Publish on each topic that is only subscribed to, call each service, and provide each that is called.
@@ -106,11 +109,21 @@ class Given:
             return
         if service not in self._clients:
             self._clients[service] = self._watch.node.create_client(kind, service)
-        request = self._flagged(service, kind.Request(), is_first=True)
-        if self._clients[service].service_is_ready() and request not in self._requests[service]:
-            self._clients[service].call_async(request)
-            self._requests[service].append(request)
-            self.names.add(service)
+        for request in self._made(service, kind):
+            if self._clients[service].service_is_ready() and request not in self._requests[service]:
+                self._clients[service].call_async(request)
+                self._requests[service].append(request)
+                self.names.add(service)
+
+    def _made(self, service: str, kind: Any) -> list[Any]:
+        """Return the requests that are made to a service at once."""
+        if find_type(MANAGES) is not kind:
+            return [self._flagged(service, kind.Request(), is_first=True)]
+        requests = [kind.Request() for _ in BEGIN]
+        for request, number in zip(requests, BEGIN, strict=True):
+            request.transition.id = number
+        self.plain.add(service)
+        return requests
 
     def _provide(self, service: str, kind: Any) -> None:
         is_there = service in self._clients or service in self._services
@@ -123,7 +136,9 @@ class Given:
     def _flagged(self, name: str, message: Any, *, is_first: bool | None = None) -> Any:
         """Return a message, a request or a response with its flags set, or not."""
         fields = message.get_fields_and_field_types()
-        if [*fields.values()] in FLAG and name not in self.flags:
+        if not fields:
+            self.plain.add(name)
+        elif [*fields.values()] == ["boolean"] and name not in self.flags:
             self.flags.append(name)
         is_set = self._is_first if is_first is None else is_first
         if name in self.flags:
