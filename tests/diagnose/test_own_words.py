@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 from workspace_files import NAMES, Files
 
+from ros2lab.cli import app
 from ros2lab.diagnose import of_text
-from ros2lab.diagnose.finding import SAID, UNKNOWN
+from ros2lab.diagnose.finding import UNKNOWN
 
 NAME = NAMES[1]
 COUNT = "        self.count = 0\n"
@@ -23,13 +25,17 @@ SAYS = {
 
 
 @pytest.mark.parametrize("form", SAYS)
-def test_words_of_the_own_code_are_known_with_their_line(tmp_path: Path, form: str) -> None:
+def test_words_of_the_own_code_are_known_with_their_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, form: str
+) -> None:
     line, said = SAYS[form]
     root = Files.right(NAME).change("PACKAGE/MODULE.py", COUNT, COUNT + line).write(tmp_path)
-    (found,) = of_text(SET.format(said), root)
-    assert found.code == SAID
-    assert found.cause.startswith("Your own code says this")
-    file, _, number = found.place.rpartition(":")
+    monkeypatch.chdir(root)
+    text = SET.format(said)
+    assert of_text(text, root) == []
+    shown = CliRunner().invoke(app, ["diagnose", "-"], input=text, env={"COLUMNS": "400"}).stdout
+    assert "a message of your own code" in shown
+    file, _, number = shown.partition("Python: ")[2].partition(")")[0].rpartition(":")
     assert line.strip().splitlines()[0].split("'")[0].split("(")[0] in (root / file).read_text()
     assert any(word in (root / file).read_text().splitlines()[int(number) - 1] for word in said.split()[:3])
 

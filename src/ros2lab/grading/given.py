@@ -117,7 +117,7 @@ class Given:
 
     def _made(self, service: str, kind: Any) -> list[Any]:
         """Return the requests that are made to a service at once."""
-        if find_type(MANAGES) is not kind:
+        if kind != find_type(MANAGES):
             return [self._flagged(service, kind.Request(), is_first=True)]
         requests = [kind.Request() for _ in BEGIN]
         for request, number in zip(requests, BEGIN, strict=True):

@@ -86,6 +86,7 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
     """Return what is found of the text that is read, whether it is told in steps, and what was looked at."""
     from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
     from ros2lab.diagnose.explaining.needed import of_needed  # noqa: PLC0415
+    from ros2lab.diagnose.explaining.own_words import own_words  # noqa: PLC0415
     from ros2lab.diagnose.look import Look, seen_of  # noqa: PLC0415
     from ros2lab.diagnose.printed.error_text import read_error, read_printed  # noqa: PLC0415
 
@@ -100,6 +101,8 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
         if error.typed:
             # What was sourced, the text shows itself: it may be of another terminal.
             findings = [one for one in findings if one.code != "not-sourced"]
+        if own := own_words(error.decisive, look):
+            looked_at += f" ({own.cause.rstrip('.')}: {own.place})"
         looked_at += f", and nothing wrong was found in {here}, where it looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
     looked_at += ". Give everything that was printed, starting with the command."
     return findings, is_text_step_by_step(text, here), looked_at

@@ -84,7 +84,9 @@ def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
         if made is not None and is_by_comma(source, made) and not _is_taken_apart(source, node):
             line = made.end_lineno or made.lineno
             text = source.text.splitlines()[line - 1].partition("#")[0].strip().removesuffix(",")
-            cause = f"The comma at the end turns `{ast.unparse(made).splitlines()[0][1:-2][:60]}` into a tuple."
+            cause = (
+                f"The comma at the end turns `{ast.unparse(made).splitlines()[0][1:-2][:60]}` into a tuple."
+            )
             written = f": `{text}`" if made.lineno == line else ""
             yield Finding(
                 "comma-tuple", cause, source.at(line), f"remove the comma at the end of this line{written}"

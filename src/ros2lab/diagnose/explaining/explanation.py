@@ -77,7 +77,7 @@ def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look
     found = _explained(error, known, look)
     if not error.reports and (quiet := of_quiet_program(text, look)):
         return [quiet, *(one for one in found or known if one.place != quiet.place)]
-    if not found and not error.is_clear:
+    if not found and not (error.is_clear and (error.reports or not own_words(error.decisive, look))):
         return known or _undecided(error, look)
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
     return [worth_typing(one, look) for one in (_first_tried(found, error, look) if look else found)]

@@ -47,9 +47,9 @@ def own_words(line: str, look: Look | None) -> Finding | None:
     text, place = max(said, key=lambda one: len(one[0]))
     return Finding(
         SAID,
-        f"Your own code says this, {text!r}, so it is no error of ROS or Python.",
+        f"{text!r} is a message of your own code, not an error from ROS or Python.",
         place,
-        "if it should not say so here, look at the condition above this line, and at the value that it is given",
+        "if it should not appear here, check the condition above this line and the value it receives",
     )
 
 
