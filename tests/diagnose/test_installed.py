@@ -192,3 +192,15 @@ def test_dashes_that_setuptools_takes_are_no_fault_once_it_is_built(tmp_path: Pa
     assert {one.code for one in of_workspace(root)} == {"setup-cfg-dashes"}
     (root / "install" / NAMES[0].package / "lib" / NAMES[0].package).mkdir(parents=True)
     assert "setup-cfg-dashes" not in {one.code for one in of_workspace(root)}
+
+
+def test_a_library_needs_no_folder_for_executables(tmp_path: Path) -> None:
+    files = Files.right(NAMES[0])
+    del files.texts[files.path("setup.cfg")]
+    setup = files.texts[files.path("setup.py")]
+    root = files.write(tmp_path / "a")
+    assert "setup-cfg-missing" in {one.code for one in of_workspace(root)}
+    listed = setup.partition("'console_scripts': [")[2].partition("]")[0]
+    files.texts[files.path("setup.py")] = setup.replace(listed, "")
+    codes = {one.code for one in of_workspace(files.write(tmp_path / "b"))}
+    assert "setup-cfg-missing" not in codes

@@ -61,7 +61,8 @@ def packaging_faults(
     yield from _cfg_form(package)
     if is_for_ros:
         yield from _places_for_ros(package, setup)
-    if is_for_ros and package.build_type in (None, "ament_python"):
+    is_library = setup.entry_points == [] and "scripts" not in setup.keywords
+    if is_for_ros and package.build_type in (None, "ament_python") and not is_library:
         yield from _cfg_faults(package)
     yield from entry_point_faults(package, setup)
 
