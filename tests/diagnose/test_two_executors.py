@@ -46,7 +46,7 @@ WRONG = [
     (ADD + UNTIL + SPIN, "write `executor.spin_until_future_complete(future)`"),
     (ADD + "while not node.done:\n    rclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
     (ADD + THREAD + UNTIL, "write `while not future.done(): time.sleep(0.01)`"),
-    (ADD + "second = SingleThreadedExecutor()\nsecond.add_node(node)\n" + SPIN, "take `second.add_node(node)` away"),
+    (ADD + "second = SingleThreadedExecutor()\nsecond.add_node(node)\n" + SPIN, "remove `second.add_node(node)`"),
     ("for one in (node, other):\n    executor.add_node(one)\nrclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
     (ADD + "node.prepare()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),
     (ADD + "node.ready()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),

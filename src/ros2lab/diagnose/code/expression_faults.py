@@ -82,15 +82,17 @@ def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
     for node in source.nodes:
         made = node.value if isinstance(node, (ast.Assign, ast.Return)) else None
         if made is not None and is_by_comma(source, made) and not _is_taken_apart(source, node):
-            line = made.end_lineno or made.lineno
-            text = source.text.splitlines()[line - 1].partition("#")[0].strip().removesuffix(",")
-            cause = (
-                f"The comma at the end turns `{ast.unparse(made).splitlines()[0][1:-2][:60]}` into a tuple."
-            )
-            written = f": `{text}`" if made.lineno == line else ""
-            yield Finding(
-                "comma-tuple", cause, source.at(line), f"remove the comma at the end of this line{written}"
-            )
+            yield tuple_by_comma(source, made)
+
+
+def tuple_by_comma(source: PythonSource, made: ast.expr) -> Finding:
+    """Say that the comma after a value makes a tuple of it."""
+    line = made.end_lineno or made.lineno
+    text = source.text.splitlines()[line - 1].partition("#")[0].strip().removesuffix(",")
+    cause = f"The comma at the end turns `{ast.unparse(made).splitlines()[0][1:-2][:60]}` into a tuple."
+    fix = f"write `{text}`, with no comma at its end"
+    fix = fix if made.lineno == line else "remove the comma at the end of this line"
+    return Finding("comma-tuple", cause, source.at(line), fix)
 
 
 def is_by_comma(source: PythonSource, value: ast.expr) -> bool:

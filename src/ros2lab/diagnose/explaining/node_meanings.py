@@ -99,10 +99,28 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "write _ instead of other characters",
     ),
     meaning(
+        r"Callback returned an invalid type",
+        "value-none",
+        "A callback of add_on_set_parameters_callback must return a SetParametersResult, but returns something else.",
+        "write `return SetParametersResult(successful=True)` as its last line, with `from rcl_interfaces.msg import SetParametersResult` at the top",
+    ),
+    meaning(
+        r"generator already executing|Executor is already spinning",
+        "not-spinning",
+        "Two threads spin the same executor: rclpy.spin() and its like all use the one that rclpy has for a program.",
+        "add all nodes to one executor and spin that in one place: executor = MultiThreadedExecutor(); executor.add_node(node); executor.spin()",
+    ),
+    meaning(
+        r"Transition is not registered",
+        "transition-wrong",
+        "The managed node was asked for a transition that its present state does not have: it must be configured before it can be activated.",
+        "type `ros2 lifecycle set /node configure` first, with the node's name, and then activate; `ros2 lifecycle get /node` shows its state",
+    ),
+    meaning(
         r"Logger severity cannot be changed between calls",
         "python-error",
         "rclpy remembers the severity of each logging line, but this line logs sometimes with one severity and sometimes with another.",
-        "write a separate line for each: if ...: self.get_logger().warning(...) and else: self.get_logger().info(...)",
+        "write a separate line for each severity, with the logger of this line: one that calls .info(...) and another one that calls .warning(...)",
     ),
     meaning(
         r"UnknownROSArgsError: (?P<name>\[.*\])",

@@ -322,6 +322,10 @@ def launch_line(error: ErrorText, look: Look | None) -> str:
     run = [pair for pair in files if error.command and pair[1].name == Path(error.command[2]).name]
     run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
     said = error.text.partition("Caught exception in launch")[2]
+    for fault in (one for file, _ in files for one in file.faults if one.code == SAID and ":" in one.place):
+        if fault.cause.partition(": ")[2].partition(" at 0x")[0] in said:
+            return fault.place
+    run = [pair for pair in files if f"/{pair[1].name}'" in said] or run
     words = [
         word
         for word in re.findall(r"'([\w./ -]+)'|: (\w+) is not|substitution: ([\w-]+)", said)

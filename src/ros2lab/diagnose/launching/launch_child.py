@@ -111,6 +111,7 @@ class _Loading:
         self.reached: set[int] = set()
         self.faults: list[dict[str, Any]] = []
         self.arguments: set[str] = set()
+        self.asked: dict[str, set[str]] = {}  # by tag, the attributes that its action asks for
 
     def result(self, refused: list[str]) -> dict[str, Any]:
         """Return what it would start, or why launch cannot load it; nothing of what lacks or is refused something here."""
@@ -262,6 +263,7 @@ class _Loading:
         get, check = entity.get_attr, entity.assert_entity_completely_parsed
 
         def get_attr(one: Any, name: str, **options: Any) -> Any:
+            self.asked.setdefault(one.type_name, set()).add(name)
             try:
                 return get(one, name, **options)
             except AttributeError:
@@ -275,7 +277,8 @@ class _Loading:
                 check(one)
             except ValueError as error:
                 names = re.findall(r"'([\w-]+)'", str(error).partition(": ")[2])
-                self.faults.append({"tag": one.type_name, "unexpected": names})
+                known = sorted(self.asked.get(one.type_name, ()))
+                self.faults.append({"tag": one.type_name, "unexpected": names, "known": known})
 
         entity.get_attr, entity.assert_entity_completely_parsed = get_attr, checked
 

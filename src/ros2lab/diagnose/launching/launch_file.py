@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ros2lab.diagnose.code.expression_faults import comma_faults, path_faults
+from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, path_faults, tuple_by_comma
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
@@ -102,10 +102,12 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
 
 
 def _without_return(source: PythonSource) -> Iterator[Finding]:
-    """Yield a description that is made and not returned."""
+    """Yield a description that is made and not returned, or that a comma puts into a tuple."""
     for node in source.tree.body:
         if isinstance(node, ast.FunctionDef) and node.name == "generate_launch_description":
-            if any(isinstance(inner, ast.Return) and inner.value for inner in own_nodes(node)):
+            returned = [n.value for n in own_nodes(node) if isinstance(n, ast.Return) and n.value]
+            yield from (tuple_by_comma(source, value) for value in returned if is_by_comma(source, value))
+            if returned:
                 return
             last = node.body[-1]
             made = [

@@ -237,11 +237,15 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
         faults = [fault for fault in told["faults"] if fault["tag"] == tag]
         missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
         strange = list(dict.fromkeys(name for fault in faults for name in fault.get("unexpected", ())))
-        lacks = f"{tag} needs {' and '.join(missing)}" if missing else f"launch has {tag}"
-        has = f", but does not know {' and '.join(strange)}" if strange else ", which is missing"
+        known = {name for fault in faults for name in fault.get("known", ())} - {*strange}
+        meant = missing[0] if len(missing) == 1 else nearest(strange[0], known, 0.6) if strange else None
+        unknown = f"has no attribute called {' or '.join(strange)}"
+        cause = f"<{tag}> {unknown}." if strange else f"<{tag}> lacks its attribute {' and '.join(missing)}."
+        if missing and strange:
+            cause = f"<{tag}> needs {' and '.join(missing)}, and {unknown}."
         fix = f"write {missing[0]} here" if missing else f"remove {' and '.join(strange)}"
-        fix = f"write {missing[0]} instead of {strange[0]}" if len(missing) == len(strange) == 1 else fix
-        yield Finding("launch-argument", f"{lacks}{has}.", at(file.shown, _line(path, strange or [tag])), fix)
+        fix = f"write {meant} instead of {strange[0]}" if meant and len(strange) == 1 else fix
+        yield Finding("launch-argument", cause, at(file.shown, _line(path, strange or [tag])), fix)
     error = told["error"]
     if error and not tags:
         cause = f"launch cannot load this file: {error['message']}"

@@ -23,8 +23,8 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
         for other in added:
             is_same = other.function is one.function and _node(other) == _node(one)
             if is_same and executor != _executor(other) and other.call.lineno > one.call.lineno:
-                cause = f"A node is in one executor only: this line takes {_node(one)} from {executor}, which then calls none of its callbacks."
-                fix = f"take `{ast.unparse(other.call)}` away, or give it another node"
+                cause = f"A node can be in only one executor: this line takes {_node(one)} away from {executor}, which then calls none of its callbacks."
+                fix = f"remove `{ast.unparse(other.call)}`, or add another node there"
                 yield Finding("not-spinning", cause, other.source.at(other.call), fix)
         for turn in entrance.calls:
             if (
@@ -33,6 +33,43 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
                 and _comes_after(entrance, one, turn)
             ):
                 yield _taken_away(one, turn, entrance)
+
+
+def several_threads(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a thread that spins the executor of rclpy while another one does: it cannot be in two of them."""
+    threads = [one for one in entrance.calls if one.short == "Thread" and _spins_in_thread(one)]
+    others = [
+        one for one in entrance.calls if one.name.startswith("rclpy.spin") and _has_no_executor(one.call)
+    ]
+    for one in threads[:1]:
+        makers = _made(entrance, one)
+        is_repeated = one.is_repeated or len(makers) > 1 or any(_is_in_loop(entrance, n) for n in makers)
+        if is_repeated or len(threads) > 1 or others:
+            where = "" if is_repeated else f" while line {(threads[1:] or others)[0].call.lineno} does, too"
+            yield Finding(
+                "not-spinning",
+                f"Several threads spin nodes with rclpy.spin(){where}, but all of these use one executor, which only one thread can spin.",
+                one.source.at(one.call),
+                "add all nodes to one executor instead, and spin that in one place: executor = MultiThreadedExecutor(); executor.add_node(node) for each; executor.spin()",
+            )
+
+
+def _spins_in_thread(one: Call) -> bool:
+    given = [*one.call.args, *(keyword.value for keyword in one.call.keywords)]
+    return any(one.source.resolve(value) == "rclpy.spin" for value in given)
+
+
+def _made(entrance: Entrance, one: Call) -> list[ast.Call]:
+    """Return the calls that make objects of the class in which a call is reached."""
+    names = _names(one.function, entrance) - {"__init__"} if one.function.name == "__init__" else set()
+    nodes = (n for function in entrance.functions for n in walk(function))
+    return [n for n in nodes if isinstance(n, ast.Call) and getattr(n.func, "id", "") in names]
+
+
+def _is_in_loop(entrance: Entrance, made: ast.Call) -> bool:
+    loops = (ast.For, ast.While, ast.ListComp, ast.GeneratorExp, ast.SetComp, ast.DictComp)
+    nodes = (n for function in entrance.functions for n in walk(function) if isinstance(n, loops))
+    return any(made is inner for loop in nodes for inner in walk(loop))
 
 
 def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
@@ -45,11 +82,11 @@ def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
         written = f"{_executor(added)}.{turn.short}({', '.join(rest)})"
     fix = f"write `{written}` instead of `{ast.unparse(turn.call)}`"
     if _begun_before(entrance, added):
-        fix = f"take `{ast.unparse(turn.call)}` away: {_executor(added)} spins {node} already in its thread"
+        fix = f"remove `{ast.unparse(turn.call)}`: {_executor(added)} already spins {node} in its thread"
         if is_until and rest:
-            fix = f"write `while not {rest[0]}.done(): time.sleep(0.01)` instead of `{ast.unparse(turn.call)}`, for {_executor(added)} spins {node} already in its thread; with `import time` at the top"
+            fix = f"write `while not {rest[0]}.done(): time.sleep(0.01)` instead of `{ast.unparse(turn.call)}`, because {_executor(added)} already spins {node} in its thread; with `import time` at the top"
     of_file = "" if added.source is turn.source else f" of {added.source.shown}"
-    cause = f"{turn.name}() spins with an executor of its own, and so takes the node from {_executor(added)}, to which line {added.call.lineno}{of_file} has added it: after this line {_executor(added)} spins no node."
+    cause = f"{turn.name}() spins with its own executor, so it takes the node away from {_executor(added)}, where line {added.call.lineno}{of_file} added it: after this line {_executor(added)} no longer spins it."
     return Finding("not-spinning", cause, turn.source.at(turn.call), fix)
 
 

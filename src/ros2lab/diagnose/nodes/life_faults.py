@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.executors import two_executors
+from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance, entrance_faults
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
@@ -42,6 +42,7 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
             entrance = Entrance(sources, name)
             yield from entrance_faults(entrance)
             yield from two_executors(entrance)
+            yield from several_threads(entrance)
     for source in sources.sources.values():
         yield from _spin_not_called(source)
     yield from _callback_faults(sources)
@@ -156,12 +157,33 @@ def _sent_early(sources: NodeSources) -> Iterator[Finding]:
         early = {id(node) for function in (made, *once) for node in own_nodes(function)}
         sent = [n for n in walk(one.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
         if sent and all(id(node) in early for node in sent):
-            yield Finding(
-                "sent-early",
-                f"`{ast.unparse(sent[0].func)}(...)` runs once, in the constructor, before any subscriber is connected, so nothing receives the message.",
-                one.source.at(sent[0]),
-                "publish in a method, and call it with a timer: create_timer(1.0, self.that_method)",
-            )
+            fix = "publish in a method, and call it with a timer: create_timer(1.0, self.that_method)"
+            yield _early(one.source, sent[0], "in the constructor", fix)
+    for creation in sources.creations:
+        if creation.method == "create_publisher" and creation.owner is None and creation.function:
+            yield from _sent_at_once(creation.source, creation.function, creation.call)
+
+
+def _sent_at_once(source: PythonSource, function: Function, made: ast.Call) -> Iterator[Finding]:
+    """Yield a message that a function sends as soon as it has made the publisher: nothing in between waits or spins."""
+    kept = [n for n in own_nodes(function) if isinstance(n, ast.Assign) and n.value is made]
+    name = ast.unparse(kept[0].targets[0]) if kept else ""
+    sent = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.publish"]
+    loops = (n for n in own_nodes(function) if isinstance(n, (ast.For, ast.While)))
+    again = {id(node) for loop in loops for node in walk(loop)}
+    if not name or not sent or any(id(n) in again for n in sent):
+        return
+    between = range(made.lineno, sent[0].lineno)
+    turns = [n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno in between]
+    if not any(getattr(n.func, "attr", "").startswith(("spin", "wait")) for n in turns):
+        node = ast.unparse(made.func.value) if isinstance(made.func, ast.Attribute) else "node"
+        fix = f"write `while {name}.get_subscription_count() == 0: rclpy.spin_once({node}, timeout_sec=0.1)` above this line, and `rclpy.spin_once({node}, timeout_sec=1.0)` below it"
+        yield _early(source, sent[0], "as soon as its publisher has been created", fix)
+
+
+def _early(source: PythonSource, sent: ast.Call, when: str, fix: str) -> Finding:
+    cause = f"`{ast.unparse(sent.func)}(...)` runs once, {when}, before any subscriber is connected, so nothing receives the message."
+    return Finding("sent-early", cause, source.at(sent), fix)
 
 
 def _is_publish(function: ast.expr) -> bool:

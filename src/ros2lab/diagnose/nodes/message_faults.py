@@ -190,9 +190,16 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
     fields = interfaces.fields_of(message)
     if fields is not None and name not in fields and not name.startswith("_"):
         inner = [f for f, kind in fields.items() if name in (interfaces.fields_of(field_kind(kind)) or {})]
+        short = _short(str(message))
+        of_rclpy = interfaces.members_of(f"rclpy.{short.lower()}", short)[0]
+        if {"from_msg", name} <= of_rclpy and isinstance(node, ast.Attribute):
+            cause = f"This {short} is a message, with the fields {', '.join(fields)}: {name} belongs to rclpy's {short}."
+            fix = f"write `{short}.from_msg({ast.unparse(node.value)}).{name}` instead of `{ast.unparse(node)}`, with `from rclpy.{short.lower()} import {short}` at the top"
+            yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
+            return
         yield Finding(
             "message-field",
-            f"{_short(str(message))} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
+            f"{short} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
             f"write {' or '.join(f'{one}.{name}' for one in inner)} instead of {name}"
             if inner

@@ -329,7 +329,8 @@ def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     value = next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
     name = sources.value(creation.source, value)
     if isinstance(name, str) and not TOPIC_NAME.fullmatch(name):
-        better = re.sub(r"_*/_*", "/", re.sub(r"[^\w~{}/]+", "_", name.strip())).rstrip("/_")
+        better = re.sub(r"_*/_*", "/", re.sub(r"[^A-Za-z0-9_~{}/]+", "_", name.strip())).rstrip("/_")
+        better = re.sub(r"(^|/)(?=\d)", r"\1topic_", re.sub(r"(?<=[\w}])/(?=\d)", "_", better)) or "topic"
         yield Finding(
             "topic-name-invalid",
             f"{name!r} is not a valid topic name: between slashes it may contain only letters, digits and _, and no part may begin with a digit.",

@@ -94,7 +94,7 @@ def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Fun
         fix = "write [options.extras_require] at the end of setup.cfg, with test = pytest below it, then build again"
         yield Finding("tests-not-run", cause, package.shown("setup.cfg"), fix)
         return
-    fix = f"write extras_require={{'test': ['pytest']}}on its own line above {above}=..., and build again"
+    fix = f"write `extras_require={{'test': ['pytest']}},` on its own line above {above}=..., and build again"
     yield Finding("tests-not-run", cause, at(setup.source.shown, setup.line(above)), fix)
 
 
