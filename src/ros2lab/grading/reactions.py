@@ -248,10 +248,11 @@ def tells(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
     """Return whether what a topic says tells of the commands in a run: the same word brings the same, and nothing else does.
 
     Where no graph shows that nodes hear each other, they may still meet by a service or a file; then only what is
-    steady by itself tells, and what the same word was seen to bring more than once.
+    steady by itself tells, and where words are said again, what the same word was seen to bring more than once.
     """
     left = _left_by(run, topic)
-    is_told_twice = any(len(states) > 1 for states in left.values())
+    is_said_once = len({one.text for one in run.commands}) == len(run.commands)
+    is_told_twice = is_said_once or any(len(states) > 1 for states in left.values())
     is_from_there = is_reached(run, topic) or (is_told_twice and not _is_restless(run, topic, alone))
     return is_from_there and all(len({*states}) == 1 for states in left.values())
 
