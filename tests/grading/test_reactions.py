@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import evidences
 import pytest
 
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.reactions import changed, is_reached, tells
+from ros2lab.grading.reactions import changed, is_reached, lines_of, tells
 
 COMMAND, CMD_VEL = "/robot/command", "/cmd_vel"
 GO, STAND, TURN = 0.2, 0.0, 0.1
@@ -122,3 +123,21 @@ def test_a_topic_is_reached_by_way_of_others() -> None:
     )
     assert is_reached(chain, CMD_VEL)
     assert not is_reached(run(hears={"/b": ["/velocity_publisher"]}, tells_on={"/b": ["/between"]}), CMD_VEL)
+
+
+def test_what_is_typed_meanwhile_is_no_reaction() -> None:
+    """Other answers come up after each command: what a program says of them follows none of the commands."""
+    said = [
+        ("start", "1,1"),
+        ("twirl", "y"),
+        ("stop", "1 1"),
+        ("twirl", "1,1"),
+        ("reset", "y"),
+        ("start", "1"),
+    ]
+    commands = [
+        CommandSeen(word, [["WARN", f"Unknown command: {answer!r}"]], {}, {}, True)
+        for word, answer in said
+    ]
+    seen = replace(run(), commands=commands, typed=["1,1", "y", "1 1", "1"])
+    assert len({frozenset(lines_of(seen, one)) for one in commands}) == 1

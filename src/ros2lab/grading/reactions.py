@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import re
 from collections import Counter
@@ -39,7 +40,7 @@ def effects_of(
     """
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
-    said = {word: templates(by_text[word]) for word in part.commands if word in by_text}
+    said = {word: templates(run, by_text[word]) for word in part.commands if word in by_text}
     known = set[str]().union(*said.values())
     unknown = _control(part, run)
     # What is said of an unknown word alone shows that the others are known.
@@ -54,7 +55,7 @@ def effects_of(
             )  # that it was heard, but not that it was obeyed
         elsewhere = set[str]().union(*(lines for other, lines in said.items() if other != word))
         # A line that this word shares with unknown ones, and with no other word, says that it is not known.
-        is_refused = bool(unknown & (_warnings(one) | (own - elsewhere)))
+        is_refused = bool(unknown & (_warnings(run, one) | (own - elsewhere)))
         is_apart = not is_arbitrary and (own - unknown or (own and refuses))
         if changes(part, run, one, alone, echoes) or is_apart:
             found[word] = "processed"
@@ -68,7 +69,7 @@ def _control(part: Part, run: Run) -> set[str]:
 
     It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
     """
-    said = _by_unknown(part, ((one.text, templates(one)) for one in run.commands))
+    said = _by_unknown(part, ((one.text, templates(run, one)) for one in run.commands))
     return set[str]().union(
         *(
             set.intersection(*filter(None, times))
@@ -87,9 +88,9 @@ def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, l
     return found
 
 
-def _warnings(one: CommandSeen) -> set[str]:
+def _warnings(run: Run, one: CommandSeen) -> set[str]:
     """Return what was said after a command as a warning."""
-    return {_template(_steady(text), one.text) for level, text in one.log if level in _WARNINGS}
+    return {_template(_line(run, text), one.text) for level, text in one.log if level in _WARNINGS}
 
 
 def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = True) -> bool:
@@ -97,7 +98,7 @@ def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = Tru
     return any(
         command.parameters
         or any(changed(run, command, alone))
-        or (has_own_log and lines_of(command) - said_by_itself(run))
+        or (has_own_log and lines_of(run, command) - said_by_itself(run))
         for command in run.commands
     )
 
@@ -107,9 +108,9 @@ def unknown_word(part: Part) -> str:
     return next(filter(None, part.unknown), "")
 
 
-def lines_of(one: CommandSeen) -> set[str]:
+def lines_of(run: Run, one: CommandSeen) -> set[str]:
     """Return what was said after a command, without what a program prints when it dies of it."""
-    return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
+    return {_line(run, text) for level, text in one.log if one.is_alive or level != "PRINT"}
 
 
 def telling_lines(part: Part, run: Run, word: str) -> set[str]:
@@ -119,7 +120,7 @@ def telling_lines(part: Part, run: Run, word: str) -> set[str]:
     before, and follows no unknown word, tells of a state that a command brings back.
     """
     said = {
-        one.text: lines_of(one)
+        one.text: lines_of(run, one)
         for one in reversed(run.commands)
         if one.text in (*part.commands, *part.unknown)
     }
@@ -130,13 +131,18 @@ def telling_lines(part: Part, run: Run, word: str) -> set[str]:
     common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
     others = set().union(*(lines for text, lines in said.items() if text != word))
     after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
-    again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
+    again = {line for line, count in Counter(_line(run, text) for _, text in run.log).items() if count > 1}
     return said[word] - common - (others & again) - (after_unknown & said_by_itself(run))
 
 
 def said_by_itself(run: Run) -> set[str]:
     """Return the lines that came before any command."""
-    return {_steady(text) for _, text in run.log}
+    return {_line(run, text) for _, text in run.log}
+
+
+def _line(run: Run, text: str) -> str:
+    """Return a line without its numbers, and without what was typed at a keyboard meanwhile."""
+    return _steady(re.sub(_any_of(frozenset(run.typed)), "…", text) if run.typed else text)
 
 
 def _steady(text: str) -> str:
@@ -144,13 +150,19 @@ def _steady(text: str) -> str:
     return _NUMBER.sub("#", text)
 
 
+@functools.cache
+def _any_of(answers: frozenset[str]) -> re.Pattern[str]:
+    longest_first = sorted(answers, key=len, reverse=True)
+    return re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
+
+
 def _template(line: str, word: str) -> str:
     return re.sub(re.escape(word), "{}", line, flags=re.IGNORECASE) if word else line
 
 
-def templates(one: CommandSeen) -> set[str]:
+def templates(run: Run, one: CommandSeen) -> set[str]:
     """Return what was said after a command, with `{}` in the place of the command itself."""
-    return {_template(line, one.text) for line in lines_of(one)}
+    return {_template(line, one.text) for line in lines_of(run, one)}
 
 
 def changes(
@@ -185,7 +197,7 @@ def _common(part: Part, brought: Iterable[tuple[str, set[Change]]]) -> set[Chang
 
 def logs_arbitrarily(part: Part, run: Run) -> bool:
     """Return whether the log says something else of each unknown word."""
-    said = [(one.text, {("", line) for line in templates(one)}) for one in run.commands]
+    said = [(one.text, {("", line) for line in templates(run, one)}) for one in run.commands]
     return bool(_arbitrary(part, said))
 
 

@@ -73,7 +73,7 @@ def _is_elsewhere(
 
 def _said(run: Run, one: CommandSeen) -> set[Answer]:
     """Return what came after a command, of what does not come by itself."""
-    lines = {("", line) for line in reactions.lines_of(one) - reactions.said_by_itself(run)}
+    lines = {("", line) for line in reactions.lines_of(run, one) - reactions.said_by_itself(run)}
     return lines | {
         (topic, reactions.sense([value]))
         for topic, heard in one.topics.items()

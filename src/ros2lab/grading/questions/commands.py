@@ -163,7 +163,10 @@ def _logged(part: Part, run: Run) -> set[str]:
     """Return the commands of which a line tells that does not follow an unknown word as well."""
     strange = reactions.unknown_word(part)
     unknown = {
-        line for command in run.commands if command.text == strange for line in reactions.lines_of(command)
+        line
+        for command in run.commands
+        if command.text == strange
+        for line in reactions.lines_of(run, command)
     }
     return {word for word in part.commands if reactions.telling_lines(part, run, word) - unknown}
 
@@ -202,7 +205,7 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
 def _says_anything(runs: Iterable[Run]) -> bool:
     """Return whether any line comes with a command that does not come without one."""
     return any(
-        reactions.lines_of(command) - reactions.said_by_itself(run)
+        reactions.lines_of(run, command) - reactions.said_by_itself(run)
         for run in runs
         for command in run.commands
     )
@@ -337,8 +340,8 @@ def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
     if not {capitals, strange} <= by_text.keys():
         return False
     one = by_text[capitals]
-    common = reactions.templates(by_text[strange]) | reactions.said_by_itself(run)
-    is_said = not reactions.logs_arbitrarily(part, run) and reactions.templates(one) - common
+    common = reactions.templates(run, by_text[strange]) | reactions.said_by_itself(run)
+    is_said = not reactions.logs_arbitrarily(part, run) and reactions.templates(run, one) - common
     return bool(reactions.changes(part, run, one, alone) or is_said)
 
 
@@ -380,11 +383,12 @@ def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
     node is caught.
     """
     unknown, others = (
-        set[str]().union(*(reactions.lines_of(other) for other in run.commands if other.text in texts))
+        set[str]().union(*(reactions.lines_of(run, other) for other in run.commands if other.text in texts))
         for texts in (part.unknown, part.commands[1:])
     )
     return bool(
-        reactions.lines_of(command) - reactions.said_by_itself(run) - (unknown & others) or command.topics
+        reactions.lines_of(run, command) - reactions.said_by_itself(run) - (unknown & others)
+        or command.topics
     )
 
 
