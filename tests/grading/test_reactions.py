@@ -136,8 +136,7 @@ def test_what_is_typed_meanwhile_is_no_reaction() -> None:
         ("start", "1"),
     ]
     commands = [
-        CommandSeen(word, [["WARN", f"Unknown command: {answer!r}"]], {}, {}, True)
-        for word, answer in said
+        CommandSeen(word, [["WARN", f"Unknown command: {answer!r}"]], {}, {}, True) for word, answer in said
     ]
     seen = replace(run(), commands=commands, typed=["1,1", "y", "1 1", "1"])
     assert len({frozenset(lines_of(seen, one)) for one in commands}) == 1
