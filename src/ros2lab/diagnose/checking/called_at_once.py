@@ -8,8 +8,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.trials import Edit
-from ros2lab.diagnose.checking.type_checker import Row, checked
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.interfaces import is_interface

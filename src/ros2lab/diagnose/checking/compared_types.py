@@ -7,8 +7,8 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
+from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Edit, message_annotations
-from ros2lab.diagnose.checking.type_checker import Row, checked
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.node_source import NodeSources

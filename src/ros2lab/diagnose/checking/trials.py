@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ros2lab.diagnose.checking.type_checker import Row, checked
+from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.finding import stops_node
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.printed.spots import Spot

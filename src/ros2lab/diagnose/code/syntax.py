@@ -70,9 +70,8 @@ def explained(
 
 
 def _step(repair: Repair) -> str:
-    if re.search(r"indented further|spaces are|begins with \d", repair.why) and not repair.new.endswith(
-        " pass"
-    ):
+    is_indented = re.search(r"indented further|spaces are|begins with \d", repair.why)
+    if is_indented and not repair.new.endswith(" pass"):
         return f"begin line {repair.line} with {len(repair.new) - len(repair.new.lstrip())} spaces and no tab"
     return f"write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else "remove the line"
 
@@ -142,11 +141,8 @@ def _repair(lines: list[str], number: int, reader: _Reader) -> Repair | None:
 def _left_out(place: int, line: str) -> Iterator[Repair]:
     """Yield that a line is taken away which another program has left: a conflict of git, a fence, a prompt."""
     if re.match(r"\s*(?:([<=>`~|-])\1{2,}|[$%] )", line):
-        yield Repair(
-            place,
-            "",
-            f"`{line.strip()[:_SHOWN]}` is not Python: it was left by git, a web page or a terminal",
-        )
+        why = f"`{line.strip()[:_SHOWN]}` is not Python: it was left by git, a web page or a terminal"
+        yield Repair(place, "", why)
 
 
 def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator[Repair]:

@@ -11,7 +11,8 @@ from pathlib import Path
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.where_made import where_made
 from ros2lab.diagnose.checking.called_at_once import called_at_once
-from ros2lab.diagnose.checking.type_checker import stands_trial, type_faults
+from ros2lab.diagnose.checking.checked_copies import stands_trial
+from ros2lab.diagnose.checking.type_checker import type_faults
 from ros2lab.diagnose.explaining.assertions import of_assertion, of_test_without_init, results_of_tests
 from ros2lab.diagnose.explaining.commands import Corrected, corrected
 from ros2lab.diagnose.explaining.in_words import said_of
