@@ -6,7 +6,7 @@ import textwrap
 
 import pytest
 
-from ros2lab.diagnose.nodes.executors import two_executors
+from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource
@@ -118,3 +118,62 @@ def test_a_node_that_adds_itself(before: str, after: str, is_told: bool) -> None
     text = IN_CLASS.replace("BEFORE", before).replace("AFTER", after)
     sources = NodeSources({"pk.a": PythonSource("pk.a", "a.py", text)})
     assert bool([*two_executors(Entrance(sources, "pk.a.main"))]) is is_told
+
+
+OWN = """\
+import threading
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+
+class Hive(Node):
+    def __init__(self):
+        super().__init__('hive')
+        SPUN
+
+
+def main():
+    rclpy.init()
+    node = Hive()
+MAIN
+"""
+SPINS = "threading.Thread(target=rclpy.spin, args=(NODE,), daemon=True).start()"
+OF_SELF, OF_NODE = SPINS.replace("NODE", "self"), SPINS.replace("NODE", "node")
+
+
+def told_of_threads(spun: str, lines: str) -> list[str]:
+    text = OWN.replace("SPUN", spun).replace("MAIN", textwrap.indent(lines, "    "))
+    sources = NodeSources({"pk.a": PythonSource("pk.a", "a.py", text)})
+    return [one.code for one in several_threads(Entrance(sources, "pk.a.main"))]
+
+
+@pytest.mark.parametrize(
+    ("spun", "lines"),
+    [
+        (OF_SELF, "hives = [Hive() for _ in range(3)]"),
+        (OF_SELF, "other = Hive()"),
+        (OF_SELF, "for _ in range(2):\n    Hive()"),
+        ("pass", f"{OF_NODE}\nrclpy.spin(node)"),
+        ("pass", f"{OF_NODE}\nrclpy.spin_until_future_complete(node, node.future)"),
+        ("pass", f"{OF_NODE}\nother = Hive()\n{OF_NODE.replace('(node,)', '(other,)')}"),
+        ("pass", f"for one in (node, Hive()):\n    {OF_NODE.replace('(node,)', '(one,)')}"),
+    ],
+)
+def test_threads_that_share_an_executor_are_told(spun: str, lines: str) -> None:
+    assert told_of_threads(spun, lines) == ["not-spinning"]
+
+
+@pytest.mark.parametrize(
+    ("spun", "lines"),
+    [
+        (OF_SELF, "pass"),
+        ("pass", "rclpy.spin(node)"),
+        ("pass", f"{OF_NODE}\nwhile rclpy.ok():\n    node.rate.sleep()"),
+        ("pass", f"{OF_NODE}\nexecutor = SingleThreadedExecutor()\nrclpy.spin(Hive(), executor)"),
+        ("pass", "executor = SingleThreadedExecutor()\nthreading.Thread(target=executor.spin).start()\nrclpy.spin(node)"),
+        ("pass", "threading.Thread(target=node.work).start()\nrclpy.spin(node)"),
+    ],
+)  # fmt: skip
+def test_one_thread_for_an_executor_is_right(spun: str, lines: str) -> None:
+    assert told_of_threads(spun, lines) == []

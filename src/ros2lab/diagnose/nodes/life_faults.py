@@ -169,9 +169,10 @@ def _sent_at_once(source: PythonSource, function: Function, made: ast.Call) -> I
     kept = [n for n in own_nodes(function) if isinstance(n, ast.Assign) and n.value is made]
     name = ast.unparse(kept[0].targets[0]) if kept else ""
     sent = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.publish"]
-    loops = (n for n in own_nodes(function) if isinstance(n, (ast.For, ast.While)))
-    again = {id(node) for loop in loops for node in walk(loop)}
-    if not name or not sent or any(id(n) in again for n in sent):
+    others = (n for n in own_nodes(function) if isinstance(n, (ast.For, ast.While, ast.Lambda)))
+    later = {id(node) for other in others for node in walk(other)}
+    at_once = {id(n) for n in own_nodes(function)} - later
+    if not name or not sent or not all(id(n) in at_once for n in sent):
         return
     between = range(made.lineno, sent[0].lineno)
     turns = [n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno in between]

@@ -31,7 +31,7 @@ _EXAMPLES = {
     "create_client": "create_client(Trigger, 'name')",
 }
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~")
+TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
 _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tuple", "bytes"))
 
 
@@ -329,7 +329,7 @@ def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     value = next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
     name = sources.value(creation.source, value)
     if isinstance(name, str) and not TOPIC_NAME.fullmatch(name):
-        better = re.sub(r"_*/_*", "/", re.sub(r"[^A-Za-z0-9_~{}/]+", "_", name.strip())).rstrip("/_")
+        better = re.sub(r"[_/]*/[_/]*", "/", re.sub(r"[^A-Za-z0-9_~{}/]+", "_", name.strip())).rstrip("/_")
         better = re.sub(r"(^|/)(?=\d)", r"\1topic_", re.sub(r"(?<=[\w}])/(?=\d)", "_", better)) or "topic"
         yield Finding(
             "topic-name-invalid",
