@@ -280,7 +280,7 @@ def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:
             folders = [package.shown("") for package in seen if package.name == name]
             yield Finding(
                 "package-duplicate",
-                f"The package {name} exists {count} times, so colcon builds nothing: {' and '.join(folders)}.",
+                f"{count} packages are called {name}, so colcon builds nothing: {' and '.join(folders)}.",
                 folders[-1],
                 f"remove one of them, or hide it: touch {folders[-1]}/COLCON_IGNORE",
             )
