@@ -1292,8 +1292,8 @@ def test_a_copy_of_an_installed_launch_file_is_found_by_its_name(look: Callable[
     ("folder", "is_installed", "said"),
     [
         ("demos", True, "Did you mean robot_controller.demos.status_publisher?"),
-        ("demos", False, "there is robot_controller/demos/status_publisher.py in its place"),
-        ("a/b", False, "there is robot_controller/a/b/status_publisher.py in its place"),
+        ("demos", False, "there is robot_controller/demos/status_publisher.py instead"),
+        ("a/b", False, "there is robot_controller/a/b/status_publisher.py instead"),
     ],
 )
 def test_an_entry_point_is_led_to_a_file_that_is_there(

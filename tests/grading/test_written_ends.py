@@ -70,7 +70,7 @@ def test_topics_types_and_timers_are_read() -> None:
 def test_whether_a_publisher_is_told_to_publish_is_read(right: str, other: str, publishes: bool) -> None:
     """Or handed on, so that something else may."""
     assert right in SOURCE
-    text = SOURCE.replace(right, other, 1)
+    text = f"from tools import tell\n{SOURCE.replace(right, other, 1)}"
     ends = written_ends([PythonSource("status", "status.py", text)])[0]
     does = [end.does for end in ends if end.topic == "/robot/status"]
     assert does == [["publishes"] if publishes else []]
@@ -141,12 +141,12 @@ SAYS = "self.get_logger().info(message.data)"
             ["reads", "logs"],
         ),
         (
-            f"{IMPORTS}def obey(m): heard.append(m)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
+            f"{IMPORTS}heard = []\ndef obey(m): heard.append(m)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
             "    node.create_subscription(String, '/robot/command', obey, 10)\n    print('ready')\n",
             ["reads"],
         ),
         (
-            f"{IMPORTS}def obey(m): heard.append(m)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
+            f"{IMPORTS}heard = []\ndef obey(m): heard.append(m)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
             "    node.create_subscription(String, '/robot/command', obey, 10)\n    while True: print(heard.pop())\n",
             ["reads", "logs"],
         ),

@@ -38,9 +38,7 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
         refusal = re.sub(r", at /\S+", "", message).rstrip(".")
         fix = "check each value on this line against what the message says"
         return (
-            Finding(SAID, f"`{spot.text}` fails: {refusal}.", place, fix)
-            if spot.text and refusal
-            else None
+            Finding(SAID, f"`{spot.text}` fails: {refusal}.", place, fix) if spot.text and refusal else None
         )
     if kind == "TypeError" and (taken := _taken_out(message, spot)):
         name, held = taken

@@ -171,9 +171,7 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
         )
     if match := re.match(r"the following arguments are required: (.+)", said):
         wanted = match[1].replace(", argv", "")
-        return Finding(
-            SAID, f"The command lacks {wanted}.", "", f"add {wanted}; {help_}"
-        )
+        return Finding(SAID, f"The command lacks {wanted}.", "", f"add {wanted}; {help_}")
     return Finding(SAID, f"{tool}: {said}.", "", help_)
 
 
