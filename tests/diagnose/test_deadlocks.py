@@ -81,9 +81,9 @@ def test_what_owes_nothing_goes_on_when_the_answer_has_come(body: str, count: in
 @pytest.mark.parametrize("init", [SERVICE, "self.server = ActionServer(self, Fibonacci, 'mine', self.ask)"])
 def test_what_owes_an_answer_awaits_another_one(init: str, body: str, awaited: str, client: str) -> None:
     _, (finding,) = told(init, body, "self, request, response")
-    assert f"`{awaited}` in line" in finding.fix
-    assert "`async def ask(self, request, response):` in line" in finding.fix
-    assert re.search(rf"`{client}.*callback_group=MutuallyExclusiveCallbackGroup\(\)\)` in line", finding.fix)
+    assert f"`{awaited}` on line" in finding.fix
+    assert "`async def ask(self, request, response):` on line" in finding.fix
+    assert re.search(rf"`{client}.*callback_group=MutuallyExclusiveCallbackGroup\(\)\)` on line", finding.fix)
 
 
 def test_what_may_not_await_is_called_by_several_threads() -> None:

@@ -93,15 +93,15 @@ SPEED = "self.declare_parameter('speed', 1.0)"
 @pytest.mark.parametrize(
     ("init", "methods", "names", "texts", "cause", "fix"),
     [
-        (f"{BY_ITSELF}self.declare_parameters('', [\n    ('speed', 1.0),\n    ('name', 'a'),\n])", "", "['speed', 'name']", ["declare_parameters"], "declares speed and name again", "take `automatically_declare_parameters_from_overrides=True` away in line 16"),
-        (f"{BY_ITSELF}{SPEED}", "", "['speed']", ["'speed'"], "automatically_declare_parameters_from_overrides (line 16)", "away in line 16"),
-        (f"{BY_ITSELF}for name in ('speed', 'name'):\n    self.declare_parameter(name, 1.0)", "", "['speed']", ["parameter(name"], "declares speed again", "away in line 16"),
-        (f"{PLAIN}self.declare_parameter('turn', 5.0)", "", "['turn']", ["'turn', 5"], "Base, the base class of Driver,", "take this line away, and change the default in line 11"),
-        (f"{PLAIN}self.declare_parameter('use_sim_time', True)", "", "['use_sim_time']", ["use_sim_time"], "Every node declares use_sim_time", "take this line away"),
+        (f"{BY_ITSELF}self.declare_parameters('', [\n    ('speed', 1.0),\n    ('name', 'a'),\n])", "", "['speed', 'name']", ["declare_parameters"], "declares speed and name again", "remove `automatically_declare_parameters_from_overrides=True` in line 16"),
+        (f"{BY_ITSELF}{SPEED}", "", "['speed']", ["'speed'"], "automatically_declare_parameters_from_overrides (line 16)", "=True` in line 16"),
+        (f"{BY_ITSELF}for name in ('speed', 'name'):\n    self.declare_parameter(name, 1.0)", "", "['speed']", ["parameter(name"], "declares speed again", "=True` in line 16"),
+        (f"{PLAIN}self.declare_parameter('turn', 5.0)", "", "['turn']", ["'turn', 5"], "Base, the base class of Driver,", "remove this line, and change the default in line 11"),
+        (f"{PLAIN}self.declare_parameter('use_sim_time', True)", "", "['use_sim_time']", ["use_sim_time"], "Every node declares use_sim_time", "remove this line"),
         (f"{PLAIN}self.a = self.declare_parameter('use_sim_time', True).value", "", "['use_sim_time']", ["use_sim_time"], "Every node", "write `self.get_parameter('use_sim_time')` instead of `self.declare_parameter('use_sim_time', True)`"),
-        (f"{PLAIN}{SPEED}\nself.declare_parameter(\n    'speed',\n    2.0)", "", "['speed']", ["declare_parameter("], "Line 17 declares the parameter speed already", "take lines 18 to 20 away"),
-        (f"{PLAIN}self.a = self.read('speed', 1.0)\nself.b = self.read('speed', 2.0)", "def read(self, name, default):\n    return self.declare_parameter(name, default).value\n", "['speed']", ["'speed', 2", "parameter(name"], "Line 17 declares", "take one of the two lines away that ask for 'speed'"),
-        (f"{PLAIN}for one in ('kp', 'ki', 'kp'):\n    self.declare_parameter(one, 1.0)", "", "['kp']", ["parameter(one"], "kp stands twice in `('kp', 'ki', 'kp')`", "take one 'kp' away in line 17"),
+        (f"{PLAIN}{SPEED}\nself.declare_parameter(\n    'speed',\n    2.0)", "", "['speed']", ["declare_parameter("], "Line 17 declares the parameter speed already", "remove lines 18 to 20"),
+        (f"{PLAIN}self.a = self.read('speed', 1.0)\nself.b = self.read('speed', 2.0)", "def read(self, name, default):\n    return self.declare_parameter(name, default).value\n", "['speed']", ["'speed', 2", "parameter(name"], "Line 17 declares", "remove one of the two lines that ask for 'speed'"),
+        (f"{PLAIN}for one in ('kp', 'ki', 'kp'):\n    self.declare_parameter(one, 1.0)", "", "['kp']", ["parameter(one"], "kp is twice in `('kp', 'ki', 'kp')`", "remove one 'kp' on line 17"),
         (f"{PLAIN}self.tick()\nself.tick()", f"def tick(self):\n    {SPEED}\n", "['speed']", ["self.tick()", "'speed'"], "tick() runs more than once", "move this line into __init__"),
     ],
 )  # fmt: skip

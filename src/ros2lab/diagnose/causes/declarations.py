@@ -229,16 +229,16 @@ def _declared_before(use: _Use) -> Finding:
             if isinstance(node, ast.keyword) and node.arg == _OPTION and ast.unparse(node.value) != "False":
                 line = f"line {node.value.lineno}" if source is use.source else source.at(node.value)
                 cause = f"{_OPTION} ({line}) lets ROS declare each parameter that is given from outside when the node starts, and this line declares {use.text} again."
-                fix = f"take `{_OPTION}={ast.unparse(node.value)}` away in {line}"
+                fix = f"remove `{_OPTION}={ast.unparse(node.value)}` in {line}"
                 return Finding("python-error", cause, place, fix)
     if isinstance(use.named, ast.Name):
         for number, given in bound_to(use.source, use.function, use.named.id):
             held = use.sources.value(use.source, given)
             texts = [*first_texts(held, number)] if isinstance(held, list) else []
             if any(texts.count(name) > 1 for name in use.names):
-                cause = f"{use.text} stands twice in `{ast.unparse(given)}`, and a parameter can be declared only once."
+                cause = f"{use.text} is twice in `{ast.unparse(given)}`, but a parameter can be declared only once."
                 return Finding(
-                    "python-error", cause, place, f"take one {use.names[0]!r} away in line {given.lineno}"
+                    "python-error", cause, place, f"remove one {use.names[0]!r} on line {given.lineno}"
                 )
     if use.function is not None and (use.is_in_callback or len(use.calls) > 1):
         cause = f"{use.function.name}() runs more than once, and a parameter can be declared only once."
@@ -294,13 +294,11 @@ def _without(use: _Use) -> str:
     statement = next((n for n in use.source.nodes if isinstance(n, ast.Expr) and n.value is use.call), None)
     names = " and ".join(map(repr, use.names))
     if getattr(use.call.func, "attr", "") == "declare_parameters":
-        return f"take {names} out of the list here"
+        return f"remove {names} from the list here"
     if _asked_at(use):
-        return f"take one of the two lines away that ask for {names}"
+        return f"remove one of the two lines that ask for {names}"
     if statement is None:
         text = f"{use.node}.get_parameter({ast.unparse(use.named)})"
         return f"write `{text}` instead of `{ast.unparse(use.call)}`"
     last = statement.end_lineno or statement.lineno
-    return (
-        "take this line away" if last == statement.lineno else f"take lines {statement.lineno} to {last} away"
-    )
+    return "remove this line" if last == statement.lineno else f"remove lines {statement.lineno} to {last}"

@@ -308,7 +308,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
-        _plain("The node has the parameter {name} already when `{text}` is reached.", "take this line away"),
+        _plain("The node already has the parameter {name} when `{text}` is reached.", "remove this line"),
     ),
     (
         r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",

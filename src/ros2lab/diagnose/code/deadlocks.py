@@ -174,11 +174,11 @@ def _clients(source: PythonSource) -> dict[str, ast.Assign]:
 def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> Finding:
     source, function, first = callback.source, callback.function, waits[0]
     text = ast.unparse(first.node.test if isinstance(first.node, ast.While) else first.node)
-    cause = f"{function.name}() is called by the executor, and `{text}` in it waits for an answer that the executor takes in only after {function.name}() has returned."
+    cause = f"{function.name}() is called by the executor, and `{text}` in it waits for an answer that the executor cannot receive until {function.name}() has returned."
     block = next((one for one in _blocks(function) if first.statement in one), function.body)
     is_whole = block is function.body and not any(isinstance(one.future, ast.Constant) for one in waits)
     if all(isinstance(one.future, ast.Constant) for one in waits):
-        fix = f"take `{text}` away: whatever it is to bring, rclpy calls the callback for it when {function.name}() has returned"
+        fix = f"remove `{text}`: rclpy calls the callbacks it waits for once {function.name}() has returned"
     elif callback.owes and callback.may_be_async:
         fix = _awaited(callback, waits)
     elif is_whole and not callback.owes:
@@ -228,12 +228,12 @@ def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
     """Say how a callback that owes an answer awaits another one, with a client in a group of its own."""
     lines = callback.source.text.splitlines()
     head = lines[callback.function.lineno - 1].strip()
-    edits = [] if head.startswith("async ") else [f"`async {head}` in line {callback.function.lineno}"]
+    edits = [] if head.startswith("async ") else [f"`async {head}` on line {callback.function.lineno}"]
     for one in waits:
         awaited = f"await {ast.unparse(one.asked)}"
         written = one.with_answer(awaited) or awaited
         last = one.statement.end_lineno or one.statement.lineno
-        edits.append(f"`{written}` in {_range(one.statement.lineno, last)}")
+        edits.append(f"`{written}` on {_range(one.statement.lineno, last)}")
     return f"write {', '.join(edits)}{_grouped(callback, waits)}"
 
 
@@ -254,7 +254,7 @@ def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSource
     for home, spin in [one for one in calls if one[0].resolve(one[1].func) == "rclpy.spin"][:1]:
         node, where = ast.unparse(spin.args[0]), "" if home is callback.source else f" of {home.shown}"
         edits.append(
-            f"`executor = MultiThreadedExecutor()`, `executor.add_node({node})` and `executor.spin()` in line {spin.lineno}{where}, "
+            f"`executor = MultiThreadedExecutor()`, `executor.add_node({node})` and `executor.spin()` on line {spin.lineno}{where}, "
             "with `from rclpy.executors import MultiThreadedExecutor`"
         )
     return f"write {', '.join(edits)}{_grouped(callback, waits)}"
@@ -275,7 +275,7 @@ def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
         call = copy.deepcopy(one)
         group = ast.keyword("callback_group", ast.parse("MutuallyExclusiveCallbackGroup()", mode="eval").body)
         call.value.keywords.append(group)  # type: ignore[attr-defined]
-        rows.append(f"`{ast.unparse(call)}` in line {one.lineno}")
+        rows.append(f"`{ast.unparse(call)}` on line {one.lineno}")
     more = f", and {' and '.join(rows)}" if rows else ", and give the client a callback group of its own"
     return f"{more}, with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
 

@@ -126,7 +126,7 @@ def _plain_instead(source: PythonSource, made: dict[str, ast.expr], node: ast.AS
             )
             if default is not None and is_its:
                 line = getattr(node, "lineno", 0)
-                return f"; or, if nobody needs to choose it, write `{ast.unparse(default)}` instead of `{name}` in line {line}"
+                return f"; or, if no one needs to choose it, write `{ast.unparse(default)}` instead of `{name}` on line {line}"
     return ""
 
 
