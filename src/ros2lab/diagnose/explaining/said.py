@@ -292,6 +292,8 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
         or "compare the tag and its attributes with those of a working launch file"
         if place.partition(":")[0].endswith((".xml", ".yaml", ".yml"))
         else "check LaunchDescription([...]): it must be a list of actions, such as Node(...), and nothing else"
+        if ":" not in place
+        else ""
     )
     return Finding(SAID, f"launch cannot load the launch file: {said.rstrip('.')}.", place, fix)
 
