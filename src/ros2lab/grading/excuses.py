@@ -47,15 +47,9 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
     # What ends with an error of its own, or is heard, does not wait for anything.
     is_mute = not any(player.is_heard for player in players)
     is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
-    for player in players:
-        program = case.executables.get(player.program)
-        is_called_back = part.end != "publisher"
-        if program is None or program.is_brief or (is_called_back and program.never_spins):
-            continue
-        said = player.end or ""
-        absent = [*_absent(case, program), *lacked(said)]
-        if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
-            return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
+    needs = (_needs(case, part, player, is_mute=is_mute) for player in players)
+    if need := next(filter(None, needs), ""):
+        return need
     late = [player.run.unfinished for player in players]
     if is_mute and late and all(late):
         return late[0]
@@ -63,6 +57,18 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
     if is_mute and players and part.is_publisher and given:
         return f"{players[0].node} waits for what nobody here brings on {', '.join(given)}"
     return ""
+
+
+def _needs(case: Case, part: Part, player: Player, *, is_mute: bool) -> str:
+    """Return what a player's program needs that is not there, in a clause; empty if that keeps it from nothing."""
+    program, said = case.executables.get(player.program), player.end or ""
+    is_called_back = part.end != "publisher"
+    if program is None or program.is_brief or (is_called_back and program.never_spins):
+        return ""
+    absent = [*_absent(case, program), *lacked(said)]
+    if not absent or not (is_mute or is_for_want(said)):  # it may print whatever it likes
+        return ""
+    return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
 
 
 def _unwatched(case: Case, part: Part) -> str:

@@ -177,33 +177,37 @@ def _notes(case: Case) -> Iterator[str]:
     if also := [one.name or "" for one in evidence.submission.also]:
         yield f"Part of the work is in other packages, whose nodes are graded as well: {listed(also)}."
     if evidence.submission.form != "nothing":
-        shows = (
-            listed(evidence.files.recordings)
-            or "no picture, film or log was handed in, and no link was opened"
-        )
-        if not evidence.files.recordings and _OUTPUT.search(evidence.files.readme):
-            shows = "the README shows what a terminal has printed"
-        yield f"Evidence of running is left to the instructor: {shows}."
+        yield f"Evidence of running is left to the instructor: {_shown_running(evidence)}."
     if evidence.build:
         yield from _notes_of_build(evidence.build)
-    # What ends without a command when it is alone is not ended by one that another program takes.
-    brief = {
-        name for run in evidence.runs if run.setting == "alone" and not deadly_in(run) for name in run.ended
-    }
-    for run in evidence.runs:
-        yield from _notes_of(run, brief)
-        part = case.assignment.commanded
-        if part and run.commands and run.commanded != part.topic:
-            yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
+    yield from _notes_of_runs(case)
     yield from _not_launched(evidence)
     if clocked := sorted({node for run in evidence.runs for node in run.clocked}):
         yield f"The timers of {listed(clocked)} never fire: use_sim_time is set, and nobody publishes /clock."
-    for part in case.assignment.parts.values():
-        if player := case.main(part):
-            yield from _unheard(player)
-            if besides := case.topics_besides(player):
-                yield f"{shown(player.node)} was judged by {shown(player.topic)}, and not by {listed(besides)}."
-            yield from _unwritten(case, player)
+    for player in filter(None, map(case.main, case.assignment.parts.values())):
+        yield from _unheard(player)
+        if besides := case.topics_besides(player):
+            yield f"{shown(player.node)} was judged by {shown(player.topic)}, and not by {listed(besides)}."
+        yield from _unwritten(case, player)
+
+
+def _shown_running(evidence: Evidence) -> str:
+    """Return what of a hand-in shows that it has run."""
+    if evidence.files.recordings:
+        return listed(evidence.files.recordings)
+    if _OUTPUT.search(evidence.files.readme):
+        return "the README shows what a terminal has printed"
+    return "no picture, film or log was handed in, and no link was opened"
+
+
+def _notes_of_runs(case: Case) -> Iterator[str]:
+    # What ends without a command when it is alone is not ended by one that another program takes.
+    runs, part = case.evidence.runs, case.assignment.commanded
+    brief = {name for run in runs if run.setting == "alone" and not deadly_in(run) for name in run.ended}
+    for run in runs:
+        yield from _notes_of(run, brief)
+        if part and run.commands and run.commanded != part.topic:
+            yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
 
 
 def _not_launched(evidence: Evidence) -> Iterator[str]:

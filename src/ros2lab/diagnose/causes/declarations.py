@@ -126,51 +126,39 @@ def _undeclared(use: _Use) -> Finding:
     name, declared = use.names[0], declared_in(use.sources) or {}
     given = names_given(use.sources, use.source, use.function, use.named)
     _, origin = given[name]
-    comes = (
-        f" The name comes from `{ast.unparse(origin)}` (line {origin.lineno})."
-        if isinstance(origin, ast.Call)
-        else ""
-    )
+    comes = ""
+    if isinstance(origin, ast.Call):
+        comes = f" The name comes from `{ast.unparse(origin)}` (line {origin.lineno})."
     there = f" Declared are: {', '.join(sorted(declared))}." if declared else ""
-    text, default = ast.unparse(use.named), _default(use, name)
-    is_list = isinstance(use.sources.value(use.source, use.named), list) or isinstance(
-        origin, (ast.List, ast.Tuple)
-    )
-    named = [one for one in given if one not in declared] if is_list else []
-    lines = [f"{use.node}.declare_parameter({one!r}, {_given_value(one, use.look)})" for one in named]
-    lines = lines or [f"{use.node}.declare_parameter({text}, {default})"]
-    around = [n for n in use.spot.source.nodes if isinstance(n, ast.comprehension)] if use.spot.source else []
-    loop = next(
-        (
-            n
-            for n in around
-            if text in map(ast.unparse, ast.walk(n.target)) and n.iter.lineno in use.spot.lines
-        ),
-        None,
-    )
-    lines = (
-        [f"for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}: {one}" for one in lines]
-        if loop
-        else lines
-    )
-    written = ", and ".join(f"`{line}`" for line in lines)
-    here = use.spot.lines.start
-    where = (
-        f"above line {here}"
-        if text != repr(name) or _is_constructor(use)
-        else "in the constructor, before it is read"
-    )
+    is_list = isinstance(origin, (ast.List, ast.Tuple))
+    is_list |= isinstance(use.sources.value(use.source, use.named), list)
+    written = _declaring(use, [one for one in given if one not in declared] if is_list else [])
+    text, here = ast.unparse(use.named), use.spot.lines.start
+    where = f"above line {here}"
+    if text == repr(name) and not _is_constructor(use):
+        where = "in the constructor, before it is read"
     if text != repr(name) and (use.is_in_callback or len(use.calls) > len(given)):
-        written, where = (
-            f"`if not {use.node}.has_parameter({text}):`",
-            f"above line {here}, and {written} below it, indented",
-        )
+        where = f"above line {here}, and {written} below it, indented"
+        written = f"`if not {use.node}.has_parameter({text}):`"
     more = ", with a default value where the dots are" if "...)" in written + where else ""
     close = nearest(name, declared, 0.5)
     fix = f"write {written} {where}{more}"
     fix = f"write {close!r} if that is meant; else {fix}" if close and not comes else fix
     cause = f"The parameter {name!r} is read and never declared.{comes}{there}"
     return Finding("parameter-undeclared", cause, use.source.at(here), fix)
+
+
+def _declaring(use: _Use, listed: list[str]) -> str:
+    """Return the lines that declare what is read: each name of a list, or the one that the line names, in its loop."""
+    text, node = ast.unparse(use.named), use.node
+    lines = [f"{node}.declare_parameter({one!r}, {_given_value(one, use.look)})" for one in listed]
+    lines = lines or [f"{node}.declare_parameter({text}, {_default(use, use.names[0])})"]
+    nodes = use.spot.source.nodes if use.spot.source else ()
+    around = (n for n in nodes if isinstance(n, ast.comprehension) and n.iter.lineno in use.spot.lines)
+    if loop := next((n for n in around if text in map(ast.unparse, ast.walk(n.target))), None):
+        head = f"for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}:"
+        lines = [f"{head} {one}" for one in lines]
+    return ", and ".join(f"`{line}`" for line in lines)
 
 
 def _is_constructor(use: _Use) -> bool:
@@ -209,44 +197,66 @@ def _given_value(name: str, look: Look, other: str = "...") -> str:
 
 def _declared_before(use: _Use) -> Finding:
     """Say who has declared a parameter before the line in which it is declared, and what to change."""
-    place = use.source.at(use.call)
-    is_of_every_node = [one for one in use.names if one.partition(".")[0] in every_node.PARAMETERS]
-    if is_of_every_node:
-        cause = f"Every node declares {is_of_every_node[0]} by itself, so it is there already."
-        return Finding("python-error", cause, place, _without(use))
-    for source, owner, call, given in _others(use):
-        verb = (
-            "declares" if getattr(call.func, "attr", "").startswith("declare") else "sets, and so declares,"
-        )
-        base = owner and owner is not use.owner and owner.name.rpartition(".")[2]
-        who = f"{base}, the base class of {use.owner.definition.name}," if base and use.owner else ""
-        line = f"line {given.lineno}" if source is use.source else source.at(given)
-        cause = f"{who or line} {verb} the parameter {use.text} already{f' ({line})' if who else ''}."
-        fix = _without(use) + f", and change the default in {line} if you want another one" * bool(who)
-        return Finding("python-error", f"{cause[0].upper()}{cause[1:]}", _asked_at(use) or place, fix)
+    for told in (_by_every_node, _by_another_line, _by_an_option, _by_its_list, _by_another_time):
+        if found := told(use):
+            return found
+    cause = f"The node has the parameter {use.text} already when this line declares it."
+    return Finding("python-error", cause, use.source.at(use.call), _without(use))
+
+
+def _by_every_node(use: _Use) -> Finding | None:
+    own = next((one for one in use.names if one.partition(".")[0] in every_node.PARAMETERS), "")
+    cause = f"Every node declares {own} by itself, so it is there already."
+    return Finding("python-error", cause, use.source.at(use.call), _without(use)) if own else None
+
+
+def _by_another_line(use: _Use) -> Finding | None:
+    first = next(_others(use), None)
+    if first is None:
+        return None
+    source, owner, call, given = first
+    is_declared = getattr(call.func, "attr", "").startswith("declare")
+    verb = "declares" if is_declared else "sets, and so declares,"
+    base = owner and owner is not use.owner and owner.name.rpartition(".")[2]
+    who = f"{base}, the base class of {use.owner.definition.name}," if base and use.owner else ""
+    line = f"line {given.lineno}" if source is use.source else source.at(given)
+    cause = f"{who or line} {verb} the parameter {use.text} already{f' ({line})' if who else ''}."
+    fix = _without(use) + f", and change the default in {line} if you want another one" * bool(who)
+    place = _asked_at(use) or use.source.at(use.call)
+    return Finding("python-error", f"{cause[0].upper()}{cause[1:]}", place, fix)
+
+
+def _by_an_option(use: _Use) -> Finding | None:
     for source in use.sources.sources.values():
         for node in source.nodes:
             if isinstance(node, ast.keyword) and node.arg == _OPTION and ast.unparse(node.value) != "False":
                 line = f"line {node.value.lineno}" if source is use.source else source.at(node.value)
                 cause = f"{_OPTION} ({line}) lets ROS declare each parameter that is given from outside when the node starts, and this line declares {use.text} again."
                 fix = f"remove `{_OPTION}={ast.unparse(node.value)}` in {line}"
-                return Finding("python-error", cause, place, fix)
-    if isinstance(use.named, ast.Name):
-        for number, given in bound_to(use.source, use.function, use.named.id):
-            held = use.sources.value(use.source, given)
-            texts = [*first_texts(held, number)] if isinstance(held, list) else []
-            if any(texts.count(name) > 1 for name in use.names):
-                cause = f"{use.text} is twice in `{ast.unparse(given)}`, but a parameter can be declared only once."
-                return Finding(
-                    "python-error", cause, place, f"remove one {use.names[0]!r} on line {given.lineno}"
-                )
-    if use.function is not None and (use.is_in_callback or len(use.calls) > 1):
-        cause = f"{use.function.name}() runs more than once, and a parameter can be declared only once."
-        return Finding(
-            "python-error", cause, place, "move this line into __init__, after super().__init__(...)"
-        )
-    cause = f"The node has the parameter {use.text} already when this line declares it."
-    return Finding("python-error", cause, place, _without(use))
+                return Finding("python-error", cause, use.source.at(use.call), fix)
+    return None
+
+
+def _by_its_list(use: _Use) -> Finding | None:
+    bound = bound_to(use.source, use.function, use.named.id) if isinstance(use.named, ast.Name) else ()
+    for number, given in bound:
+        held = use.sources.value(use.source, given)
+        texts = [*first_texts(held, number)] if isinstance(held, list) else []
+        if any(texts.count(name) > 1 for name in use.names):
+            cause = (
+                f"{use.text} is twice in `{ast.unparse(given)}`, but a parameter can be declared only once."
+            )
+            fix = f"remove one {use.names[0]!r} on line {given.lineno}"
+            return Finding("python-error", cause, use.source.at(use.call), fix)
+    return None
+
+
+def _by_another_time(use: _Use) -> Finding | None:
+    if use.function is None or not (use.is_in_callback or len(use.calls) > 1):
+        return None
+    cause = f"{use.function.name}() runs more than once, and a parameter can be declared only once."
+    fix = "move this line into __init__, after super().__init__(...)"
+    return Finding("python-error", cause, use.source.at(use.call), fix)
 
 
 def _asked_at(use: _Use) -> str:

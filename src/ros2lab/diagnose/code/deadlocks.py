@@ -126,35 +126,42 @@ def _is_of_ros(source: PythonSource, call: ast.Call) -> bool:
 
 
 def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
+    """Yield what a function waits for: a loop until an answer is there, or a call that returns only then."""
     clients = _clients(source)
     for statement in (n for n in own_nodes(function) if isinstance(n, ast.stmt)):
-        match statement:
-            case ast.While(test=test) if done := [
-                n for n in ast.walk(test) if getattr(n, "attr", "") == "done"
-            ]:
-                is_awaited = any(isinstance(n, ast.Await) for n in ast.walk(statement))
-                if (
-                    isinstance(test, (ast.UnaryOp, ast.BoolOp))
-                    and isinstance(done[0], ast.Attribute)
-                    and not is_awaited
-                ):
-                    yield _Wait(statement, statement, done[0].value)
-                continue
-            case ast.If(test=test):
-                calls = [n for n in ast.walk(test) if isinstance(n, ast.Call)]
-            case _:
-                is_plain = not hasattr(statement, "body")
-                calls = [n for n in ast.walk(statement) if isinstance(n, ast.Call)] if is_plain else []
-        for call in calls:
+        if isinstance(statement, ast.While) and (future := _looped_for(statement)):
+            yield _Wait(statement, statement, future)
+        for call in _calls_in(statement):
             name = source.resolve(call.func) or ast.unparse(call.func)
             # Another node than the one that is spun may be kept just for this.
             if name in _SPINS and not any(map(is_self_attribute, call.args[:1])):
-                future = [*call.args[1:2], *(one.value for one in call.keywords if one.arg == "future")]
-                yield _Wait(
-                    statement, call, future[0] if future and name == _SPINS[0] else ast.Constant(None)
-                )
+                future = _argument(call, 1, "future") if name == _SPINS[0] else None
+                yield _Wait(statement, call, future or ast.Constant(None))
             elif name.rpartition(".")[2] in ("call", "send_goal") and name.rpartition(".")[0] in clients:
                 yield _Wait(statement, call, None)
+
+
+def _looped_for(loop: ast.While) -> ast.expr | None:
+    """Return the future for which a loop waits, as in `while not future.done():`; None if it does not, or awaits."""
+    asked = (n for n in ast.walk(loop.test) if isinstance(n, ast.Attribute) and n.attr == "done")
+    is_until = isinstance(loop.test, (ast.UnaryOp, ast.BoolOp))
+    done = next(asked, None) if is_until else None
+    is_awaited = any(isinstance(n, ast.Await) for n in ast.walk(loop))
+    return None if done is None or is_awaited else done.value
+
+
+def _calls_in(statement: ast.stmt) -> list[ast.Call]:
+    """Return the calls in a statement itself: in a condition, but in none of the statements below it."""
+    if not isinstance(statement, ast.If) and hasattr(statement, "body"):
+        return []
+    whole = statement.test if isinstance(statement, ast.If) else statement
+    return [n for n in ast.walk(whole) if isinstance(n, ast.Call)]
+
+
+def _argument(call: ast.Call, place: int, name: str) -> ast.expr | None:
+    """Return what a call gives a parameter, by its place or by its name."""
+    given = [*call.args[place : place + 1], *(one.value for one in call.keywords if one.arg == name)]
+    return given[0] if given else None
 
 
 def _clients(source: PythonSource) -> dict[str, ast.Assign]:

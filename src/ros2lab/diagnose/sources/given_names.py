@@ -44,23 +44,30 @@ def names_given(
         case ast.BinOp(op=ast.Add(), left=left, right=right):
             found = dict(_joined(sources, source, function, [left, right], depth))
         case ast.List(elts=items) | ast.Tuple(elts=items):
-            heads = (
-                one.elts[0] if isinstance(one, (ast.Tuple, ast.List)) and one.elts else one for one in items
-            )
-            for one in heads:
+            pairs = (isinstance(one, (ast.Tuple, ast.List)) and one.elts for one in items)
+            for one in (pair[0] if pair else one for one, pair in zip(items, pairs, strict=True)):
                 found |= names_given(sources, source, function, one, depth - 1)
         case ast.Attribute(attr=name):
             for given in _kept(sources, ast.unparse(node), name):
                 found |= names_given(sources, source, function, given, depth - 1)
-        case ast.Name(id=name):
-            for number, given in bound_to(source, function, name):
-                held = sources.value(source, given)
-                firsts = first_texts(held, number) if isinstance(held, (list, dict)) else ()
-                found |= dict.fromkeys(firsts, (source, node))
-                if number is None:
-                    found |= names_given(sources, source, function, given, depth - 1)
-            if function and name in [one.arg for one in parameters(function)]:
-                found |= _of_callers(sources, function, name, depth)
+        case ast.Name():
+            found = {**_of_variable(sources, source, function, node, depth)}
+    return found
+
+
+def _of_variable(
+    sources: NodeSources, source: PythonSource, function: Function | None, node: ast.Name, depth: int
+) -> Names:
+    """Return the names that a variable may hold: what it is bound to, and what the callers of its function give."""
+    found: dict[str, tuple[PythonSource, ast.expr]] = {}
+    for number, given in bound_to(source, function, node.id):
+        held = sources.value(source, given)
+        firsts = first_texts(held, number) if isinstance(held, (list, dict)) else ()
+        found |= dict.fromkeys(firsts, (source, node))
+        if number is None:
+            found |= names_given(sources, source, function, given, depth - 1)
+    if function and node.id in [one.arg for one in parameters(function)]:
+        found |= _of_callers(sources, function, node.id, depth)
     return found
 
 
