@@ -294,6 +294,45 @@ def test_an_error_of_a_launch_file_is_the_one_below_launchs_own(workspace: Path)
 
 
 @pytest.mark.parametrize(
+    ("made", "kind"),
+    [
+        ("GroupAction([talker])", "a GroupAction"),
+        ("TimerAction(period=1.0, actions=[talker])", "a TimerAction"),
+        ("LogInfo(msg='on')", "a LogInfo"),
+    ],
+)
+def test_a_value_that_launch_refuses_is_told_by_the_name_under_which_it_was_given(
+    workspace: Path, made: str, kind: str
+) -> None:
+    launch_file = workspace / "src/my_bot/launch/robot.launch.py"
+    launch_file.write_text(f"""\
+from launch import LaunchDescription
+from launch.actions import GroupAction, LogInfo, RegisterEventHandler, TimerAction
+from launch.event_handlers import OnProcessStart
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    talker = Node(package='my_bot', executable='talker')
+    first = {made}
+    after = OnProcessStart(target_action=first, on_start=[talker])
+    return LaunchDescription([first, RegisterEventHandler(after)])
+""")
+    said = "action_matcher must be an 'ExecuteProcess' instance or a callable"
+    text = (
+        "$ ros2 launch my_bot robot.launch.py\n[ERROR] [launch]: Caught exception in launch (see debug for traceback): "
+        f"Caught multiple exceptions when trying to load file of format [py]:\n - TypeError: {said}\n"
+        " - InvalidFrontendLaunchFileError: The launch file may have a syntax error, or its format is unknown"
+    )
+    (finding,) = of_text(text, workspace)
+    assert finding.place == "src/my_bot/launch/robot.launch.py:10"
+    assert finding.cause.endswith(
+        f"{said.replace('action_matcher', 'target_action')}, but OnProcessStart gets {kind}."
+    )
+    assert finding.fix == "give target_action an 'ExecuteProcess' instance or a callable (such as a Node)"
+
+
+@pytest.mark.parametrize(
     ("path", "name", "code", "said"),
     [
         ("my_bot/limits.py", "limits", "import-wrong", "my_bot.limits"),

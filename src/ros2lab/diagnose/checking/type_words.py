@@ -8,6 +8,7 @@ import re
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import own_nodes
 from ros2lab.diagnose.sources.signatures import heads_of
+from ros2lab.diagnose.sources.spelling import with_article
 
 
 def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
@@ -69,7 +70,8 @@ def not_taken(function: str, value: str, wanted: str, given: str) -> tuple[str, 
 
 def _with_article(words: str) -> str:
     """Return types in words, each class among them with its article."""
-    return re.sub(r"(?:^|(?<= or ))(?!None\b|True\b|False\b)(?=\w+(?: or |$))", "a ", words)
+    alone = r"(?:^|(?<= or ))(?!None\b|True\b|False\b)\w+(?= or |$)"
+    return re.sub(alone, lambda match: with_article(match[0]), words)
 
 
 def _counted(names: str) -> int:
@@ -95,7 +97,7 @@ def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     if made := re.fullmatch(r"type\[(.+)\]|<class '(.+)'>", kind):
         return f"the class {made[1] or made[2]} itself"
     if kind.startswith(("(", "def ", "bound method", "Callable")):
-        return "a function, not called"
+        return "a function without its parentheses"
     known = {
         "str": "a string",
         "int": "an integer",

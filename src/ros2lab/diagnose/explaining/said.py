@@ -16,6 +16,7 @@ from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
 from ros2lab.diagnose.explaining.warnings_told import of_warning
 from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.spots import Spot
@@ -280,6 +281,8 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
     match = re.search(r"Caught exception in launch[^:]*: (?P<said>.+)", error.text)
     if match is None:
         return None
+    if fault := _refused_here(error, look):
+        return fault
     inner = [report.line for report in error.reports if "LaunchFileError" not in report.kind]
     said = re.sub(r"^\w+Error: ", "", (inner[-1] if inner else match["said"]).strip())
     choices = re.findall(r"\"(\w+)\"", said)
@@ -291,11 +294,21 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
         else _other_substitution(said)
         or "compare the tag and its attributes with those of a working launch file"
         if place.partition(":")[0].endswith((".xml", ".yaml", ".yml"))
-        else "check LaunchDescription([...]): it must be a list of actions, such as Node(...), and nothing else"
-        if ":" not in place
         else ""
     )
     return Finding(SAID, f"launch cannot load the launch file: {said.rstrip('.')}.", place, fix)
+
+
+def _refused_here(error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what launch has against a file of the workspace, if an error says just that."""
+    files = look.launch_files if look else []
+    faults = (one for file in files if _is_refusal(file, error.text) for one in file.faults if one.code == SAID)
+    return next(faults, None)
+
+
+def _is_refusal(file: LaunchFile, said: str) -> bool:
+    """Return whether launch says of a file what it has said here; where an object is in memory differs each time."""
+    return bool(file.refusal) and file.refusal.partition(" at 0x")[0] in said
 
 
 # Of the seven substitutions of ROS 1 those that have another name now; http://wiki.ros.org/roslaunch/XML.
@@ -322,9 +335,9 @@ def launch_line(error: ErrorText, look: Look | None) -> str:
     run = [pair for pair in files if error.command and pair[1].name == Path(error.command[2]).name]
     run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
     said = error.text.partition("Caught exception in launch")[2]
-    for fault in (one for file, _ in files for one in file.faults if one.code == SAID and ":" in one.place):
-        if fault.cause.partition(": ")[2].partition(" at 0x")[0] in said:
-            return fault.place
+    fault = _refused_here(error, look)
+    if fault and ":" in fault.place:
+        return fault.place
     run = [pair for pair in files if f"/{pair[1].name}'" in said] or run
     words = [
         word

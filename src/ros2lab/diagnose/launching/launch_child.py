@@ -15,6 +15,7 @@ import sys
 import traceback
 from collections import ChainMap
 from collections.abc import Callable, Iterator
+from types import FrameType
 from typing import Any
 
 from ros2lab.diagnose.confinement import confine
@@ -90,6 +91,13 @@ def _lacking(problem: BaseException) -> str:
     return ""
 
 
+def _parameters(frame: FrameType) -> dict[str, Any]:
+    """Return what a function was given, but for the object whose method it is."""
+    code = frame.f_code
+    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    return {name: frame.f_locals[name] for name in names if name != "self" and name in frame.f_locals}
+
+
 def _in_order(parameters: list[Any], context: Any, text: Callable[[Any], str | None]) -> Iterator[Any]:
     """Yield what gives a node parameters: the path of each file, and the others by their names."""
     from launch_ros.utilities import evaluate_parameters, normalize_parameters
@@ -124,7 +132,11 @@ class _Loading:
                 # Of the ways in which launch tries to read a file, the first is the one of its name.
                 problem = raised.__cause__ if type(raised).__name__ == "InvalidLaunchFileError" else raised
                 if problem is not None and not _is_outside(problem):
-                    error = {"message": _words_of(problem), "line": self._line_of(problem)}
+                    error = {
+                        "message": _words_of(problem),
+                        "line": self._line_of(problem),
+                        "refused": self._refused(problem),
+                    }
                 elif not self.faults:
                     lacks = "" if problem is None or refused else _lacking(problem)
                     return {"lacks": lacks, "line": self._line_of(problem)} if problem and lacks else {}
@@ -142,6 +154,23 @@ class _Loading:
     def _line_of(self, problem: BaseException) -> int | None:
         frames = reversed(traceback.extract_tb(problem.__traceback__))
         return next((frame.lineno for frame in frames if frame.filename == self.path), None)
+
+    def _refused(self, problem: BaseException) -> dict[str, str]:
+        """Return which value of the file a library refuses; empty if its words name none.
+
+        A library may know a value by another name than the one under which it was given: it is the same object.
+        """
+        frames = [frame for frame, _ in traceback.walk_tb(problem.__traceback__)]
+        last = max((n for n, f in enumerate(frames) if f.f_code.co_filename == self.path), default=len(frames))
+        called = frames[last + 1 :]
+        for frame in reversed(called):
+            for name, value in _parameters(frame).items():
+                given = [one for one, known in _parameters(called[0]).items() if known is value]
+                if re.search(rf"\b{name}\b", str(problem)) and given:
+                    owner = called[0].f_locals.get("self")
+                    function = called[0].f_code.co_name if owner is None else type(owner).__name__
+                    return {"name": name, "given": given[0], "to": function, "type": type(value).__name__}
+        return {}
 
     def _load(self) -> None:
         from launch import LaunchContext

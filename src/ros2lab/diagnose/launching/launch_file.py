@@ -67,6 +67,7 @@ class LaunchFile:
         is_loaded: whether launch itself has said what it starts; else that is only read.
         lacks: what it names that is not on this machine, for which launch could not load it.
         arguments: the names of those that may be given on the command line; None where that is not known.
+        refusal: launch's own words, if it refuses the file.
     """
 
     shown: str
@@ -75,6 +76,7 @@ class LaunchFile:
     is_loaded: bool = False
     lacks: tuple[Finding, ...] = ()
     arguments: tuple[str, ...] | None = None
+    refusal: str = ""
 
 
 def read_launch_file(path: Path, shown: str) -> LaunchFile:

@@ -18,9 +18,10 @@ from typing import Any
 from ros2lab.diagnose.finding import SAID, Finding, at
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.sources.interfaces import launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_source, read_text
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import nearest, with_article
 from ros2lab.scratch import scratch_folder
 
 
@@ -131,7 +132,8 @@ def _joined(
     if "lacks" in told:
         return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
     if told["error"] or told["faults"]:
-        return replace(file, faults=tuple(_refusals(path, file, told)))
+        refusal = (told["error"] or {}).get("message", "")
+        return replace(file, faults=tuple(_refusals(path, file, told)), refusal=refusal)
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
     faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
     faults += (*_from_here(path, file, told["nodes"], packages),)
@@ -246,10 +248,22 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
         fix = f"write {missing[0]} here" if missing else f"remove {' and '.join(strange)}"
         fix = f"write {meant} instead of {strange[0]}" if meant and len(strange) == 1 else fix
         yield Finding("launch-argument", cause, at(file.shown, _line(path, strange or [tag])), fix)
-    error = told["error"]
-    if error and not tags:
-        cause = f"launch cannot load this file: {error['message']}"
-        yield Finding(SAID, cause, at(file.shown, error["line"]), "")
+    if told["error"] and not tags:
+        yield _refusal(file, told["error"])
+
+
+def _refusal(file: LaunchFile, error: Mapping[str, Any]) -> Finding:
+    """Say in launch's words why it does not load a file, with the value that it refuses, by the name that the file knows."""
+    said, refused, fix = error["message"], error["refused"], ""
+    if refused:
+        said = re.sub(rf"\b{refused['name']}\b", refused["given"], said)
+        if match := re.search(rf"{refused['given']} must be (?P<wanted>[^,]+)$", said):
+            said += f", but {refused['to']} gets {with_article(refused['type'])}"
+            names = re.findall(r"'(\w+)'", match["wanted"])
+            derived = [one for name in names for one in launch_classes_below(name) if one not in names]
+            example = f" (such as {', '.join(map(with_article, derived[-1:]))})" if derived else ""
+            fix = f"give {refused['given']} {match['wanted']}{example}"
+    return Finding(SAID, f"launch cannot load this file: {said.rstrip('.')}.", at(file.shown, error["line"]), fix)
 
 
 def _lacking(
