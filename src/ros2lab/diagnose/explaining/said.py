@@ -302,7 +302,9 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
 def _refused_here(error: ErrorText, look: Look | None) -> Finding | None:
     """Return what launch has against a file of the workspace, if an error says just that."""
     files = look.launch_files if look else []
-    faults = (one for file in files if _is_refusal(file, error.text) for one in file.faults if one.code == SAID)
+    faults = (
+        one for file in files if _is_refusal(file, error.text) for one in file.faults if one.code == SAID
+    )
     return next(faults, None)
 
 

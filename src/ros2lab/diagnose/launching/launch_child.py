@@ -161,7 +161,9 @@ class _Loading:
         A library may know a value by another name than the one under which it was given: it is the same object.
         """
         frames = [frame for frame, _ in traceback.walk_tb(problem.__traceback__)]
-        last = max((n for n, f in enumerate(frames) if f.f_code.co_filename == self.path), default=len(frames))
+        last = max(
+            (n for n, f in enumerate(frames) if f.f_code.co_filename == self.path), default=len(frames)
+        )
         called = frames[last + 1 :]
         for frame in reversed(called):
             for name, value in _parameters(frame).items():

@@ -263,7 +263,9 @@ def _refusal(file: LaunchFile, error: Mapping[str, Any]) -> Finding:
             derived = [one for name in names for one in launch_classes_below(name) if one not in names]
             example = f" (such as {', '.join(map(with_article, derived[-1:]))})" if derived else ""
             fix = f"give {refused['given']} {match['wanted']}{example}"
-    return Finding(SAID, f"launch cannot load this file: {said.rstrip('.')}.", at(file.shown, error["line"]), fix)
+    return Finding(
+        SAID, f"launch cannot load this file: {said.rstrip('.')}.", at(file.shown, error["line"]), fix
+    )
 
 
 def _lacking(
