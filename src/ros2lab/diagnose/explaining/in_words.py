@@ -16,7 +16,7 @@ from ros2lab.diagnose.explaining.not_found import no_module
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import set_field
-from ros2lab.diagnose.nodes.parameter_faults import given_at, of_parameter_file, typed_rightly
+from ros2lab.diagnose.nodes.parameter_faults import given_at, of_parameter_file, retyped
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
@@ -64,8 +64,8 @@ def _in_words(
     code, cause = meaning.codes[0], meaning.cause.format(**groups).replace(" ()", "")
     do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
     if code == "parameter-type" and groups.get("name"):
-        if command := typed_rightly(groups["name"], groups["value"], groups["wanted"], error.typed):
-            return Finding(code, cause, "", f"type `{command}`")
+        if fix := retyped(groups["name"], groups["value"], groups["wanted"], error.typed):
+            return Finding(code, cause, "", fix)
         is_declared = groups["wanted"] == "INTEGER" and not groups["value"].lstrip("-").isdigit()
         place = place if is_declared else given_at(groups["name"], look, error.typed) or place
     elif "what" in groups and "name" in groups:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
+
+import yaml
 
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -134,19 +137,32 @@ def given_at(name: str, look: Any, typed: Collection[str]) -> str:
     return ""
 
 
-def typed_rightly(name: str, value: str, wanted: str, typed: Collection[str]) -> str:
-    """Return a command that gave a parameter a value, with one of the type that is wanted; empty if none did."""
-    line = next((one for one in typed if re.search(rf"(?<!\w){re.escape(name)}:=", one)), "")
+def retyped(name: str, value: str, wanted: str, typed: Collection[str]) -> str:
+    """Return what to do where a command gave a parameter a value of another type; empty if none did."""
+    given = re.compile(rf"(?<!\w){re.escape(name)}:=(?P<value>\S+)")
+    line = next(filter(given.search, typed), "")
+    old = given.search(line)
     digits = re.fullmatch(r"[-+]?\d+([.,]\d*)?", value)
     right = ""
     if wanted == "DOUBLE" and digits:
         right = value.replace(",", ".") if digits[1] else f"{value}.0"
     elif wanted == "INTEGER" and digits:
         right = re.split(r"[.,]", value)[0]
-    elif wanted == "STRING":
-        right = f"\"'{value}'\""
-    old = re.search(rf"(?<!\w){re.escape(name)}:=\S+", line)
-    return line.replace(old[0], f"{name}:={right}") if old and right else ""
+    elif wanted == "STRING" and old:
+        # The value as it was typed: the one that the error shows was read as a number, and may have lost something.
+        plain = old["value"].strip("\"'")
+        if " launch " in line and _loses_quotes(plain):
+            given_so = f"ros_arguments=['-p', [\"{name}:='\", LaunchConfiguration('{name}'), \"'\"]]"
+            return f"write {given_so} in its Node(...) instead of {name} in parameters=[...]: launch would write the string {plain} without quotes, and ROS would read a number"
+        right = f"\"'{plain}'\""
+    return f"type `{line.replace(old[0], f'{name}:={right}')}`" if old and right else ""
+
+
+def _loses_quotes(value: str) -> bool:
+    """Return whether launch writes a text without quotes that ROS then reads as a number, such as `12E5`."""
+    with contextlib.suppress(ValueError):
+        return bool(float(value)) and yaml.safe_dump(value).split()[0] == value
+    return False
 
 
 def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
