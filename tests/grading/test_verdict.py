@@ -1545,6 +1545,28 @@ def test_a_node_to_which_every_other_word_is_start_is_not_deaf(rubric: Rubric) -
     assert "does not answer" not in criterion.reason
 
 
+@pytest.mark.parametrize(
+    ("moves_after", "is_charged"),
+    [
+        ({"start": 0.5}, False),
+        ({"dance": 0.5}, False),  # only then, after the start that was to move it: the machine is busy
+        ({"stop": 0.0, "twirl": 0.5}, True),
+        ({"start": 0.5, "stop": 0.0, "twirl": 0.5}, True),
+        ({"reset": 0.0, "twirl": 0.5}, True),
+    ],
+)
+def test_a_robot_that_moves_late_does_not_move_after_an_unknown_word(
+    rubric: Rubric, moves_after: dict[str, float], is_charged: bool
+) -> None:
+    run = evidences.command_run(texts=("start", "dance", "stop", "reset", "twirl"))
+    seen = evidences.moving(run, moves_after)
+    silent = {text for text in ("start", "dance", "stop", "reset", "twirl") if text not in moves_after}
+    commands = [replace(one, topics={}) if one.text in silent else one for one in seen.commands]
+    robot = replace(seen, commands=commands, setting="launched", clock="real", programs=["robot.launch.py"])
+    criterion = judged(evidences.runs(run, robot)(right()), rubric, "command_subscriber.robustness")
+    assert ("starts to move" in criterion.reason) is is_charged
+
+
 def test_a_node_that_plays_two_parts_costs_half_of_a_topic(rubric: Rubric) -> None:
     """Three nodes were asked for; it is the later part that has none of its own."""
     status, command, velocity = (

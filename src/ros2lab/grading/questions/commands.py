@@ -346,7 +346,12 @@ def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
 
 
 def _mover(case: Case, player: Player) -> CommandSeen | None:
-    """Return the unknown command after which a robot moves that stood before it."""
+    """Return the unknown command after which a robot moves that stood before it.
+
+    A robot that has not moved yet after a command that is to move it may still be about to do so: that it then does is
+    no effect of the unknown one.
+    """
+    wanted = dict(zip(player.part.commands, player.part.effects, strict=True))
     types = {name for part in _moved_parts(case) for name in (part.type_name, stamped(part.type_name))}
     run = player.run
     for topic, ends in run.publishes.items():
@@ -358,12 +363,16 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
         stands = not quiet or all(map(is_still, quiet.values))
         if quiet and reactions.turns([*map(is_still, quiet.values)]) > 1:
             continue  # it moves and stands by itself
+        is_about_to = False
         for command in run.commands:
+            is_about_to = wanted.get(command.text) == "moving" or (is_about_to and command.text not in wanted)
             heard = command.topics.get(topic)
             if heard and heard.values:
-                if command.text in player.part.unknown and stands and not is_still(heard.values[-1]):
+                is_moved = stands and not is_still(heard.values[-1])
+                if command.text in player.part.unknown and is_moved and not is_about_to:
                     return command
                 stands = is_still(heard.values[-1])
+                is_about_to &= stands
     return None
 
 
