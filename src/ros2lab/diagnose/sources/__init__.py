@@ -1,1 +1,1 @@
-"""What the files of a package say: its Python, its manifest, its setup and its parameter files, read and never run."""
+"""Read the files of a package without running them: Python, package.xml, setup.py and parameter files."""

@@ -1,4 +1,4 @@
-"""A call of a library's function as it was meant, made from the function's own parameters."""
+"""Correct a call of a library function from the parameters of that function."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from ros2lab.diagnose.sources.signatures import (
 )
 from ros2lab.diagnose.sources.spelling import nearest
 
-_LONGEST = 110  # letters of a call that is shown as a whole
+_LONGEST = 110  # characters of a call that is shown in full
 
 
 def call_faults(
@@ -37,15 +37,15 @@ def call_faults(
     said: str = "",
     stands_trial: Callable[[PythonSource, ast.Call, str], bool] | None = None,
 ) -> Iterator[Finding]:
-    """Yield the calls of library functions on some lines that are given what they do not take, or lack what is asked for.
+    """Yield the calls of library functions on some lines whose arguments are wrong or missing.
 
-    It is asked only of lines at which a library has failed: what a library takes besides is not always written.
+    Use it only for lines at which a library failed: not everything that a library accepts is annotated.
 
     Args:
         source: the file.
-        lines: where it failed.
-        said: what the library says, which may name a parameter.
-        stands_trial: whether a call may be written as it is proposed; None tries nothing.
+        lines: the lines at which a library failed.
+        said: the message of the library, which may name a parameter.
+        stands_trial: tells whether a proposed call is valid; None accepts every proposal.
     """
     for node in source.nodes:
         if not isinstance(node, ast.Call) or set(lines).isdisjoint(
@@ -61,11 +61,15 @@ def call_faults(
             source.resolve(node.func)
         )  # a message needs no field
         asked = (
-            [one for one in signature.parameters if one.name in words - given]
+            [parameter for parameter in signature.parameters if parameter.name in words - given]
             if signature and needs_all
             else []
         )
-        asked = [one for one in asked if not one.is_positional and example_of(one) != one.name]
+        asked = [
+            parameter
+            for parameter in asked
+            if not parameter.is_positional and example_of(parameter) != parameter.name
+        ]
         if fix:
             what = (
                 f"does not accept {', '.join(wrong)[:_LONGEST]} as written"
@@ -89,22 +93,22 @@ def call_faults(
 
 
 def meant_call(source: PythonSource, call: ast.Call) -> str:
-    """Return what to write for a call to be as it was meant: each value where it fits, what is missing added.
+    """Return how to correct a call: each value moved where it fits, missing arguments added.
 
-    It is empty where the call is so already, or where that is not known.
+    Empty if the call is correct already, or if its signature is not known.
     """
     return _meant(source, call)[2]
 
 
 def whole_call(source: PythonSource, call: ast.Call) -> str:
-    """Return a call as a whole as it was meant, in which `meant_call` tells what is to be changed."""
+    """Return the whole corrected call; `meant_call` names only the changes."""
     return _meant(source, call)[3]
 
 
 def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], str, str]:
-    """Return what a call should be given and is not, what it should not be given, what to write, and the whole call."""
+    """Return the missing and the wrong arguments of a call, what to write, and the whole corrected call."""
     signature = signature_of(source, call)
-    if signature is None or any(isinstance(one, ast.Starred) for one in call.args):
+    if signature is None or any(isinstance(argument, ast.Starred) for argument in call.args):
         return [], [], "", ""
     name, message = ast.unparse(call.func), source.resolve(call.func) or ""
     old = [*map(ast.unparse, call.args), *_texts(call.keywords)]
@@ -113,7 +117,7 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
         return [], old, f"write `{whole}`", whole
     new = _arranged(signature, call)
     whole = f"{name}({', '.join(new)})"
-    right, wrong = [one for one in new if one not in old], [one for one in old if one not in new]
+    right, wrong = [text for text in new if text not in old], [text for text in old if text not in new]
     if new == old:
         fix = ""
     elif len(whole) <= _LONGEST:
@@ -130,34 +134,36 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
 
 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:
-    """Return what stands between the parentheses of a call that is as it was meant."""
-    places = [one for one in signature.parameters if one.is_positional]
+    """Return the arguments of the corrected call."""
+    places = [parameter for parameter in signature.parameters if parameter.is_positional]
     if _lacks_brackets(places, call.args):
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
     slid = _with_gaps(places, list(call.args), {keyword.arg for keyword in call.keywords})
     given, rest = _placed(places, slid or _with_functions_in_place(places, list(call.args)))
     named = dict(_named(signature, call, given, rest))
     values_of = {**given, **named}
-    required = (one for one in signature.parameters if not one.default)
-    lacking = {one.name: example_of(one) for one in required if one.name not in values_of}
+    required = (parameter for parameter in signature.parameters if not parameter.default)
+    lacking = {
+        parameter.name: example_of(parameter) for parameter in required if parameter.name not in values_of
+    }
     by_name = () if rest else {keyword.arg for keyword in call.keywords}
     placed = []
-    for name in (one.name for one in places):
+    for name in (parameter.name for parameter in places):
         if name in by_name or name not in {*values_of, *lacking}:
             break
         placed.append(values_of.pop(name) if name in values_of else lacking.pop(name))
     return [*placed, *(f"{name}={value}" for name, value in {**values_of, **lacking}.items())]
 
 
-_GAP = ast.Constant(...)  # stands where a value was left out
+_GAP = ast.Constant(...)  # instead of a value that was left out
 
 
 def _placed(places: list[Parameter], values: list[ast.expr]) -> tuple[dict[str, str], list[ast.expr]]:
-    """Return the values that fit where they stand, by the names of their places, and the others."""
+    """Return the values that fit their positions, by parameter name, and the remaining values."""
     given: dict[str, str] = {}
     rest: list[ast.expr] = []
     if len(values) > len(places):
-        # One that is too much may stand before the others.
+        # The surplus value may come before the others.
         cut = max(range(len(values), -1, -1), key=lambda n: _fit(places, [*values[:n], *values[n + 1 :]]))
         rest += values[cut : cut + 1]
         values = [*values[:cut], *values[cut + 1 :]]
@@ -174,11 +180,11 @@ def _placed(places: list[Parameter], values: list[ast.expr]) -> tuple[dict[str, 
 
 
 def _with_gaps(places: list[Parameter], values: list[ast.expr], named: set[str | None]) -> list[ast.expr]:
-    """Return values in their places where one of those that must be given was left out, and the others have slid.
+    """Return the values in the right positions if a required one was left out and the others moved up.
 
-    It is empty where no value stands in a place that does not take it, and where other places take no more of them.
+    Empty if every value fits its position already, or if no other positions take all of them.
     """
-    needed = [one for one in places if not one.default and one.name not in named]
+    needed = [parameter for parameter in places if not parameter.default and parameter.name not in named]
     if not 0 < len(values) < len(needed) or _misfits(needed, values) == 0:
         return []
     ways = []
@@ -190,7 +196,7 @@ def _with_gaps(places: list[Parameter], values: list[ast.expr], named: set[str |
 
 
 def _misfits(places: list[Parameter], values: list[ast.expr]) -> int:
-    """Return how many values stand where they are not taken: a function, too, where a text belongs."""
+    """Return how many values do not fit their positions, functions in the position of a string included."""
     pairs = [pair for pair in zip(places, values, strict=False) if pair[1] is not _GAP]
     return sum(1 for place, value in pairs if not place.takes(value) or _is_method_for_text(place, value))
 
@@ -200,14 +206,14 @@ def _is_method_for_text(place: Parameter, value: ast.expr) -> bool:
 
 
 def _lacks_brackets(places: list[Parameter], given: list[ast.expr]) -> bool:
-    """Return whether a list is asked for first, and its items are given one by one."""
+    """Return whether the first parameter is a list but its items are given as separate arguments."""
     is_list = len(given) == 1 and isinstance(given[0], ast.List)
     wants_list = bool(given and places and heads_of(places[0].type) & LISTS)
     return wants_list and not is_list and not any(map(places[0].takes, given))
 
 
 def _with_functions_in_place(places: list[Parameter], values: list[ast.expr]) -> list[ast.expr]:
-    """Exchange a function with what stands where a function belongs."""
+    """Swap a misplaced function with the value in the position of the callback."""
     wants = [n for n, place in enumerate(places[: len(values)]) if "Callable" in heads_of(place.type)]
     for number, value in enumerate(values):
         if getattr(value, "is_function", False) and len(wants) == 1 and number not in wants:
@@ -217,12 +223,14 @@ def _with_functions_in_place(places: list[Parameter], values: list[ast.expr]) ->
 
 
 def _fit(places: list[Parameter], values: list[ast.expr]) -> int:
-    """Return how many literals stand where they fit."""
-    return sum(1 for place, one in zip(places, values, strict=False) if kind_of(one) and place.takes(one))
+    """Return how many literals fit their positions."""
+    return sum(
+        1 for place, value in zip(places, values, strict=False) if kind_of(value) and place.takes(value)
+    )
 
 
 def example_of(parameter: Parameter) -> str:
-    """Return what may be given for a parameter; its own name where nothing else is known."""
+    """Return an example of an argument for a parameter; the parameter's name if its type is not known."""
     heads = heads_of(parameter.type)
     known = {"QoSProfile": "10", "int": "10", "float": "1.0", "Callable": "self.callback", "bool": "True"}
     if not heads & {"str", "Text", "SomeSubstitutionsType"}:
@@ -230,30 +238,30 @@ def example_of(parameter: Parameter) -> str:
     of_node = signature_by_name("rclpy.node.Node")
     same = of_node.named(parameter.name) if of_node else None
     if same and same.default:
-        return "''"  # what may be left out elsewhere is empty
+        return "''"  # empty where Node has a default
     return f"'{parameter.name}'"
 
 
 def _texts(keywords: list[ast.keyword]) -> list[str]:
-    return [f"{one.arg}={ast.unparse(one.value)}" for one in keywords]
+    return [f"{keyword.arg}={ast.unparse(keyword.value)}" for keyword in keywords]
 
 
 def _named(
     signature: Signature, call: ast.Call, given: dict[str, str], rest: list[ast.expr]
 ) -> Iterator[tuple[str, str]]:
-    """Yield what is given by its name: what was, under the right name, and what stood in no place of its own."""
+    """Yield the keyword arguments: those given, under the right names, and the values without a position."""
     taken = {*given, *(keyword.arg for keyword in call.keywords)}
-    free = [one for one in signature.parameters if one.name not in taken]
+    free = [parameter for parameter in signature.parameters if parameter.name not in taken]
     for keyword in call.keywords:
         name = keyword.arg or ""
         if signature.named(name) is None and not signature.is_open:
             name = _meant_name(name, free)
-            free = [one for one in free if one.name != name]
+            free = [parameter for parameter in free if parameter.name != name]
         parameter, text = signature.named(name), ast.unparse(keyword.value)
         if parameter is not None and not parameter.takes(keyword.value):
-            # What fits in no form stays: to leave it out is no fix.
+            # A value that fits in no form stays: leaving it out is no fix.
             text = fitting(parameter.type, keyword.value) or text
-        text = "'screen'" if (name, text) == ("output", "'True'") else text  # where it is to be seen
+        text = "'screen'" if (name, text) == ("output", "'True'") else text  # so that the output is visible
         if name and text:
             yield name, text
     for value in rest:
@@ -264,29 +272,32 @@ def _named(
 
 
 def _meant_name(name: str, free: Sequence[Parameter]) -> str:
-    """Return which of the parameters that are not given yet is meant by a name; empty if none is."""
-    lacks, known = [one.name for one in free if not one.default], [one.name for one in free]
-    close = next((one for one in known if one in name.split("_")), None)
+    """Return the name of the parameter not yet given that a wrong name means; empty if there is none."""
+    lacks, known = (
+        [parameter.name for parameter in free if not parameter.default],
+        [parameter.name for parameter in free],
+    )
+    close = next((candidate for candidate in known if candidate in name.split("_")), None)
     close = close or nearest(name, lacks, 0.3) or nearest(name, known, 0.5)
     return close or (lacks[0] if len(lacks) == 1 else "")
 
 
 def _home_of(value: ast.expr, free: Sequence[Parameter]) -> Parameter | None:
-    """Return the parameter that is not given yet and takes a value that stood in no place of its own."""
+    """Return the parameter not yet given that takes a value without a position; None if there is none."""
     if kind_of(value):
-        for one in free:
-            if not heads_of(one.type) & ANYTHING and one.takes(value):
-                return one
+        for parameter in free:
+            if not heads_of(parameter.type) & ANYTHING and parameter.takes(value):
+                return parameter
     is_number = isinstance(value, ast.Constant) and re.fullmatch(r"\d+(\.\d*)?", str(value.value))
-    return next((one for one in free if is_number and "float" in heads_of(one.type)), None)
+    return next((parameter for parameter in free if is_number and "float" in heads_of(parameter.type)), None)
 
 
 def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
-    """Return a value as it is written for a type; empty if that cannot be told.
+    """Return a value written for a type; empty if it cannot be converted.
 
     Args:
-        wanted: the type, as an annotation or a type checker names it, or a message's dotted name.
-        value: what is given.
+        wanted: the type, as in an annotation or a message of a type checker, or a message's dotted name.
+        value: the argument.
     """
     if getattr(value, "is_function", False):
         return ""
@@ -296,7 +307,7 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     if message := message_of(wanted):
         return filled(message, value)
     if "tuple[" in wanted.lower() and (pairs := _pairs(value)):
-        return f"[{', '.join(f'({ast.unparse(key)}, {ast.unparse(one)})' for key, one in pairs)}]"
+        return f"[{', '.join(f'({ast.unparse(key)}, {ast.unparse(item)})' for key, item in pairs)}]"
     if made := _objects(wanted, value):
         return made
     if "tuple[" in wanted.lower() and isinstance(value, ast.List) and len(value.elts) == 2:
@@ -317,7 +328,7 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
 
 
 def _as_text(value: ast.expr, kind: str | None) -> str:
-    """Return a value as it is written for a text."""
+    """Return a value written as a string."""
     match value:
         case ast.Tuple(elts=parts) | ast.List(elts=parts):
             return joined(parts)
@@ -328,16 +339,20 @@ def _as_text(value: ast.expr, kind: str | None) -> str:
 
 
 def _pairs(value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
-    """Return the items of a dictionary, or of several in a list; nothing of anything else."""
+    """Return the items of a dict or of a list of dicts; empty for anything else."""
     dicts = value.elts if isinstance(value, (ast.List, ast.Tuple)) else [value]
-    if not all(isinstance(one, ast.Dict) for one in dicts):
+    if not all(isinstance(dictionary, ast.Dict) for dictionary in dicts):
         return []
-    rows = [zip(one.keys, one.values, strict=True) for one in dicts if isinstance(one, ast.Dict)]
+    rows = [
+        zip(dictionary.keys, dictionary.values, strict=True)
+        for dictionary in dicts
+        if isinstance(dictionary, ast.Dict)
+    ]
     return [(key, given) for row in rows for key, given in row if key]
 
 
 def as_list(value: ast.expr) -> str:
-    """Return a value as a list: of a text its words, as a shell would read them."""
+    """Return a value written as a list; for a string, a list of its words as a shell splits them."""
     with contextlib.suppress(ValueError):
         if isinstance(value, ast.Constant) and isinstance(value.value, str):
             return repr(shlex.split(value.value))
@@ -345,7 +360,7 @@ def as_list(value: ast.expr) -> str:
 
 
 def _objects(wanted: str, value: ast.expr) -> str:
-    """Return a list of tuples as one of objects of rclpy, each made of a tuple; empty if that is not wanted."""
+    """Return a list of tuples written as a list of rclpy objects; empty if the type asks for none."""
     inner = LIST_OF.search(wanted)
     homes = [home for home in interfaces.homes_of(inner[1]) if home.startswith("rclpy.")] if inner else []
     signature = signature_by_name(f"{homes[0]}.{inner[1]}") if homes and inner else None
@@ -353,28 +368,28 @@ def _objects(wanted: str, value: ast.expr) -> str:
     if (
         not signature
         or not pairs
-        or not all(isinstance(one, ast.Tuple) and len(one.elts) == 2 for one in pairs)
+        or not all(isinstance(pair, ast.Tuple) and len(pair.elts) == 2 for pair in pairs)
     ):
         return ""
     last = signature.parameters[-1].name
     texts = [
-        f"{inner[1]}({ast.unparse(one.elts[0])}, {last}={ast.unparse(one.elts[1])})"  # type: ignore[attr-defined, index]
-        for one in pairs
+        f"{inner[1]}({ast.unparse(pair.elts[0])}, {last}={ast.unparse(pair.elts[1])})"  # type: ignore[attr-defined, index]
+        for pair in pairs
     ]
     return f"[{', '.join(texts)}]"
 
 
 def missing_imports(source: PythonSource, written: str) -> list[str]:
-    """Return the import of each class of ROS that is written and that a file does not import."""
+    """Return the import statements for the ROS classes in a text that a file does not import."""
     own = {node.name for node in source.tree.body if isinstance(node, ast.ClassDef)}
-    # `Node(...)` only names a class, and writes none.
+    # `Node(...)`, with the dots, is only a mention.
     names = set(re.findall(r"(?<![\w.'\"])[A-Z]\w+(?=\((?!\.\.\.))", written)) - own - {*source.names}
     homes = {name: interfaces.homes_of(name) or interfaces.launch_homes_of(name) for name in sorted(names)}
     return [f"from {found[0]} import {name}" for name, found in homes.items() if found]
 
 
 def one_each(call: ast.Call) -> list[str]:
-    """Return one call for each item of the list that is all that a call is given."""
+    """Return a call for each item of a list that is the only argument of a call; empty for any other call."""
     match call:
         case ast.Call(func=func, args=[ast.List(elts=items)], keywords=[]):
             return [f"{ast.unparse(func)}({ast.unparse(item)})" for item in items]
@@ -382,7 +397,7 @@ def one_each(call: ast.Call) -> list[str]:
 
 
 def joined(values: Sequence[ast.expr]) -> str:
-    """Return the f-string of several values, with a space between two, as print writes them."""
+    """Return an f-string of several values with spaces between them, as print writes them."""
     parts: list[ast.expr] = []
     for value in values:
         before = parts[-1].value if parts and isinstance(parts[-1], ast.Constant) else None
@@ -394,20 +409,20 @@ def joined(values: Sequence[ast.expr]) -> str:
 
 
 def filled(message: str, value: ast.expr | None) -> str:
-    """Return how a message is made of a value: `Vector3(x=0.5)`, of one number a field `Vector3(x=1.0, y=0.0, z=0.0)`."""
+    """Return a message made from a value: `Vector3(x=0.5)`, or `Vector3(x=1.0, y=0.0, z=0.0)` from three."""
     name, fields = message.rpartition(".")[2], interfaces.fields_of(message) or {}
-    rows = [one for one in fields_as_parameters(fields) if one.name != "header"]
+    rows = [row for row in fields_as_parameters(fields) if row.name != "header"]
     if isinstance(value, ast.Dict):
-        given = {getattr(key, "value", ""): one for key, one in zip(value.keys, value.values, strict=True)}
-        rows = [one for one in rows if one.name in given]
-        value = ast.Tuple([given[one.name] for one in rows])
+        given = {getattr(key, "value", ""): item for key, item in zip(value.keys, value.values, strict=True)}
+        rows = [row for row in rows if row.name in given]
+        value = ast.Tuple([given[row.name] for row in rows])
     values = list(value.elts) if isinstance(value, (ast.Tuple, ast.List)) else [value] if value else []
     if not rows or len(values) > len(rows):
         return f"{name}()"
     pairs = []
-    for row, one in zip(rows, values, strict=False):
-        is_message = bool(message_of(row.type)) or (row.type, kind_of(one)) == ("float", "int")
-        is_turn = row.name == "angular" and isinstance(kind_of(one), str)  # a robot turns about z
-        text = fitting(row.type, one) if is_message or not row.takes(one) else ast.unparse(one)
+    for row, item in zip(rows, values, strict=False):
+        is_message = bool(message_of(row.type)) or (row.type, kind_of(item)) == ("float", "int")
+        is_turn = row.name == "angular" and isinstance(kind_of(item), str)  # a robot turns about z
+        text = fitting(row.type, item) if is_message or not row.takes(item) else ast.unparse(item)
         pairs.append(f"{row.name}={text.replace('(x=', '(z=') if is_turn else text or '...'}")
     return f"{name}({', '.join(pairs)})"

@@ -1,4 +1,4 @@
-"""How objects of one's own classes are made, where that is not by what their bodies say alone."""
+"""How objects of the student's own classes are made if not only by the bodies of the classes."""
 
 from __future__ import annotations
 
@@ -15,46 +15,54 @@ _MAKERS = frozenset(("__init__", "__new__", "__call__"))
 
 
 def is_of_construction(sources: NodeSources, source: PythonSource, line: int, said: str) -> bool:
-    """Return whether an objection to a line is to what a class takes that its body does not decide, or that lost its constructor.
+    """Return whether an objection is about a class that lost its `__init__`, or is not made by it alone.
 
     Args:
         sources: the files of the package.
         source: the file.
-        line: of the call to which a type checker objects.
-        said: what it says.
+        line: the line of the call to which a type checker objects.
+        said: the message of the type checker.
     """
     if ".__init__`" not in said:
         return False
-    for one in sources.classes.values():
-        if one.source is source and one.definition.lineno <= line <= (one.definition.end_lineno or 0):
-            return "`object.__init__`" in said and is_mixed_in(sources, one)
+    for node_class in sources.classes.values():
+        if node_class.source is source and node_class.definition.lineno <= line <= (
+            node_class.definition.end_lineno or 0
+        ):
+            return "`object.__init__`" in said and is_mixed_in(sources, node_class)
     calls = (node.func for node in source.nodes if isinstance(node, ast.Call) and node.lineno == line)
     made = [
         sources.classes[name] for call in calls if (name := sources.resolve(source, call)) in sources.classes
     ]
-    return any(is_made_otherwise(sources, one) or lost_constructor(sources, one) for one in made)
+    return any(
+        is_made_otherwise(sources, node_class) or lost_constructor(sources, node_class) for node_class in made
+    )
 
 
-def is_made_otherwise(sources: NodeSources, one: NodeClass) -> bool:
-    """Return whether something beside its methods decides what a class takes.
+def is_made_otherwise(sources: NodeSources, node_class: NodeClass) -> bool:
+    """Return whether more than its methods decides which arguments a class takes.
 
-    A decorator or a metaclass may give the values itself, and a constructor may be assigned.
+    A decorator or a metaclass may pass the arguments itself, and a constructor may be assigned.
     """
     return any(
-        _is_handed_on(inner) or any(_assigns_maker(sources, inner)) for inner in sources.lineage(one)[0]
+        _is_handed_on(inner) or any(_assigns_maker(sources, inner))
+        for inner in sources.lineage(node_class)[0]
     )
 
 
-def is_mixed_in(sources: NodeSources, one: NodeClass) -> bool:
-    """Return whether another class has this one as a base: whose constructor `super()` is, that other one decides."""
+def is_mixed_in(sources: NodeSources, node_class: NodeClass) -> bool:
+    """Return whether another class has this one as a base, and so decides what `super()` means in it."""
     return any(
-        one.name == base for other in sources.classes.values() for base in other.bases if other is not one
+        node_class.name == base
+        for derived in sources.classes.values()
+        for base in derived.bases
+        if derived is not node_class
     )
 
 
-def lost_constructor(sources: NodeSources, one: NodeClass) -> Function | None:
-    """Return the method that calls the constructor of the class above, in a class without one of its own."""
-    if "__init__" in one.attributes or is_made_otherwise(sources, one):
+def lost_constructor(sources: NodeSources, node_class: NodeClass) -> Function | None:
+    """Return the method that was meant as the constructor of a class without one; None if there is none."""
+    if "__init__" in node_class.attributes or is_made_otherwise(sources, node_class):
         return None
     used = {
         node.attr
@@ -62,18 +70,24 @@ def lost_constructor(sources: NodeSources, one: NodeClass) -> Function | None:
         for node in source.nodes
         if isinstance(node, ast.Attribute)
     }
-    slips = (method for name, method in one.methods.items() if _SLIP.fullmatch(name) and name not in used)
+    slips = (
+        method for name, method in node_class.methods.items() if _SLIP.fullmatch(name) and name not in used
+    )
     if slip := next(slips, None):
         return slip
     return next(
-        (method for method in one.functions if not method.name.startswith("__init_sub") and _begins(method)),
+        (
+            method
+            for method in node_class.functions
+            if not method.name.startswith("__init_sub") and _begins(method)
+        ),
         None,
     )
 
 
 def _begins(method: Function) -> bool:
-    """Return whether a method does what a constructor does first: `super().__init__(...)`, or `Node.__init__(self, ...)`."""
-    own = next((one.arg for one in parameters(method)), "")
+    """Return whether a method calls `super().__init__(...)` or `Node.__init__(self, ...)`."""
+    own = next((parameter.arg for parameter in parameters(method)), "")
     for node in walk(method):
         match node:
             case ast.Call(func=ast.Attribute(value=ast.Call(func=ast.Name(id="super")), attr="__init__")):
@@ -83,20 +97,22 @@ def _begins(method: Function) -> bool:
     return False
 
 
-def _is_handed_on(one: NodeClass) -> bool:
-    """Return whether a decorator that is no part of Python, or a metaclass, has the class before who calls it."""
-    wholes = [node.func if isinstance(node, ast.Call) else node for node in one.definition.decorator_list]
-    wholes += [keyword.value for keyword in one.definition.keywords if keyword.arg == "metaclass"]
-    names = [one.source.resolve(whole) or "" for whole in wholes]
+def _is_handed_on(node_class: NodeClass) -> bool:
+    """Return whether a class has a decorator or a metaclass that is not part of Python."""
+    wholes = [
+        node.func if isinstance(node, ast.Call) else node for node in node_class.definition.decorator_list
+    ]
+    wholes += [keyword.value for keyword in node_class.definition.keywords if keyword.arg == "metaclass"]
+    names = [node_class.source.resolve(whole) or "" for whole in wholes]
     return any(name.partition(".")[0] not in sys.stdlib_module_names for name in names)
 
 
-def _assigns_maker(sources: NodeSources, one: NodeClass) -> Iterator[bool]:
-    """Yield whether each statement that may do so gives a class another constructor, or its name to another class."""
-    if _MAKERS & {name for name in one.attributes if name not in one.methods}:
+def _assigns_maker(sources: NodeSources, node_class: NodeClass) -> Iterator[bool]:
+    """Yield for each node whether it assigns a constructor to a class, or rebinds the name of the class."""
+    if _MAKERS & {name for name in node_class.attributes if name not in node_class.methods}:
         yield True
     for source in sources.sources.values():
-        yield from (_gives(source, node, one.name) for node in source.nodes)
+        yield from (_gives(source, node, node_class.name) for node in source.nodes)
 
 
 def _gives(source: PythonSource, node: ast.AST, name: str) -> bool:

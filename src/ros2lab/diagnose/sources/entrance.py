@@ -1,4 +1,4 @@
-"""What `ros2 run` calls, what that reaches, and which node is spun there, how long and by what."""
+"""Follow the function that `ros2 run` calls: what it reaches, and which nodes are spun, and how."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from ros2lab.diagnose.sources.static_value import dotted
 
 SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
 _CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
-# By what a program may last or wait that spins nothing itself.
+# With these a program may last or wait without spinning.
 _WAITING = frozenset(("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep"))
 _MOST_FUNCTIONS = 500
-_SHORT_REST = 0.2  # s; after a shorter one a node is still as quick as its timers
+_SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its timers
 
 
 @dataclass(frozen=True)
@@ -25,9 +25,9 @@ class Call:
     """A call that a program reaches.
 
     Attributes:
-        name: what is called, as far as it is known, such as `rclpy.spin`.
-        function: in which it stands.
-        is_repeated: whether it stands in a loop.
+        name: the name of the called function, as far as it is known, such as `rclpy.spin`.
+        function: the function that contains the call.
+        is_repeated: whether the call is in a loop.
     """
 
     source: PythonSource
@@ -38,7 +38,7 @@ class Call:
 
     @property
     def short(self) -> str:
-        """Its last name."""
+        """The last part of its name."""
         return self.name.rpartition(".")[2]
 
     @property
@@ -54,7 +54,7 @@ class Entrance:
         calls: every call that is reached.
         functions: every function that is reached.
         node: the first call that makes a node; None if none does.
-        may_do_more: whether something is handed over to code that is not the package's own, which may spin.
+        may_do_more: whether code from outside the package is called that may spin.
     """
 
     def __init__(self, sources: NodeSources, name: str) -> None:
@@ -65,16 +65,18 @@ class Entrance:
         self.may_do_more = False
         self._seen: set[int] = set()
         self._follow(self.source, self.function)
-        self.node = next((one for one in self.calls if self.makes_node(one)), None)
-        self.spins = [one for one in self.calls if "spin" in one.short]
-        self.has_loop = any(isinstance(node, ast.While) for one in self.functions for node in walk(one))
+        self.node = next((call for call in self.calls if self.makes_node(call)), None)
+        self.spins = [call for call in self.calls if "spin" in call.short]
+        self.has_loop = any(
+            isinstance(node, ast.While) for function in self.functions for node in walk(function)
+        )
 
-    def makes_node(self, one: Call) -> bool:
+    def makes_node(self, call: Call) -> bool:
         """Return whether a call makes a node."""
         is_class = (
-            one.name in self.sources.classes and self.sources.lineage(self.sources.classes[one.name])[1]
+            call.name in self.sources.classes and self.sources.lineage(self.sources.classes[call.name])[1]
         )
-        return is_class or one.name in NODE_CLASSES or one.name == "rclpy.create_node"
+        return is_class or call.name in NODE_CLASSES or call.name == "rclpy.create_node"
 
     def _follow(self, source: PythonSource, function: Function) -> None:
         if id(function) in self._seen or len(self._seen) > _MOST_FUNCTIONS:
@@ -93,7 +95,7 @@ class Entrance:
                 self.may_do_more |= self._is_handed_on(source, name, function)
 
     def _follow_name(self, name: str) -> None:
-        # A function or a class that is only named may be called by whoever is given it.
+        # A function or a class that is only mentioned may be passed on and called elsewhere.
         if name in self.sources.functions:
             self._follow(*self.sources.functions[name])
         elif name in self.sources.classes:
@@ -105,7 +107,7 @@ class Entrance:
         if "import_module" in name or name in ("exec", "eval", "runpy.run_module"):
             return True
         top = name.partition(".")[0]
-        imported = {one.target.partition(".")[0] for one in source.imports}
+        imported = {binding.target.partition(".")[0] for binding in source.imports}
         is_foreign = top in imported and top not in {"rclpy", *sys.stdlib_module_names}
         is_own = name in self.sources.functions or name in self.sources.classes
         is_interface = name.endswith(("msg", "srv")) or ".msg." in name or ".srv." in name
@@ -113,25 +115,25 @@ class Entrance:
 
 
 def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
-    """Yield what is wrong between a program's first line and its end."""
+    """Yield what is wrong in how a program initializes, spins and ends."""
     if entrance.node is None:
         yield from _left_aside(entrance)
         return
     yield from _init(entrance)
-    for one in entrance.calls:
-        if one.name in ("rclpy.init", "rclpy.create_node") and _is_behind_with(one.call, one.function):
+    for call in entrance.calls:
+        if call.name in ("rclpy.init", "rclpy.create_node") and _is_behind_with(call.call, call.function):
             yield Finding(
                 "context-manager",
-                f"In ROS 2 Jazzy, {one.name}() cannot be used in a `with` statement; later releases allow it.",
-                one.source.at(one.call),
+                f"In ROS 2 Jazzy, {call.name}() cannot be used in a `with` statement; later releases allow it.",
+                call.source.at(call.call),
                 "call it on a line of its own, and rclpy.try_shutdown() at the end of main",
             )
-    if any(one.short in _CALLED_BACK for one in entrance.calls):
+    if any(call.short in _CALLED_BACK for call in entrance.calls):
         yield from _spin(entrance)
 
 
 def _left_aside(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a function that makes a node in the file of an entrance which does not reach it, nor does anything else."""
+    """Yield a function that makes a node but is never called, in the file of an entrance without a node."""
     source = entrance.source
     named = {getattr(node, "id", getattr(node, "attr", "")) for node in source.nodes}
     for name, (home, function) in entrance.sources.functions.items():
@@ -144,10 +146,10 @@ def _left_aside(entrance: Entrance) -> Iterator[Finding]:
 
 
 def _init(entrance: Entrance) -> Iterator[Finding]:
-    inits = [one for one in entrance.calls if one.name == "rclpy.init"]
+    inits = [call for call in entrance.calls if call.name == "rclpy.init"]
     node = entrance.node
     assert node is not None
-    if not entrance.may_do_more and not any(one.short == "init" for one in entrance.calls):
+    if not entrance.may_do_more and not any(call.short == "init" for call in entrance.calls):
         yield Finding(
             "rclpy-init-missing",
             "A node is made, but rclpy.init() is not called before it.",
@@ -155,10 +157,10 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
             f"write rclpy.init(args=args) as the first line of {entrance.function.name}",
         )
     sure = [
-        one
-        for one in inits
-        if not _is_guarded(one.call, one.function)
-        and not any(keyword.arg == "context" for keyword in one.call.keywords)
+        init
+        for init in inits
+        if not _is_guarded(init.call, init.function)
+        and not any(keyword.arg == "context" for keyword in init.call.keywords)
     ]
     if len(sure) > 1 and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
         yield Finding(
@@ -170,10 +172,10 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
 
 
 def _spin(entrance: Entrance) -> Iterator[Finding]:
-    """Yield why no callback is called, or only one, or only those of some of the nodes."""
+    """Yield why no callback is called, only one, or only those of some nodes."""
     node, name = entrance.node, entrance.function.name
     assert node is not None
-    waits = entrance.may_do_more or any(one.short in _WAITING for one in entrance.calls)
+    waits = entrance.may_do_more or any(call.short in _WAITING for call in entrance.calls)
     if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance):
         yield Finding(
             "spin-missing",
@@ -198,18 +200,18 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
 
 
 def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a loop of one's own that sleeps where it could spin."""
+    """Yield a loop that sleeps without spinning."""
     node = entrance.node
     assert node is not None
-    if any(one.short in _WAITING - {"sleep", "wait"} for one in entrance.calls):
+    if any(call.short in _WAITING - {"sleep", "wait"} for call in entrance.calls):
         return
-    for one in entrance.calls:
-        # In the node's own methods, a loop is told of as what keeps its callbacks waiting.
+    for call in entrance.calls:
+        # A loop in a method of the node is reported as one that keeps callbacks waiting.
         if (
-            one.name != "time.sleep"
-            or not one.is_repeated
-            or one.function is not node.function
-            or not one.call.args
+            call.name != "time.sleep"
+            or not call.is_repeated
+            or call.function is not node.function
+            or not call.call.args
         ):
             continue
         kept = [
@@ -217,19 +219,21 @@ def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
             for n in own_nodes(node.function)
             if isinstance(n, ast.Assign) and n.value is node.call
         ]
-        name, length = ast.unparse(kept[0]) if kept else "node", ast.unparse(one.call.args[0])
+        name, length = ast.unparse(kept[0]) if kept else "node", ast.unparse(call.call.args[0])
         yield Finding(
             "spin-missing",
             f"This loop sleeps without spinning, so no callback of {name} is ever called.",
-            one.source.at(one.call),
-            f"write rclpy.spin_once({name}, timeout_sec={length}) instead of {ast.unparse(one.call)}",
+            call.source.at(call.call),
+            f"write rclpy.spin_once({name}, timeout_sec={length}) instead of {ast.unparse(call.call)}",
         )
 
 
 def _one_turn(entrance: Entrance) -> Iterator[Finding]:
     """Yield a program that spins once and ends."""
     name = entrance.function.name
-    once = [one for one in entrance.spins if one.short == "spin_once" and _is_the_only_turn(entrance, one)]
+    once = [
+        spin for spin in entrance.spins if spin.short == "spin_once" and _is_the_only_turn(entrance, spin)
+    ]
     if once and len(once) == len(entrance.spins):
         given = ast.unparse(once[-1].call.args[0]) if once[-1].call.args else "node"
         cause = f"spin_once() calls at most one callback, and {name} does not call it in a loop, so the program then ends."
@@ -238,31 +242,31 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
 
 
 def _rests(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a loop that spins once a round and sleeps: what comes in the meantime waits, a round for each."""
-    turns = [one for one in entrance.calls if one.name == "rclpy.spin_once" and one.is_repeated]
+    """Yield a loop that spins once and sleeps in each round, so that only one callback a round is called."""
+    turns = [turn for turn in entrance.calls if turn.name == "rclpy.spin_once" and turn.is_repeated]
     for turn in turns:
-        for one in entrance.calls:
-            length = entrance.sources.value(one.source, one.call.args[0]) if one.call.args else None
-            is_sleep = one.name == "time.sleep" and one.is_repeated and one.function is turn.function
+        for call in entrance.calls:
+            length = entrance.sources.value(call.source, call.call.args[0]) if call.call.args else None
+            is_sleep = call.name == "time.sleep" and call.is_repeated and call.function is turn.function
             if is_sleep and isinstance(length, (int, float)) and length >= _SHORT_REST:
                 given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
                 yield Finding(
                     "callback-waits",
                     f"spin_once() calls one callback, and then this loop sleeps for {length:g} s, so callbacks run only that often and messages pile up.",
-                    one.source.at(one.call),
+                    call.source.at(call.call),
                     f"write rclpy.spin({given}) instead of the loop, and move the loop's other work into a timer callback",
                 )
 
 
 def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
-    """Yield an executor that is spun and was given no node."""
-    shorts = {one.short for one in entrance.calls}
+    """Yield an executor that is spun without any nodes."""
+    shorts = {call.short for call in entrance.calls}
     made = [
-        one
-        for one in entrance.calls
-        if one.name.startswith("rclpy.executors.") and one.short.endswith("Executor")
+        call
+        for call in entrance.calls
+        if call.name.startswith("rclpy.executors.") and call.short.endswith("Executor")
     ]
-    of_executor = [one for one in entrance.spins if one.name != "rclpy.spin" and one.is_lasting]
+    of_executor = [spin for spin in entrance.spins if spin.name != "rclpy.spin" and spin.is_lasting]
     if (
         made
         and of_executor
@@ -280,73 +284,73 @@ def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
         )
 
 
-def _is_the_only_turn(entrance: Entrance, one: Call) -> bool:
-    """Return whether a program turns once and is done: it neither comes back, nor asks what the turn has brought."""
-    node = ast.unparse(one.call.args[0]) if one.call.args else ""
+def _is_the_only_turn(entrance: Entrance, turn: Call) -> bool:
+    """Return whether a program spins once and ends: it neither repeats that nor uses the node afterwards."""
+    node = ast.unparse(turn.call.args[0]) if turn.call.args else ""
     asked = {
         n.attr
-        for n in own_nodes(one.function)
-        if isinstance(n, ast.Attribute) and ast.unparse(n.value) == node and n.lineno > one.call.lineno
+        for n in own_nodes(turn.function)
+        if isinstance(n, ast.Attribute) and ast.unparse(n.value) == node and n.lineno > turn.call.lineno
     }
-    is_own = one.function is entrance.function and one.call in own_nodes(one.function)
-    return is_own and not one.is_repeated and asked <= {"destroy_node"}
+    is_own = turn.function is entrance.function and turn.call in own_nodes(turn.function)
+    return is_own and not turn.is_repeated and asked <= {"destroy_node"}
 
 
 def _left_out(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a node that is made and given to nothing, beside another one that is spun."""
-    spun = [one for one in entrance.spins if one.name == "rclpy.spin" and one.call.args]
-    for one in spun:
-        for node in own_nodes(one.function):
+    """Yield a node that is made but never used, while another one is spun."""
+    spun = [spin for spin in entrance.spins if spin.name == "rclpy.spin" and spin.call.args]
+    for spin in spun:
+        for node in own_nodes(spin.function):
             match node:
                 case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=made)):
                     pass
                 case _:
                     continue
-            owner = entrance.sources.classes.get(entrance.sources.resolve(one.source, made) or "")
+            owner = entrance.sources.classes.get(entrance.sources.resolve(spin.source, made) or "")
             if (
                 owner is None
                 or not entrance.sources.lineage(owner)[1]
-                or name == ast.unparse(one.call.args[0])
+                or name == ast.unparse(spin.call.args[0])
             ):
                 continue
             if any(
                 creation.owner is owner and creation.method in _CALLED_BACK
                 for creation in entrance.sources.creations
             ):
-                loads = [n for n in walk(one.function) if isinstance(n, ast.Name) and n.id == name]
+                loads = [n for n in walk(spin.function) if isinstance(n, ast.Name) and n.id == name]
                 destroyed = {
                     id(n.value)
-                    for n in walk(one.function)
+                    for n in walk(spin.function)
                     if isinstance(n, ast.Attribute) and n.attr == "destroy_node"
                 }
                 if not any(isinstance(n.ctx, ast.Load) and id(n) not in destroyed for n in loads):
-                    cause = f"{name} is made here but never spun: `{ast.unparse(one.call)}` calls only the callbacks of {ast.unparse(one.call.args[0])}."
+                    cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(spin.call.args[0])}."
                     fix = "add both nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()"
-                    if entrance.sources.resolve(one.source, one.call.args[0]) == owner.name:
-                        cause = f"`{ast.unparse(one.call)}` is given the class instead of {name}, the node made from it."
+                    if entrance.sources.resolve(spin.source, spin.call.args[0]) == owner.name:
+                        cause = f"`{ast.unparse(spin.call)}` is given the class instead of {name}, the node made from it."
                         fix = f"write rclpy.spin({name})"
-                    yield Finding("spin-missing", cause, one.source.at(node), fix)
+                    yield Finding("spin-missing", cause, spin.source.at(node), fix)
 
 
 def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
-    """Yield the first spin that comes after another one in the same block."""
-    spinning = {id(one.call): one.source for one in entrance.spins if one.is_lasting}
+    """Yield the second of several spins in the same block."""
+    spinning = {id(spin.call): spin.source for spin in entrance.spins if spin.is_lasting}
     for function in entrance.functions:
         for node in walk(function):
             for block in (getattr(node, "body", None), getattr(node, "orelse", None)):
                 calls = [
-                    one.value
-                    for one in (block if isinstance(block, list) else ())
-                    if isinstance(one, ast.Expr)
-                    and isinstance(one.value, ast.Call)
-                    and id(one.value) in spinning
+                    statement.value
+                    for statement in (block if isinstance(block, list) else ())
+                    if isinstance(statement, ast.Expr)
+                    and isinstance(statement.value, ast.Call)
+                    and id(statement.value) in spinning
                 ]
                 if len(calls) > 1:
                     yield spinning[id(calls[1])], calls[1]
 
 
 def _names_spin(entrance: Entrance) -> bool:
-    """Return whether something is handed over that spins, as in `Thread(target=executor.spin)`."""
+    """Return whether a spinning function is passed on, as in `Thread(target=executor.spin)`."""
     for function in entrance.functions:
         named = {id(n.func) for n in walk(function) if isinstance(n, ast.Call)}
         named |= {id(n.value) for n in walk(function) if isinstance(n, ast.Expr)}

@@ -1,4 +1,4 @@
-"""Which names an expression may be: one that is written there, or that comes through a variable, a loop or a call."""
+"""Which names an expression may hold: written there, or from a variable, a loop or a call."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
 
 _DEEPEST = 5  # variables and calls through which a name is followed
-# Each name with what gives it: the expression itself, or the call of the function that is given it.
+# Each name with its origin: the expression itself, or the call that passes it to the function.
 Names = Mapping[str, tuple[PythonSource, ast.expr]]
 
 
@@ -22,14 +22,14 @@ def names_given(
     node: ast.expr,
     depth: int = _DEEPEST,
 ) -> Names:
-    """Return the names that an expression may be, as far as they are known; those of a list are its items.
+    """Return the names that an expression may hold, as far as they are known; for a list, its items.
 
     Args:
         sources: the files, in which the function may be called.
-        source: the file in which the expression stands.
-        function: the function around it, if there is one.
+        source: the file that contains the expression.
+        function: the function around it; None outside a function.
         node: the expression.
-        depth: through how many variables and calls a name is followed still.
+        depth: how many more variables and calls to follow.
     """
     value = sources.value(source, node)
     if isinstance(value, (str, list, dict)):
@@ -44,9 +44,9 @@ def names_given(
         case ast.BinOp(op=ast.Add(), left=left, right=right):
             found = dict(_joined(sources, source, function, [left, right], depth))
         case ast.List(elts=items) | ast.Tuple(elts=items):
-            pairs = (isinstance(one, (ast.Tuple, ast.List)) and one.elts for one in items)
-            for one in (pair[0] if pair else one for one, pair in zip(items, pairs, strict=True)):
-                found |= names_given(sources, source, function, one, depth - 1)
+            pairs = (isinstance(item, (ast.Tuple, ast.List)) and item.elts for item in items)
+            for first in (pair[0] if pair else item for item, pair in zip(items, pairs, strict=True)):
+                found |= names_given(sources, source, function, first, depth - 1)
         case ast.Attribute(attr=name):
             for given in _kept(sources, ast.unparse(node), name):
                 found |= names_given(sources, source, function, given, depth - 1)
@@ -58,7 +58,7 @@ def names_given(
 def _of_variable(
     sources: NodeSources, source: PythonSource, function: Function | None, node: ast.Name, depth: int
 ) -> Names:
-    """Return the names that a variable may hold: what it is bound to, and what the callers of its function give."""
+    """Return the names that a variable may hold: what it is bound to, and what callers pass for it."""
     found: dict[str, tuple[PythonSource, ast.expr]] = {}
     for number, given in bound_to(source, function, node.id):
         held = sources.value(source, given)
@@ -66,30 +66,31 @@ def _of_variable(
         found |= dict.fromkeys(firsts, (source, node))
         if number is None:
             found |= names_given(sources, source, function, given, depth - 1)
-    if function and node.id in [one.arg for one in parameters(function)]:
+    if function and node.id in [parameter.arg for parameter in parameters(function)]:
         found |= _of_callers(sources, function, node.id, depth)
     return found
 
 
 def _kept(sources: NodeSources, text: str, name: str) -> Iterator[ast.expr]:
-    """Yield what is assigned to an attribute such as `self.name`, also in the body of a class."""
+    """Yield the values assigned to an attribute such as `self.name`, also in the body of a class."""
     for node in (node for source in sources.sources.values() for node in source.nodes):
         match node:
             case ast.Assign(targets=[ast.Attribute() as target], value=value) if ast.unparse(target) == text:
                 yield value
             case ast.ClassDef(body=body):
                 yield from (
-                    one.value
-                    for one in body
-                    if isinstance(one, ast.Assign) and [name] == [getattr(n, "id", "") for n in one.targets]
+                    statement.value
+                    for statement in body
+                    if isinstance(statement, ast.Assign)
+                    and [name] == [getattr(n, "id", "") for n in statement.targets]
                 )
 
 
 def first_texts(items: Any, number: int | None = 0) -> Iterator[str]:
-    """Yield the texts among some items, and of each item that is a list itself the one at a place in it."""
+    """Yield the strings among some items, and from each item that is a list the string at the given index."""
     for item in items:
         if isinstance(item, list):
-            yield from (one for one in item[number or 0 :][:1] if isinstance(one, str))
+            yield from (text for text in item[number or 0 :][:1] if isinstance(text, str))
         elif isinstance(item, str) and not number:
             yield item
 
@@ -97,8 +98,8 @@ def first_texts(items: Any, number: int | None = 0) -> Iterator[str]:
 def _joined(
     sources: NodeSources, source: PythonSource, function: Function | None, parts: list[ast.expr], depth: int
 ) -> Iterator[tuple[str, tuple[PythonSource, ast.expr]]]:
-    """Yield what texts in a row may make together, each with what gives the first of them that is not written there."""
-    rows = [names_given(sources, source, function, one, depth - 1).items() for one in parts]
+    """Yield the texts that parts may form when joined, each with its origin, a call if there is one."""
+    rows = [names_given(sources, source, function, part, depth - 1).items() for part in parts]
     for way in itertools.islice(itertools.product(*rows), 100):
         given = [place for _, place in way]
         yield (
@@ -110,7 +111,7 @@ def _joined(
 def bound_to(
     source: PythonSource, function: Function | None, name: str
 ) -> Iterator[tuple[int | None, ast.expr]]:
-    """Yield what a name holds: an expression, or the items of one, and then at which place of each item."""
+    """Yield what a name is bound to: None and an expression, or an index into each item of an expression."""
     for node in own_nodes(function) if function else source.tree.body:
         match node:
             case ast.Assign(targets=[ast.Name(id=bound)], value=value) if bound == name:
@@ -118,7 +119,9 @@ def bound_to(
             case ast.For(target=target, iter=over) | ast.comprehension(target=target, iter=over):
                 names = target.elts if isinstance(target, ast.Tuple) else [target]
                 held = over.func.value if _is_of_keys(over) else over  # type: ignore[attr-defined]
-                yield from ((n, held) for n, one in enumerate(names) if getattr(one, "id", "") == name)
+                yield from (
+                    (n, held) for n, element in enumerate(names) if getattr(element, "id", "") == name
+                )
 
 
 def _is_of_keys(over: ast.expr) -> bool:
@@ -126,7 +129,7 @@ def _is_of_keys(over: ast.expr) -> bool:
 
 
 def _of_callers(sources: NodeSources, function: Function, name: str, depth: int) -> Names:
-    """Return the names that a function's parameter is given where the function is called."""
+    """Return the names that callers pass for a parameter of a function."""
     found: dict[str, tuple[PythonSource, ast.expr]] = {}
     for home, around, call in calls_of(sources, function):
         given = argument_of(function, call, name)
@@ -138,7 +141,7 @@ def _of_callers(sources: NodeSources, function: Function, name: str, depth: int)
 def calls_of(
     sources: NodeSources, function: Function
 ) -> Iterator[tuple[PythonSource, Function | None, ast.Call]]:
-    """Yield the calls of a function by its name, each with its file and the function around it."""
+    """Yield the calls of a function, found by its name, each with its file and the function around it."""
     for source in sources.sources.values():
         for _, around, call in sources.scoped(source):
             called = call.func if isinstance(call, ast.Call) else None
@@ -148,10 +151,10 @@ def calls_of(
 
 
 def argument_of(function: Function, call: ast.Call, name: str) -> ast.expr | None:
-    """Return what a call gives one of the parameters of a function; its default if it gives nothing."""
-    names = [one.arg for one in parameters(function)]
+    """Return what a call passes for a parameter of a function; the default if it passes nothing."""
+    names = [parameter.arg for parameter in parameters(function)]
     is_method = bool(names) and names[0] in ("self", "cls")
     given = dict(zip(names[is_method:], call.args, strict=False))
-    given |= {one.arg: one.value for one in call.keywords if one.arg}
+    given |= {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
     defaults = dict(zip(reversed(names), reversed(function.args.defaults), strict=False))
     return given.get(name) or defaults.get(name)

@@ -1,4 +1,4 @@
-"""What the installed ROS packages offer, read from their files without importing them."""
+"""What the installed ROS packages define, read from their files without importing them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from types import ModuleType
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest
 
-# Those that a student may need by name, where nothing is installed, too.
+# The packages that a student may name, even if they are not installed.
 _NAMES = """
     rclpy rclcpp std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs diagnostic_msgs shape_msgs stereo_msgs
     trajectory_msgs visualization_msgs actionlib_msgs action_msgs example_interfaces builtin_interfaces
@@ -27,7 +27,7 @@ _NAMES = """
     launch_testing_ros launch_pytest ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
     """
 PACKAGES = frozenset(_NAMES.split())
-# From where launch files import.
+# The modules from which launch files import.
 LAUNCH_MODULES = (
     "launch_ros.actions",
     "launch.actions",
@@ -42,7 +42,7 @@ LAUNCH_MODULES = (
 
 @lru_cache(maxsize=256)
 def folder_of(package: str) -> Path | None:
-    """Return the folder of an installed top-level Python package, None if there is none."""
+    """Return the folder of an installed top-level Python package; None if there is none."""
     try:
         spec = importlib.util.find_spec(package) if package.isidentifier() else None
     except (ImportError, ValueError):
@@ -53,9 +53,9 @@ def folder_of(package: str) -> Path | None:
 
 @lru_cache(maxsize=256)
 def meant(package: str) -> str | None:
-    """Return the ROS package of which this name is a misspelling; None if it is none, or is installed."""
+    """Return the ROS package that a misspelt name means; None if there is none, or if the name is correct."""
     close = None if package in PACKAGES or is_installed(package) else nearest(package, PACKAGES, 0.85)
-    return None if close and package.startswith(f"{close}_") else close  # as sensor_msgs_py is another one
+    return None if close and package.startswith(f"{close}_") else close  # sensor_msgs_py is another package
 
 
 def is_installed(module: str) -> bool:
@@ -67,7 +67,7 @@ def is_installed(module: str) -> bool:
 
 
 def is_module(name: str) -> bool:
-    """Return whether a dotted name is that of a module in an installed package, or in one of Python's own."""
+    """Return whether a dotted name is a module in an installed package or in Python itself."""
     package, *inner = name.split(".")
     folder = folder_of(package)
     if folder is None:
@@ -79,7 +79,7 @@ def is_module(name: str) -> bool:
 
 @lru_cache(maxsize=256)
 def names_in(module: str) -> frozenset[str] | None:
-    """Return what can be imported from a module such as `std_msgs.msg`; None if it cannot be told."""
+    """Return the names that can be imported from a module such as `std_msgs.msg`; None if not known."""
     package, *rest = module.split(".")
     folder = folder_of(package)
     if folder is None:
@@ -99,12 +99,12 @@ def names_in(module: str) -> frozenset[str] | None:
     return frozenset(names | submodules)
 
 
-# These packages, and each __main__, do something when they are imported, as programs do.
+# Importing these packages, or any __main__, runs a program.
 PROGRAMS = frozenset(("antigravity", "idlelib", "test", "this"))
 
 
 def own_module(name: str) -> ModuleType | None:
-    """Return one of Python's own modules; None for any other, and for a program.
+    """Return a module of the standard library; None for any other module, and for a program.
 
     Raises:
         ImportError: if Python has no module of this name.
@@ -115,7 +115,7 @@ def own_module(name: str) -> ModuleType | None:
 
 
 def has_name(module: str, name: str) -> bool:
-    """Return whether a name can be imported from an installed module, or one of Python's own."""
+    """Return whether a name can be imported from an installed module or one of the standard library."""
     names = names_in(module)
     if names is None and module in sys.stdlib_module_names:
         names = frozenset(dir(own_module(module)))
@@ -123,14 +123,14 @@ def has_name(module: str, name: str) -> bool:
 
 
 def nearest_module(name: str) -> str | None:
-    """Return the installed module of which a dotted name, such as `rclpy.nod`, is a misspelling; None if it is none."""
+    """Return the installed module that a misspelt name such as `rclpy.nod` means; None if there is none."""
     parent, _, last = name.rpartition(".")
     close = nearest(last, names_in(parent) or (), 0.6) if parent else meant(name)
     return f"{parent}.{close}" if parent and close else close
 
 
 def _bound_in(tree: ast.Module) -> set[str]:
-    """Return the names that a module's top level binds; what is only for type checkers is not there."""
+    """Return the names that a module binds at its top level, without those only for type checkers."""
     names: set[str] = set()
     for node in _run_on_import(tree):
         if isinstance(node, (ast.Import, ast.ImportFrom)):
@@ -153,9 +153,9 @@ def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
 
 @lru_cache(maxsize=512)
 def fields_of(type_name: str | None) -> Mapping[str, str] | None:
-    """Return the fields of a message such as `geometry_msgs.msg.Twist`, name to type; None if it is unknown.
+    """Return the fields of a message such as `geometry_msgs.msg.Twist`, name to type; None if not known.
 
-    The part of a service or an action is named as its class is: `std_srvs.srv.SetBool_Request`.
+    A part of a service or an action has the name of its class: `std_srvs.srv.SetBool_Request`.
     """
     package, _, rest = (type_name or "").partition(".")
     kind, _, name = rest.partition(".")
@@ -172,13 +172,13 @@ def fields_of(type_name: str | None) -> Mapping[str, str] | None:
 
 
 def is_interface(type_name: str | None) -> bool:
-    """Return whether a dotted name has the form of a message's, a service's or an action's."""
+    """Return whether a dotted name has the form of a message, a service or an action."""
     return bool(type_name and re.fullmatch(r"\w+\.(msg|srv|action)\.\w+", type_name))
 
 
 @lru_cache(maxsize=64)
 def homes_of(name: str) -> tuple[str, ...]:
-    """List the modules from which a message, a service or one of rclpy's classes is imported."""
+    """Return the modules from which a message, a service or a class of rclpy is imported."""
     interfaces = sorted(
         package for package in PACKAGES if package.endswith(("_msgs", "_srvs", "_interfaces"))
     )
@@ -188,14 +188,14 @@ def homes_of(name: str) -> tuple[str, ...]:
     for file in sorted(folder.glob("*.py")) if folder else ():
         if re.search(rf"^class {re.escape(name)}\b", read_text(file), re.MULTILINE):
             modules.append(f"rclpy.{file.stem}")
-    # The plain packages come before those of rarer use.
+    # Common packages come first.
     return tuple(
         sorted(modules, key=lambda module: (not module.startswith(("std_", "geometry_", "rclpy")), module))
     )
 
 
 def launch_homes_of(name: str) -> list[str]:
-    """List the modules from which launch files import a class or a function."""
+    """Return the modules from which launch files import a class or a function."""
     found = []
     for module in LAUNCH_MODULES:
         package, *rest = module.split(".")
@@ -212,52 +212,54 @@ def launch_homes_of(name: str) -> list[str]:
 
 @lru_cache(maxsize=1)
 def _launch_classes() -> Mapping[str, frozenset[str]]:
-    """Return the names of the classes above each class of launch."""
-    folders = [one for one in map(folder_of, ("launch", "launch_ros")) if one]
+    """Return the names of the base classes of each class of launch."""
+    folders = [folder for folder in map(folder_of, ("launch", "launch_ros")) if folder]
     texts = (read_text(path) for folder in folders for path in folder.rglob("*.py"))
     found = (re.findall(r"^class (\w+)\(([\w., ]+)", text, re.MULTILINE) for text in texts)
     return {name: frozenset(re.findall(r"\w+(?=,|$)", above)) for rows in found for name, above in rows}
 
 
 def launch_classes_below(name: str) -> list[str]:
-    """List the classes that launch files import and that are derived from a class of launch, itself included."""
+    """Return the classes for launch files that are derived from a class of launch, itself included."""
     known, found = _launch_classes(), {name}
-    while more := {one for one, above in known.items() if above & found} - found:
+    while more := {class_name for class_name, above in known.items() if above & found} - found:
         found |= more
-    return sorted(one for one in found if launch_homes_of(one))
+    return sorted(class_name for class_name in found if launch_homes_of(class_name))
 
 
 def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:
-    """List the modules from which a file imports a class or a function; one that imports launch means launch's first.
+    """Return the modules from which a file should import a class or a function.
+
+    A file that imports launch gets the modules of launch, if there are any.
 
     Args:
-        name: of the class or the function.
-        imported: what the file imports already.
+        name: the name of the class or the function.
+        imported: the modules that the file imports already.
     """
     of_launch, of_ros = launch_homes_of(name), homes_of(name)
-    is_launch = any(one.startswith("launch") for one in imported)
+    is_launch = any(module.startswith("launch") for module in imported)
     return (of_launch or of_ros) if is_launch else (of_ros or of_launch)
 
 
 def only_field(class_name: str) -> str:
-    """Return the field of a message that holds nothing else than `data`; empty for any other class."""
+    """Return `data` if that is the only field of a message; empty for any other class."""
     fields = [fields_of(f"{home}.{class_name}") or {} for home in homes_of(class_name)]
-    return "data" if any(list(one) == ["data"] for one in fields) else ""
+    return "data" if any(list(mapping) == ["data"] for mapping in fields) else ""
 
 
 _MOST_METHODS = 12
 
 
 def methods_of(class_name: str) -> str:
-    """Return in one text the public methods and properties that an installed class defines; empty if it is not known."""
+    """Return the public methods and properties of an installed class, joined by commas; empty if none."""
     found = next((_class(home, class_name) for home in homes_of(class_name)), None)
-    defined = [one.name for one in found.body if isinstance(one, ast.FunctionDef)] if found else []
+    defined = [node.name for node in found.body if isinstance(node, ast.FunctionDef)] if found else []
     return ", ".join([*dict.fromkeys(name for name in defined if not name.startswith("_"))][:_MOST_METHODS])
 
 
 @lru_cache(maxsize=32)
 def inner_homes_of(class_name: str) -> tuple[str, ...]:
-    """Return the modules of rclpy that define a class, also those from which nobody imports it."""
+    """Return the modules of rclpy that define a class, inner modules included."""
     folder = folder_of("rclpy")
     files = sorted(folder.rglob("*.py")) if folder else []
     found = [
@@ -276,19 +278,19 @@ def _class(module: str, class_name: str) -> ast.ClassDef | None:
     files = sorted(path.glob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
     texts = (text for file in files if f"class {class_name}" in (text := read_text(file)))
     classes = (node for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
-    return next((one for one in classes if one.name == class_name), None)
+    return next((node for node in classes if node.name == class_name), None)
 
 
 def method_of(module: str, class_name: str, name: str) -> ast.FunctionDef | None:
-    """Return a method of an installed class as it is written; None if it defines none of this name, or a property."""
+    """Return the definition of a method of an installed class; None if it is missing or decorated."""
     found = _class(module, class_name)
-    defined = [one for one in (found.body if found else ()) if isinstance(one, ast.FunctionDef)]
-    return next((one for one in defined if one.name == name and not one.decorator_list), None)
+    defined = [node for node in (found.body if found else ()) if isinstance(node, ast.FunctionDef)]
+    return next((method for method in defined if method.name == name and not method.decorator_list), None)
 
 
 @lru_cache(maxsize=16)
 def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Return what an installed class has, and which of that are properties that cannot be set."""
+    """Return the members of an installed class, and which of them are properties that cannot be set."""
     found = _class(module, class_name)
     if found is None:
         return frozenset(), frozenset()

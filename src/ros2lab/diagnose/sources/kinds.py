@@ -1,4 +1,4 @@
-"""Of which kind the values are that a program puts into messages, followed through its sources."""
+"""The kinds of values that a program puts into messages, followed through its sources."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
 
 # The kind of a value: one of `PLAIN`, a message such as "std_msgs.msg.String", its class as
-# "type of std_msgs.msg.String", or "publisher of std_msgs.msg.String"; None where it is not known.
+# "type of std_msgs.msg.String", or "publisher of std_msgs.msg.String"; None if not known.
 Kind = str | None
 
 PLAIN = frozenset(("int", "float", "str", "bool", "list", "dict"))
 PUBLISHER, CLASS = "publisher of ", "type of "
 PARAMETER = "rclpy.parameter.Parameter"
-_DEEPEST = 12  # names that are followed from one to the next
+_DEEPEST = 12  # names that are followed in a row
 
 _Assigned = Mapping[str, list[ast.expr | None]]
 
 
 class Kinds:
-    """What the names of some sources hold, as far as every assignment to a name agrees."""
+    """The kinds of the names in some sources, if all assignments to a name agree."""
 
     def __init__(self, sources: NodeSources) -> None:
         self.sources = sources
@@ -33,37 +33,37 @@ class Kinds:
 
     @cached_property
     def received(self) -> Mapping[int, str]:
-        """The message that a callback's parameter holds, by the parameter's identity."""
+        """The message type of a callback's parameter, by the `id` of the parameter."""
         found: dict[int, set[str]] = {}
         for creation, function in self.sources.callbacks():
             given = (creation.arguments or {}).get("msg_type")
             name = self.sources.resolve(creation.source, given)
-            names = [one for one in parameters(function) if one.arg not in ("self", "cls")]
+            names = [argument for argument in parameters(function) if argument.arg not in ("self", "cls")]
             if creation.method == "create_subscription" and names and name and interfaces.is_interface(name):
                 found.setdefault(id(names[0]), set()).add(name)
-        # One function may take messages of several types.
+        # A callback may receive messages of several types.
         return {parameter: types.pop() for parameter, types in found.items() if len(types) == 1}
 
     def locals_of(self, function: Function) -> _Assigned:
-        """Return what a function assigns to each of its names; None stands for what cannot be followed."""
+        """Return the values that a function assigns to each name; None for one that cannot be followed."""
         if id(function) not in self._locals:
             self._locals[id(function)] = _assigned(
                 function, lambda node: node.id if isinstance(node, ast.Name) else None
             )
         return self._locals[id(function)]
 
-    def attributes_of(self, one: NodeClass) -> Mapping[str, list[tuple[Scope, ast.expr | None]]]:
-        """Return what a class assigns to each attribute of itself, and where."""
-        if id(one) not in self._attributes:
+    def attributes_of(self, node_class: NodeClass) -> Mapping[str, list[tuple[Scope, ast.expr | None]]]:
+        """Return the values that a class assigns to each of its attributes, each with its scope."""
+        if id(node_class) not in self._attributes:
             found: dict[str, list[tuple[Scope, ast.expr | None]]] = {}
-            for inner in self.sources.lineage(one)[0]:
+            for inner in self.sources.lineage(node_class)[0]:
                 for method in inner.methods.values():
                     scope = Scope(self, inner.source, inner, method)
                     pairs = _assigned(method, lambda n: n.attr if is_self_attribute(n) else None)
                     for name, values in pairs.items():
                         found.setdefault(name, []).extend((scope, value) for value in values)
-            self._attributes[id(one)] = found
-        return self._attributes[id(one)]
+            self._attributes[id(node_class)] = found
+        return self._attributes[id(node_class)]
 
 
 def _assigned(function: Function, name_of: Callable[[ast.AST], str | None]) -> _Assigned:
@@ -80,7 +80,7 @@ def _assigned(function: Function, name_of: Callable[[ast.AST], str | None]) -> _
             for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
                 add(target, node.value)
         elif isinstance(node, ast.AugAssign):
-            # A sum is of the kind of what is added, or the assignments disagree: that is enough to know.
+            # Either the sum has the kind of what is added, or the assignments disagree.
             add(node.target, node.value if isinstance(node.op, (ast.Add, ast.Sub, ast.Mult)) else None)
     for node in own_nodes(function):
         if isinstance(getattr(node, "ctx", None), ast.Store) and id(node) not in followed:
@@ -89,7 +89,7 @@ def _assigned(function: Function, name_of: Callable[[ast.AST], str | None]) -> _
 
 
 class Scope:
-    """A place in the sources, from which names are looked up."""
+    """A function or module of the sources, from which names are looked up."""
 
     def __init__(
         self, kinds: Kinds, source: PythonSource, owner: NodeClass | None, function: Function | None
@@ -97,7 +97,7 @@ class Scope:
         self.kinds, self.source, self.owner, self.function = kinds, source, owner, function
 
     def assigned(self, node: ast.AST) -> list[tuple[Scope, ast.expr | None]]:
-        """Return what the class assigns to `self.something`, and where; nothing for any other expression."""
+        """Return the values that the class assigns to `self.something`; empty for any other expression."""
         if self.owner is None or not is_self_attribute(node):
             return []
         return self.kinds.attributes_of(self.owner).get(node.attr, [])
@@ -127,10 +127,10 @@ class Scope:
             case ast.BinOp():
                 return self._sum_kind(node)
             case ast.IfExp():
-                one, other = self.kind(node.body), self.kind(node.orelse)
-                if {one, other} == {"int", "float"}:
-                    return "int"  # sometimes, and that is enough to be wrong
-                return one if one == other else None
+                then, otherwise = self.kind(node.body), self.kind(node.orelse)
+                if {then, otherwise} == {"int", "float"}:
+                    return "int"  # an int in one case is enough to be wrong
+                return then if then == otherwise else None
             case ast.Call():
                 return self._call_kind(node)
             case ast.Name():
@@ -140,14 +140,14 @@ class Scope:
         return None
 
     def _sum_kind(self, node: ast.BinOp) -> Kind:
-        one, other = self.kind(node.left), self.kind(node.right)
-        if isinstance(node.op, ast.Mod) and one == "str":
+        left, right = self.kind(node.left), self.kind(node.right)
+        if isinstance(node.op, ast.Mod) and left == "str":
             return "str"
         if isinstance(node.op, ast.Div):
-            return "float" if {one, other} <= {"int", "float"} else None
-        if one == other and one in ("int", "float", "str"):
-            return None if isinstance(node.op, ast.Pow) else one
-        return "float" if {one, other} == {"int", "float"} else None
+            return "float" if {left, right} <= {"int", "float"} else None
+        if left == right and left in ("int", "float", "str"):
+            return None if isinstance(node.op, ast.Pow) else left
+        return "float" if {left, right} == {"int", "float"} else None
 
     def _call_kind(self, node: ast.Call) -> Kind:
         name = self.kinds.sources.resolve(self.source, node.func)
@@ -170,7 +170,7 @@ class Scope:
         if self.function is not None:
             assigned = self.kinds.locals_of(self.function).get(node.id)
             arguments = [*parameters(self.function), *self.function.args.kwonlyargs]
-            parameter = next((one for one in arguments if one.arg == node.id), None)
+            parameter = next((argument for argument in arguments if argument.arg == node.id), None)
             if parameter is not None:
                 known = self.kinds.received.get(id(parameter)) or self.source.resolve(parameter.annotation)
                 return known if interfaces.is_interface(known) and not assigned else None
@@ -192,7 +192,7 @@ class Scope:
 
 
 def field_kind(field: str | None) -> Kind:
-    """Return the kind of what a message's field holds, such as `double` or `geometry_msgs/Vector3`."""
+    """Return the kind of a message field from its type, such as `double` or `geometry_msgs/Vector3`."""
     if field is None or "[" in field or "<" in field:
         return None
     if "/" in field:

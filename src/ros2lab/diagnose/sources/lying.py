@@ -1,4 +1,4 @@
-"""A file that is not where it is named, while one of its name lies elsewhere in the workspace."""
+"""Find a file that is not where a package names it but elsewhere in the workspace."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from ros2lab.diagnose.sources.package import SourcePackage, find_packages
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """Where a file lies that a package names in another place.
+    """Where a file is that a package names in another place.
 
     Attributes:
-        package: in whose folder it lies.
-        path: where it lies there.
-        named: where it is named, as it is shown.
-        is_own: whether the package that names it is the same one.
-        has_folder: whether the folder is there in which it is named.
+        package: the package that contains the file.
+        path: its path in that package.
+        named: the path where it should be, as it is shown.
+        is_own: whether the package that names it also contains it.
+        has_folder: whether the folder where it should be exists.
     """
 
     package: SourcePackage
@@ -28,36 +28,36 @@ class Elsewhere:
 
     @property
     def shown(self) -> str:
-        """Where the file is, from the workspace on."""
+        """The path of the file, relative to the workspace."""
         return self.package.shown(self.path)
 
     @property
     def folder(self) -> str:
-        """The folder in which the file is, from the workspace on."""
+        """The folder of the file, relative to the workspace."""
         return f"{PurePosixPath(self.shown).parent}/"
 
     @property
     def command(self) -> str:
-        """What brings it where it is named; what another package has may be in use there."""
+        """The command that moves it where it is named; a file of another package is copied."""
         folder = PurePosixPath(self.named).parent
         make = "" if self.has_folder else f"mkdir -p {folder} && "
         return f"{make}{'mv' if self.is_own else 'cp'} {self.shown} {self.named}"
 
     @property
     def fix(self) -> str:
-        """What helps: the file is moved, or named where it lies, which no other package can do."""
+        """How to fix it: move the file, or, in the same package, change the path that names it."""
         longer = f"; or name it as {self.path!r} in this line" if self.is_own else ""
         return f"{self.command}{longer}; then build again"
 
 
 def lies_elsewhere(package: SourcePackage, file: str) -> Elsewhere | None:
-    """Return where a file lies that a package names and does not have there; None if it lies nowhere.
+    """Return where a file is that a package names in the wrong place; None if it is nowhere.
 
-    In another package it has the same folder, too: nearly all have a README.md.
+    In another package its folder must be the same, too: nearly all packages have a README.md.
     """
     name = PurePosixPath(file).name
     others = find_packages(package.root) if package.root else []
-    for home in (package, *(one for one in others if one.folder != package.folder)):
+    for home in (package, *(other for other in others if other.folder != package.folder)):
         for path in home.places_of(name):
             has_folder = (package.folder / file).parent.is_dir()
             is_own = home is package

@@ -1,4 +1,4 @@
-"""Which classes of a package are nodes, and what they create, as the sources have it."""
+"""Find the node classes of a package and what they create, from its sources."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NODE_CLASSES = frozenset(
         "rclpy.lifecycle.node.LifecycleNode",
     )
 )
-# What a node creates, with the parameters of each method in their order.
+# The methods with which a node creates something, with their parameters in order.
 CREATORS: Mapping[str, tuple[str, ...]] = {
     "create_publisher": ("msg_type", "topic", "qos_profile"),
     "create_subscription": ("msg_type", "topic", "callback", "qos_profile"),
@@ -35,7 +35,7 @@ CREATORS: Mapping[str, tuple[str, ...]] = {
     "create_service": ("srv_type", "srv_name", "callback"),
     "create_client": ("srv_type", "srv_name"),
 }
-_ALSO = {"create_lifecycle_publisher": "create_publisher"}  # what takes the same
+_ALSO = {"create_lifecycle_publisher": "create_publisher"}  # methods with the same parameters
 LOG_METHODS = frozenset(("debug", "info", "warn", "warning", "error", "fatal"))
 
 
@@ -44,11 +44,12 @@ class Creation:
     """A call such as `self.create_publisher(String, '/robot/status', 10)`.
 
     Attributes:
-        method: such as `create_publisher`.
+        method: the name of the method, such as `create_publisher`.
         call: the call itself.
-        arguments: by the parameters' names; None if a star hides them.
-        owner: the class in which it stands, if it is one.
-        function: the function in which it stands, if it is one.
+        arguments: the arguments by parameter name; None if a star hides them.
+        extra: how many more positional arguments than parameters there are; negative if fewer.
+        owner: the class that contains the call; None outside a class.
+        function: the function that contains the call; None outside a function.
     """
 
     method: str
@@ -65,8 +66,8 @@ class NodeClass:
     """A class of the package.
 
     Attributes:
-        name: with its module, such as `pk.talk.Talk`.
-        bases: what it is derived from, by their whole names; None for one that is not known.
+        name: its name with the module, such as `pk.talk.Talk`.
+        bases: the full names of its base classes; None for one that is not known.
     """
 
     name: str
@@ -76,31 +77,31 @@ class NodeClass:
 
     @cached_property
     def functions(self) -> tuple[Function, ...]:
-        """All that are defined in it, also a property's getter, which has its setter's name."""
+        """All functions in its body, including a property's getter and setter, which share a name."""
         kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
         return tuple(node for node in self.definition.body if isinstance(node, kinds))
 
     @cached_property
     def methods(self) -> Mapping[str, Function]:
-        """Its own methods, by their names."""
+        """Its own methods by name."""
         return {function.name: function for function in self.functions}
 
     @cached_property
     def attributes(self) -> frozenset[str]:
-        """What it assigns to itself or to its class, and what stands in its body."""
+        """The names of the attributes that it assigns to itself or its class, or defines in its body."""
         found = set(self.methods)
         holders = {"self", "cls", "type(self)", "self.__class__", self.definition.name}
         for node in walk(self.definition):
             if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
                 found |= {node.attr} if ast.unparse(node.value) in holders else set()
-        # A name that a method binds is that method's own.
+        # Only names in the body of the class; a name that a method binds is local.
         names = [node for node in own_nodes(self.definition) if isinstance(node, ast.Name)]
         found |= {node.id for node in names if isinstance(node.ctx, ast.Store)}
         return frozenset(found)
 
 
 def is_self_attribute(node: ast.AST | None) -> TypeGuard[ast.Attribute]:
-    """Return whether this is `self.something`."""
+    """Return whether a node is an attribute of self, such as `self.count`."""
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
 
 
@@ -130,7 +131,7 @@ class NodeSources:
                     self.functions[f"{name}.{node.name}"] = (source, node)
 
     def resolve(self, source: PythonSource, node: ast.AST | None) -> str | None:
-        """Return what a name stands for, also where a file hands on what it has imported itself."""
+        """Return the full name that a name stands for, even if a file re-exports what it imports."""
         name = source.resolve(node)
         for _ in range(5):
             if name is None or name in self.classes or name in self.functions:
@@ -142,13 +143,13 @@ class NodeSources:
             name = handed_on
         return name
 
-    def lineage(self, one: NodeClass) -> tuple[list[NodeClass], bool, bool]:
+    def lineage(self, node_class: NodeClass) -> tuple[list[NodeClass], bool, bool]:
         """Return a class with its own bases, whether it is a node, and whether all of its bases are known."""
-        chain, is_node, is_known = [one], False, True
-        for base in (self._handed(base) for base in one.bases):
+        chain, is_node, is_known = [node_class], False, True
+        for base in (self._handed(base) for base in node_class.bases):
             if base in NODE_CLASSES:
                 is_node = True
-            elif base in self.classes and self.classes[base] is not one and len(chain) < 20:
+            elif base in self.classes and self.classes[base] is not node_class and len(chain) < 20:
                 inner, inner_is_node, inner_is_known = self.lineage(self.classes[base])
                 chain += inner
                 is_node |= inner_is_node
@@ -166,51 +167,53 @@ class NodeSources:
     @cached_property
     def nodes(self) -> list[NodeClass]:
         """The classes that are nodes."""
-        return [one for one in self.classes.values() if self.lineage(one)[1]]
+        return [node_class for node_class in self.classes.values() if self.lineage(node_class)[1]]
 
-    def is_managed(self, one: NodeClass) -> bool:
-        """Return whether a class is a node with a life cycle, of which others decide when it publishes."""
-        return any(base and "lifecycle" in base for inner in self.lineage(one)[0] for base in inner.bases)
+    def is_managed(self, node_class: NodeClass) -> bool:
+        """Return whether a class is a managed node, for which others decide when it publishes."""
+        return any(
+            base and "lifecycle" in base for inner in self.lineage(node_class)[0] for base in inner.bases
+        )
 
-    def attributes(self, one: NodeClass) -> frozenset[str]:
-        """Return what a class and its own bases assign to themselves."""
-        return frozenset(name for inner in self.lineage(one)[0] for name in inner.attributes)
+    def attributes(self, node_class: NodeClass) -> frozenset[str]:
+        """Return the attributes of a class and its bases from these files."""
+        return frozenset(name for inner in self.lineage(node_class)[0] for name in inner.attributes)
 
     def method(self, owner: NodeClass | None, name: str) -> Function | None:
-        """Return a method of a class or of its bases; a property is none, for its name means its value."""
+        """Return a method of a class or its bases; None if there is none, or if it is a property."""
         chain = self.lineage(owner)[0] if owner else []
-        found = next((one.methods[name] for one in chain if name in one.methods), None)
+        found = next((node_class.methods[name] for node_class in chain if name in node_class.methods), None)
         return None if found is None or is_property(found) else found
 
-    def members(self, one: NodeClass) -> frozenset[str] | None:
-        """Return everything that `self.` may be followed by; None if that cannot be told."""
-        _, is_node, is_known = self.lineage(one)
+    def members(self, node_class: NodeClass) -> frozenset[str] | None:
+        """Return every attribute that `self` has in a class; None if they are not all known."""
+        _, is_node, is_known = self.lineage(node_class)
         inherited = members_of("rclpy.node", "Node")[0]
-        text = ast.dump(one.definition)
+        text = ast.dump(node_class.definition)
         if not (is_node and is_known and inherited) or "setattr" in text or "__getattr__" in text:
             return None
-        if self.is_managed(one):
+        if self.is_managed(node_class):
             return None
-        return inherited | frozenset(dir(object)) | self.attributes(one)
+        return inherited | frozenset(dir(object)) | self.attributes(node_class)
 
     def members_at(self, source: PythonSource, node: ast.AST) -> frozenset[str]:
-        """Return what `self.` may be followed by where something stands; nothing outside a class."""
-        for one in self.classes.values():
-            if one.source is source and node in walk(one.definition):
-                return self.members(one) or one.attributes
+        """Return every attribute that `self` has at a node of the syntax tree; empty outside a class."""
+        for node_class in self.classes.values():
+            if node_class.source is source and node in walk(node_class.definition):
+                return self.members(node_class) or node_class.attributes
         return frozenset()
 
     @cached_property
     def creations(self) -> list[Creation]:
-        """Every call by which something is created."""
-        own = {name for one in self.classes.values() for name in one.methods}
+        """Every call that creates a publisher, a subscription, a timer, a service or a client."""
+        own = {name for node_class in self.classes.values() for name in node_class.methods}
         methods = {name: names for name, names in CREATORS.items() if name not in own}
         return [
             creation
             for source in self.sources.values()
             if any(
-                one.target.partition(".")[0] in ("rclpy", source.name.partition(".")[0])
-                for one in source.imports
+                imported.target.partition(".")[0] in ("rclpy", source.name.partition(".")[0])
+                for imported in source.imports
             )
             for creation in self._creations_in(source, methods)
         ]
@@ -234,7 +237,7 @@ class NodeSources:
                 yield Creation(method, node, None if stars else arguments, extra, owner, function, source)
 
     def scoped(self, source: PythonSource) -> Sequence[Scoped]:
-        """Return everything in a file with the class and the function in which it stands."""
+        """Return every syntax node of a file with the class and the function around it."""
         if source not in self._scoped:
             self._scoped[source] = tuple(self._within(source, source.tree, None, None))
         return self._scoped[source]
@@ -253,7 +256,7 @@ class NodeSources:
                 yield from self._within(source, node, owner, function)
 
     def value(self, source: PythonSource, node: ast.expr | None) -> Any:
-        """Return what an expression is, where the file's constants tell it; else `UNKNOWN`."""
+        """Return the value of an expression, from the constants of the files; `UNKNOWN` if not known."""
         known = evaluate(node, source.constants, {})
         if known is UNKNOWN and node is not None:
             name = source.resolve(node) or ""
@@ -263,7 +266,7 @@ class NodeSources:
         return known
 
     def written(self, source: PythonSource, node: ast.expr | None) -> ast.expr | None:
-        """Return the expression that a name stands for which the file assigns only once; any other as it is."""
+        """Return the value of a name that the file assigns only once; any other expression as it is."""
         if not isinstance(node, (ast.Name, ast.Attribute)):
             return node
         text = ast.unparse(node)
@@ -275,7 +278,7 @@ class NodeSources:
         return given[0] if len(stored) == len(given) == 1 else node
 
     def callbacks(self) -> Iterator[tuple[Creation, Function]]:
-        """Yield the package's own functions that ROS calls, with the call that hands them over."""
+        """Yield the package's callbacks, each with the call that passes it to ROS."""
         for creation in self.creations:
             given = (creation.arguments or {}).get("callback")
             function = self.function_of(creation, given)
@@ -283,7 +286,7 @@ class NodeSources:
                 yield creation, function
 
     def function_of(self, creation: Creation, given: ast.expr | None) -> Function | None:
-        """Return the function or method that is given as a callback, if it is one of the package's own."""
+        """Return the function or method passed as a callback; None if it is not defined in the package."""
         if is_self_attribute(given):
             return self.method(creation.owner, given.attr)
         if isinstance(given, ast.Name) and creation.function is not None:
@@ -294,11 +297,11 @@ class NodeSources:
         return found[1] if found else None
 
     def node_name(self, creation: Creation) -> str:
-        """Return the whole name, without its first slash, of the node that creates something; empty if it is not known."""
+        """Return the full name, without the first slash, of a creation's node; empty if not known."""
         owners = self.lineage(creation.owner)[0] if creation.owner else [None]
         names = {
             self._whole_name(source, node)
-            for source in {one.source if one else creation.source for one in owners}
+            for source in {node_class.source if node_class else creation.source for node_class in owners}
             for owner, function, node in self.scoped(source)
             if owner in owners and isinstance(node, ast.Call)
             if self.makes_node(source, owner, function, node)
@@ -306,7 +309,7 @@ class NodeSources:
         return names.pop() if len(names) == 1 else ""
 
     def _whole_name(self, source: PythonSource, call: ast.Call) -> str:
-        """Return the name that a call gives a node, after its namespace; empty if one of them is not known."""
+        """Return the namespace and name that a call gives a node, joined; empty if not known."""
         given = {keyword.arg: keyword.value for keyword in call.keywords}
         name = self.value(source, given.get("node_name") or next(iter(call.args), None))
         space = self.value(source, given["namespace"]) if "namespace" in given else ""
@@ -314,26 +317,26 @@ class NodeSources:
         return f"{space.strip('/')}/{name}".lstrip("/") if are_known else ""
 
     def around(self, module: str) -> NodeSources | None:
-        """Return the files that run together with one: what it imports, and what imports it.
+        """Return the files that run together with a module: what it imports, and what imports it.
 
-        None if something outside of them takes part in their nodes, so that these hold more than is seen.
+        None if code outside these files may use their nodes, so that not all of it is seen.
         """
         own = NodeSources({name: self.sources[name] for name in self.together(module)})
         is_seen = not any(source.fault or own.hands_itself_on(source) for source in own.sources.values())
-        return own if is_seen and all(own.lineage(one)[2] for one in own.nodes) else None
+        return own if is_seen and all(own.lineage(node_class)[2] for node_class in own.nodes) else None
 
     def together(self, module: str) -> list[str]:
-        """Return the names of the files that run together with one: what it imports, and what imports it."""
+        """Return the names of the files that run together with a module: what it imports, what imports it."""
         return sorted({name for reached in self._reached.values() if module in reached for name in reached})
 
     @cached_property
     def _reached(self) -> Mapping[str, frozenset[str]]:
-        """The files that each one imports, and what these import; itself is among them."""
+        """The files that each file imports, directly or indirectly, itself included."""
         found = {}
         for name in self.sources:
             reached, waiting = {name}, [name]
             while waiting:
-                targets = (one.target for one in self.sources[waiting.pop()].imports)
+                targets = (imported.target for imported in self.sources[waiting.pop()].imports)
                 new = {to for target in targets for to in (target, target.rpartition(".")[0])}
                 new = (new & self.sources.keys()) - reached
                 reached |= new
@@ -342,11 +345,11 @@ class NodeSources:
         return found
 
     def hands_itself_on(self, source: PythonSource) -> bool:
-        """Return whether a node is given to something outside these files, which may use it as its own."""
+        """Return whether a file passes a node to code outside these files, which may use it."""
         for node in source.nodes:
             if isinstance(node, ast.Call) and any(
-                getattr(one, "id", "") in ("self", "node")
-                for one in (*node.args, *(keyword.value for keyword in node.keywords))
+                getattr(argument, "id", "") in ("self", "node")
+                for argument in (*node.args, *(keyword.value for keyword in node.keywords))
             ):
                 name = self.resolve(source, node.func)
                 is_own = name in self.functions or name in self.classes
@@ -355,9 +358,9 @@ class NodeSources:
         return False
 
     def node_names(self) -> dict[str, tuple[PythonSource, ast.expr]]:
-        """Return the names that nodes are given, with where; the key "" stands for one that is not known."""
+        """Return the names of the nodes, each with its file and expression; "" stands for an unknown name."""
         found: dict[str, tuple[PythonSource, ast.expr]] = {}
-        unnamed = {id(one) for one in self.classes.values() if self._might_be_node(one)}
+        unnamed = {id(node_class) for node_class in self.classes.values() if self._might_be_node(node_class)}
         for source in self.sources.values():
             for owner, function, node in self.scoped(source):
                 if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
@@ -365,7 +368,7 @@ class NodeSources:
                     given = [k.value for k in node.keywords if k.arg == "node_name"] or node.args[:1]
                     name = self.value(source, given[0]) if given else UNKNOWN
                     found[name if isinstance(name, str) else ""] = (source, given[0] if given else node)
-        # One that says no name, or cannot be read, may have any.
+        # A class without a name for its node, or a file that cannot be read, may use any name.
         is_blank = any(
             source.fault or not (source.text.strip() or source.is_package) for source in self.sources.values()
         )
@@ -374,7 +377,7 @@ class NodeSources:
         return found
 
     def full_names(self) -> dict[str, str]:
-        """Return the full names of nodes, such as `/hall/guide`, by their last parts; without those not known."""
+        """Return the known full names of nodes, such as `/hall/guide`, by their last parts."""
         found: dict[str, set[str]] = {}
         for source in self.sources.values():
             for owner, function, node in self.scoped(source):
@@ -383,15 +386,17 @@ class NodeSources:
                     found.setdefault(whole.rpartition("/")[2], set()).add(f"/{whole}")
         return {name: full.pop() for name, full in found.items() if name and len(full) == 1}
 
-    def _might_be_node(self, one: NodeClass) -> bool:
-        names = [ast.unparse(base) for base in one.definition.bases]
-        has_name = "__init__" in one.methods and any(self._handed(base) in self.classes for base in one.bases)
+    def _might_be_node(self, node_class: NodeClass) -> bool:
+        names = [ast.unparse(base) for base in node_class.definition.bases]
+        has_name = "__init__" in node_class.methods and any(
+            self._handed(base) in self.classes for base in node_class.bases
+        )
         return any(name.endswith("Node") for name in names) and not has_name
 
     def makes_node(
         self, source: PythonSource, owner: NodeClass | None, function: Function | None, node: ast.Call
     ) -> bool:
-        """Return whether a call hands a name to rclpy's Node: `super().__init__`, `Node(...)`, `create_node(...)`."""
+        """Return whether a call passes a name to rclpy's Node, as `Node(...)` or `super().__init__` does."""
         name = self.resolve(source, node.func)
         if name in NODE_CLASSES or name == "rclpy.create_node":
             return True

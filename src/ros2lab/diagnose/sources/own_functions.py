@@ -1,4 +1,4 @@
-"""The functions of a student's files that a call may mean, and what they give back."""
+"""Find the function of the student's files that a call means, and what it returns."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _Kind = TypeVar("_Kind", ast.FunctionDef, ast.ClassDef)
 
 
 def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, ast.FunctionDef] | None:
-    """Return the function that a name or `self.name` means, and its file: this one, or one of its package.
+    """Return the function that a name or `self.name` means, and its file: this one or another of its package.
 
-    Of an object made of a class of these files, its method is meant.
+    On an object of a class from these files, it is the method of that class. None if there is none.
     """
     if isinstance(called, ast.Attribute) and (method := _method(source, called)):
         return method
@@ -28,14 +28,14 @@ def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, a
 
 
 def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, ast.FunctionDef] | None:
-    """Return the method of an object that is made once of a class of these files, as in `robot = Robot()`."""
+    """Return the method of an object that is made once from a class in these files: `robot = Robot()`."""
     owner = ast.unparse(called.value)
     made = [
         n.value
         for n in source.nodes
         if isinstance(n, ast.Assign) and owner in map(ast.unparse, n.targets) and owner != "self"
     ]
-    if len({ast.unparse(one) for one in made}) != 1 or not isinstance(made[0], ast.Call):
+    if len({ast.unparse(value) for value in made}) != 1 or not isinstance(made[0], ast.Call):
         return None
     own = [n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == ast.unparse(made[0].func)]
     home = (source, own[0]) if own else _at_top(source, made[0].func, ast.ClassDef)
@@ -46,16 +46,16 @@ def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, 
 
 
 def _at_top(source: PythonSource, named: ast.AST, kind: type[_Kind]) -> tuple[PythonSource, _Kind] | None:
-    """Return what a name that is imported from another file of the package means there, and that file."""
+    """Return the definition of a name imported from another file of the package, and that file."""
     module, _, name = (source.resolve(named) or "").rpartition(".")
-    other = _file_of(source, module)
-    top = other.tree.body if other else ()
+    home = _file_of(source, module)
+    top = home.tree.body if home else ()
     found = next((node for node in top if isinstance(node, kind) and node.name == name), None)
-    return (other, found) if other and found else None
+    return (home, found) if home and found else None
 
 
 def _file_of(source: PythonSource, module: str) -> PythonSource | None:
-    """Return the file of a module that lies in the package of another one; None if none does."""
+    """Return the file of a module in the package of another file; None if there is none."""
     above = source.path.parents[:3] if source.path else ()
     for folder in above if module else ():
         path = folder.joinpath(*module.split(".")).with_suffix(".py")
@@ -66,13 +66,13 @@ def _file_of(source: PythonSource, module: str) -> PythonSource | None:
 
 
 def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.Constant] | None:
-    """Return the constant that an expression is, or that is assigned to it once, here or where it is imported from."""
+    """Return a constant and its file: the expression, or what is assigned to it once, maybe elsewhere."""
     if isinstance(named, ast.Constant):
         return source, named
     home, text = source, ast.unparse(named)
     module, _, name = (source.resolve(named) or "").rpartition(".")
-    if module and (other := _file_of(source, module)):
-        home, text = other, name
+    if module and (origin := _file_of(source, module)):
+        home, text = origin, name
     last = text.rpartition(".")[2]
     values = [
         n.value
@@ -86,7 +86,7 @@ def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, as
 
 
 def returned(function: ast.FunctionDef) -> list[ast.AST]:
-    """Return what gives a value back in a function."""
+    """Return the `return` statements with a value and the `yield` expressions of a function."""
     kinds = (ast.Yield, ast.YieldFrom)
     return [
         n
@@ -96,7 +96,7 @@ def returned(function: ast.FunctionDef) -> list[ast.AST]:
 
 
 def may_fall_through(function: ast.FunctionDef) -> bool:
-    """Return whether a function may reach its end, and give nothing back then."""
+    """Return whether a function may reach its end and return None."""
     if function.decorator_list or any(
         isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)
     ):
@@ -108,12 +108,12 @@ def _goes_on(body: list[ast.stmt]) -> bool:
     match body[-1]:
         case ast.Return() | ast.Raise():
             return False
-        case ast.If(body=inner, orelse=other):
-            return _goes_on(inner) or not other or _goes_on(other)
+        case ast.If(body=inner, orelse=orelse):
+            return _goes_on(inner) or not orelse or _goes_on(orelse)
         case ast.With(body=inner):
             return _goes_on(inner)
-        case ast.Try(body=inner, handlers=handlers, orelse=other, finalbody=last):
-            parts = [other or inner, *(handler.body for handler in handlers)]
+        case ast.Try(body=inner, handlers=handlers, orelse=orelse, finalbody=last):
+            parts = [orelse or inner, *(handler.body for handler in handlers)]
             return any(map(_goes_on, parts)) and (not last or _goes_on(last))
         case ast.While(test=ast.Constant(value=True)):
             return False

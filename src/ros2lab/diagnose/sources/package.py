@@ -1,4 +1,4 @@
-"""A package's folder, read: package.xml, setup.py, setup.cfg and every Python file."""
+"""Read the folder of a package: package.xml, setup.py, setup.cfg and every Python file."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from ros2lab.manifest_words import NOT_TAKEN, fault_of
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
 _LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b|def generate_launch_description\b)", re.MULTILINE)
 IGNORED_BY = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
-# What a `condition` in a package.xml may ask for, as a sourced Jazzy answers.
+# The variables in a `condition` of package.xml, as a terminal with Jazzy has them.
 _JAZZY = {"ROS_VERSION": "2", "ROS_DISTRO": "jazzy", "ROS_PYTHON_VERSION": "3"}
-# Nobody writes more of them by hand, and catkin_pkg would take minutes.
+# Nobody writes a longer one by hand, and catkin_pkg would take minutes.
 _LONGEST_MANIFEST = 30_000  # characters
-_MOST_BRACKETS = 5  # of a condition
-_LARGEST_WORKSPACE = 5000  # folders looked at
+_MOST_BRACKETS = 5  # in a condition
+_LARGEST_WORKSPACE = 5000  # folders to search
 
 
 @dataclass(eq=False)
 class SourcePackage:
-    """A package as its source folder has it.
+    """A package in its source folder.
 
     Attributes:
-        folder: where package.xml or setup.py lies.
-        root: the workspace's folder, from which on paths are shown.
+        folder: the folder with package.xml or setup.py.
+        root: the folder of the workspace, to which shown paths are relative.
     """
 
     folder: Path
@@ -44,7 +44,7 @@ class SourcePackage:
 
     @cached_property
     def name(self) -> str:
-        """Its name by package.xml, else by setup.py, else that of its folder."""
+        """Its name in package.xml, else in setup.py, else the name of its folder."""
         if self.manifest is not None:
             return str(self.manifest.name)
         named = self.setup.keywords.get("name") if self.setup else None
@@ -52,7 +52,7 @@ class SourcePackage:
 
     @cached_property
     def _parsed(self) -> tuple[Any, str | None, int | None]:
-        # Late: it takes a tenth of a second to import, and not every error text needs it.
+        # A late import: it takes 0.1 s, and not every error text needs it.
         from catkin_pkg.package import InvalidPackage, parse_package_string
 
         if not self.has("package.xml"):
@@ -73,17 +73,17 @@ class SourcePackage:
 
     @property
     def manifest_fault(self) -> str | None:
-        """Why package.xml is not valid."""
+        """Why package.xml is not valid; None if it is valid or missing."""
         return self._parsed[1]
 
     @property
     def manifest_line(self) -> int | None:
-        """The line of package.xml at which that is."""
+        """The line of package.xml with the fault; None if not known."""
         return self._parsed[2]
 
     @property
     def build_type(self) -> str | None:
-        """What package.xml says; None if it says nothing or is not valid."""
+        """The build type in package.xml; None if there is none or package.xml is not valid."""
         exports = (
             [export for export in self.manifest.exports if export.tagname == "build_type"]
             if self.manifest
@@ -93,18 +93,18 @@ class SourcePackage:
 
     @property
     def kind(self) -> str:
-        """What colcon takes it for: `ros`, else `cmake` or `python`, as its extensions are asked in this order."""
+        """The kind of package for colcon: `ros`, else `cmake` or `python`, in the order of its checks."""
         if self.has("package.xml"):
             return "ros"
         text = read_text(self.folder / "setup.py") if self.has("setup.py") else ""
-        # An empty setup() tells colcon that setup.cfg says everything; only then it is asked before CMake.
+        # Only with an empty setup() and a name in setup.cfg does colcon identify Python before CMake.
         if "setup()" in text and self.setup_cfg and self.setup_cfg.has_option("metadata", "name"):
             return "python"
         return "cmake" if self.has("CMakeLists.txt") else "python"
 
     @cached_property
     def setup(self) -> SetupScript | None:
-        """Its setup.py."""
+        """Its setup.py; None if there is none."""
         return read_setup(self.folder, self.shown("setup.py"))
 
     @cached_property
@@ -115,7 +115,7 @@ class SourcePackage:
 
     @cached_property
     def sources(self) -> Mapping[str, PythonSource]:
-        """Its Python files but setup.py, launch files and tests, by the name under which they are imported."""
+        """The Python files in the folders that it installs, by the names under which they are imported."""
         found = {}
         for base, folder in self._import_folders():
             for path in sorted(folder.rglob("*.py")):
@@ -128,30 +128,30 @@ class SourcePackage:
         return found
 
     def read(self, path: Path, name: str) -> PythonSource:
-        """Return one of its Python files, which is imported by a name."""
+        """Return one of its Python files under its import name."""
         return read_source(path, name, self.shown(str(path.relative_to(self.folder))))
 
     def _import_folders(self) -> Iterator[tuple[str, Path]]:
-        """Yield each top-level package's name and folder."""
+        """Yield the name and folder of each top-level Python package."""
         mapping = self.package_dirs
         names = self.packages
         tops = {name.partition(".")[0] for name in names} if names is not None else set()
         tops |= {self.name}
         for top in sorted(tops):
             folder = self.folder / mapping.get(top, Path(mapping.get("", "")) / top)
-            # Not the folder itself, and nothing to which a name such as `/usr` leads.
+            # Not the folder itself, and nothing outside it, as with a name such as `/usr`.
             if folder.is_dir() and self.folder.resolve() in folder.resolve().parents:
                 yield top, folder
 
     @property
     def package_dirs(self) -> Mapping[str, str]:
-        """What setup.py says in `package_dir`."""
+        """The `package_dir` of setup.py; empty if there is none, or if it is not known."""
         value = self.setup.keywords.get("package_dir") if self.setup else None
         return value if isinstance(value, dict) and UNKNOWN not in value.values() else {}
 
     @property
     def packages(self) -> list[str] | None:
-        """The Python packages that setup.py installs; None if that is not known."""
+        """The Python packages that setup.py installs; None if not known."""
         value = self.setup.keywords.get("packages", []) if self.setup else None
         if not isinstance(value, (list, tuple)) or not all(isinstance(name, str) for name in value):
             return None
@@ -159,7 +159,7 @@ class SourcePackage:
 
     @cached_property
     def launch_files(self) -> list[Path]:
-        """Its launch files, in Python, XML or YAML, wherever they lie in it: by their ending, or by what they say."""
+        """Its launch files in Python, XML or YAML, in any folder: recognized by their names or contents."""
         return sorted(path for path in self._own_files() if _is_launch_file(path))
 
     @cached_property
@@ -172,18 +172,18 @@ class SourcePackage:
 
     @cached_property
     def likely_files(self) -> list[Path]:
-        """Its launch and parameter files, and what sets parameters in the folder of the launch files."""
+        """Its launch and parameter files, including parameter files in the launch folder."""
         others = [p for p in self._files("launch") if p.suffix.lower() in (".yaml", ".yml")]
         others = [path for path in others if "ros__parameters" in read_text(path)]
         return list(dict.fromkeys([*self.launch_files, *self.parameter_files, *others]))
 
     def places_of(self, name: str) -> list[str]:
-        """Return where in its folder files of a name lie, the nearest to that folder first."""
+        """Return the paths of its files with a name, relative to its folder, the shortest paths first."""
         paths = (path.relative_to(self.folder).as_posix() for path in self._own_files() if path.name == name)
         return sorted(paths, key=lambda path: (path.count("/"), path))
 
     def _own_files(self) -> Iterator[Path]:
-        """Yield its files, without tests, what a build makes, and other packages that lie in its folder."""
+        """Yield its files, without tests, build folders, and other packages inside its folder."""
         for where, names, files in os.walk(self.folder):
             folder = Path(where)
             if folder != self.folder and not {"package.xml", "setup.py"}.isdisjoint(files):
@@ -197,7 +197,7 @@ class SourcePackage:
         return [path for path in (self.folder / name).rglob("*") if path.is_file()]
 
     def has(self, name: str) -> bool:
-        """Return whether there is such a file in its folder."""
+        """Return whether its folder has a file at this path."""
         return (self.folder / name).is_file()
 
     def shown(self, name: str) -> str:
@@ -207,7 +207,13 @@ class SourcePackage:
 
 @dataclass(frozen=True)
 class PassedOver:
-    """A package that colcon does not see: because of a file such as COLCON_IGNORE, or of a package around it."""
+    """A package that colcon skips: because of a file such as COLCON_IGNORE, or inside another package.
+
+    Attributes:
+        package: the package.
+        by: the file that makes colcon skip it, or the folder of the outer package.
+        is_nested: whether it is inside another package.
+    """
 
     package: SourcePackage
     by: Path
@@ -220,10 +226,10 @@ def find_packages(root: Path) -> list[SourcePackage]:
 
 
 def discover(root: Path) -> tuple[list[SourcePackage], list[PassedOver]]:
-    """Find the packages of a workspace that colcon sees, and those that it passes over."""
+    """Find the packages of a workspace that colcon sees, and those that it skips."""
     found: list[SourcePackage] = []
     passed_over: list[PassedOver] = []
-    hidden: dict[Path, Path] = {}  # each folder into which colcon does not look, with the reason
+    hidden: dict[Path, Path] = {}  # each folder that colcon does not search, with the reason
     seen: set[str] = set()
     for where, names, files in os.walk(root, followlinks=True):
         real, folder = os.path.realpath(where), Path(where)
@@ -234,7 +240,7 @@ def discover(root: Path) -> tuple[list[SourcePackage], list[PassedOver]]:
             continue
         seen.add(real)
         by = hidden.get(folder.parent) or ignored_by
-        # Beside src lies much else; a package says that it is one.
+        # Outside src, only a package.xml makes a folder a package: much else is there.
         is_below_src = root / "src" in (folder, *folder.parents) or not (root / "src").is_dir()
         is_package = "package.xml" in files or bool(takes_for_package(folder, root, files))
         is_package |= "setup.py" in files and is_below_src
@@ -253,7 +259,7 @@ def discover(root: Path) -> tuple[list[SourcePackage], list[PassedOver]]:
 
 
 def takes_for_package(folder: Path, root: Path, files: Collection[str] = ()) -> str:
-    """Return the file by which colcon takes a workspace, or its `src`, for a package; empty if it does not."""
+    """Return the file that makes colcon take a workspace, or its `src`, for a package; empty if none does."""
     if folder not in (root, root / "src") or not (root / "src").is_dir():
         return ""
     files = files or [path.name for path in folder.iterdir()]
@@ -264,16 +270,16 @@ def takes_for_package(folder: Path, root: Path, files: Collection[str] = ()) -> 
 
 
 def _where_they_hold(manifest: Any) -> Any:
-    """Return a manifest without the tags whose `condition` is not true here: colcon and rosdep pass over them."""
+    """Return a manifest without the tags whose `condition` is false, which colcon and rosdep ignore."""
     kinds = [tags for kind in manifest.__slots__ if isinstance(tags := getattr(manifest, kind), list)]
-    for condition in (getattr(one, "condition", None) or "" for tags in kinds for one in tags):
+    for condition in (getattr(tag, "condition", None) or "" for tags in kinds for tag in tags):
         if condition.count("(") > _MOST_BRACKETS:
             raise ValueError(f"a condition has more than {_MOST_BRACKETS} brackets")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what catkin_pkg calls is deprecated
+        warnings.simplefilter("ignore")  # catkin_pkg calls a deprecated function
         manifest.evaluate_conditions(_JAZZY)
     for tags in kinds:
-        tags[:] = [one for one in tags if getattr(one, "evaluated_condition", True)]
+        tags[:] = [tag for tag in tags if getattr(tag, "evaluated_condition", True)]
     return manifest
 
 

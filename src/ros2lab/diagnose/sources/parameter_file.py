@@ -1,4 +1,4 @@
-"""A parameter file as rcl reads it: nodes, `ros__parameters`, and values whose types their spelling decides."""
+"""Read a parameter file as rcl does: nodes, `ros__parameters`, and values typed by their spelling."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TRUE = frozenset(["y", "Y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", 
 _FALSE = frozenset(["n", "N", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"])
 _INTEGER = re.compile(r"[-+]?(?:0[xX][\da-fA-F]+|0[0-7]*|[1-9]\d*)")
 _LARGEST = 2**63  # rcl keeps 64 bits
-_LONGEST_NUMBER = 100  # letters; longer ones are too large, and texts
+_LONGEST_NUMBER = 100  # characters; a longer number is too large, and so a string
 _FLOAT = re.compile(
     r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|0[xX][\da-fA-F]+(?:\.[\da-fA-F]*)?(?:[pP][-+]?\d+)?|\.?inf(?:inity)?|\.?nan)",
     re.IGNORECASE,
@@ -25,10 +25,10 @@ _KINDS = {bool: "BOOL", int: "INTEGER", float: "DOUBLE", str: "STRING"}
 
 
 class ParameterFileError(ValueError):
-    """A text is no parameter file; its text says why.
+    """A text is not a parameter file; the message says why.
 
     Attributes:
-        line: where, from 1 on; None if it is not known.
+        line: the line, counted from 1; None if not known.
         fix: what to do.
     """
 
@@ -39,26 +39,26 @@ class ParameterFileError(ValueError):
 
 
 class UnreadParameterFileError(ParameterFileError):
-    """A text may be a parameter file, and is longer or deeper than is read here; ROS may read it."""
+    """A parameter file is too long or too deeply nested to be read here, although ROS may read it."""
 
 
 def kind_of(value: Any) -> str | None:
-    """Return the type of parameter that a value has, as rcl names it; None if it has none."""
+    """Return the parameter type of a value, as rcl names it; None if it has none."""
     if not isinstance(value, (list, tuple)):
         return _KINDS.get(type(value))
-    kinds = {_KINDS.get(type(each)) for each in value}
+    kinds = {_KINDS.get(type(item)) for item in value}
     kind = kinds.pop() if len(kinds) == 1 else None
     return f"{kind}_ARRAY" if kind else None
 
 
 def read_parameter_file(text: str) -> Any:
-    """Return what a parameter file holds, with the types that rcl gives its values.
+    """Return the contents of a parameter file, with the types that rcl gives its values.
 
-    What has no `ros__parameters` may be a file for something else: of it only its YAML is asked.
+    A file without `ros__parameters` may be for something else: it only has to be valid YAML.
 
     Raises:
-        UnreadParameterFileError: if it is longer or deeper than somebody writes by hand.
-        ParameterFileError: if it is no YAML, or holds what rcl does not read.
+        UnreadParameterFileError: if it is longer or more deeply nested than anybody writes by hand.
+        ParameterFileError: if it is not valid YAML, or holds what rcl does not read.
     """
     try:
         return bounded_yaml.load(text, _Loader, has_aliases=False)
@@ -74,7 +74,7 @@ def read_parameter_file(text: str) -> Any:
 
 
 def _value(written: str) -> bool | int | float | str:
-    """Return the value of what stands without quotes."""
+    """Return the value of a scalar without quotes."""
     if written in _TRUE | _FALSE:
         return written in _TRUE
     lower = written.lower()
@@ -92,13 +92,13 @@ def _value(written: str) -> bool | int | float | str:
 
 class _Loader(yaml.BaseLoader):
     def get_single_data(self) -> Any:
-        """Return what all documents of a file hold: rcl reads one after the other."""
+        """Return the contents of all documents of a file, merged: rcl reads one after the other."""
         documents = []
         while self.check_node():
             documents.append(self.construct_document(self.get_node()))
-        if not all(isinstance(each, dict) for each in documents):
+        if not all(isinstance(item, dict) for item in documents):
             return documents[0]
-        return {key: value for each in documents for key, value in each.items()} or None
+        return {key: value for item in documents for key, value in item.items()} or None
 
     def construct_document(self, node: yaml.Node) -> Any:
         keys = [key for key, _ in _entries(node)]
@@ -121,13 +121,13 @@ class _Loader(yaml.BaseLoader):
 
 
 def _entries(node: yaml.Node) -> list[tuple[yaml.Node, yaml.Node]]:
-    """Return all keys below a node, at any depth, with what belongs to them."""
+    """Return all keys below a node, at any depth, with their values."""
     inner = node.value if isinstance(node, yaml.MappingNode) else []
     return [*inner, *(entry for _, value in inner for entry in _entries(value))]
 
 
 def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
-    """Expect names of nodes and namespaces, and their parameters below `ros__parameters`."""
+    """Raise an error unless a mapping holds nodes and namespaces, with parameters below `ros__parameters`."""
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if key.value == BELOW:
             if is_top:
@@ -176,13 +176,13 @@ def _expect_parameters(node: yaml.Node) -> None:
 
 
 def _expect_alike(key: yaml.Node, value: yaml.SequenceNode) -> None:
-    if any(not isinstance(each, yaml.ScalarNode) for each in value.value):
+    if any(not isinstance(item, yaml.ScalarNode) for item in value.value):
         raise _error(
             key,
             f"{key.value} is a list that does not hold plain values",
             "write one list of numbers or of strings",
         )
-    kinds = {kind_of(each.value if each.style else _value(each.value)) or "" for each in value.value}
+    kinds = {kind_of(item.value if item.style else _value(item.value)) or "" for item in value.value}
     if len(kinds) > 1:
         *others, last = sorted(kind.lower() for kind in kinds)
         is_text = "STRING" in kinds
@@ -208,7 +208,7 @@ def _error(node: yaml.Node, reason: str, fix: str) -> _RclError:
     return error
 
 
-# What PyYAML's words mean to who writes a file: words, whether the place is where it began, reason, fix.
+# PyYAML's messages in plain words: pattern, whether the place is where the context began, reason, fix.
 _IN_OTHER_WORDS = (
     (
         "quoted scalar",
@@ -245,7 +245,7 @@ _IN_OTHER_WORDS = (
 
 
 def _reason(error: yaml.MarkedYAMLError, text: str) -> ParameterFileError:
-    """Say what YAML does not take, in the words of who writes it, and where that begins."""
+    """Return a YAML error in plain words, with the line where the fault begins."""
     if isinstance(error, _RclError):
         assert error.problem_mark is not None
         return ParameterFileError(error.problem or "", error.problem_mark.line + 1, error.fix)
@@ -264,12 +264,12 @@ def _reason(error: yaml.MarkedYAMLError, text: str) -> ParameterFileError:
 
 
 def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFileError | None:
-    """Say which line lacks a colon and a space, where YAML notices it only after it; None if none does so alone."""
+    """Return an error at the line that lacks a colon and a space; None if adding them does not help."""
     first, last = error.context_mark, error.problem_mark
     if first is None or last is None:
         return None
     start = first.line
-    while start and _entry(lines[start - 1]):  # YAML takes several such lines for one text
+    while start and _entry(lines[start - 1]):  # YAML reads several such lines as one string
         start -= 1
     meant = {n: entry for n in range(start, min(last.line + 1, len(lines))) if (entry := _entry(lines[n]))}
     indents = [line[: len(line) - len(line.lstrip())] for line in lines]
@@ -284,7 +284,7 @@ def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFi
 
 
 def _is_read_beyond(text: str, line: int) -> bool:
-    """Return whether YAML takes a text as far as a line, counted from 0: what comes after it may be another fault."""
+    """Return whether a text is valid YAML up to a line, counted from 0; there may be another fault below."""
     try:
         yaml.compose(text, Loader=yaml.BaseLoader)
     except yaml.MarkedYAMLError as error:
@@ -295,7 +295,7 @@ def _is_read_beyond(text: str, line: int) -> bool:
 
 
 def _second_colon(lines: list[str], mark: yaml.Mark) -> ParameterFileError:
-    """Say why YAML takes a colon for one too many: its line holds two, or belongs to the one above."""
+    """Return why YAML rejects a colon: there are two on the line, or the line continues the one above."""
     here = lines[mark.line]
     if re.search(r":\s", here[: mark.column]):
         return ParameterFileError("this line has two colons", mark.line + 1, "put the value in quotes")
@@ -308,7 +308,7 @@ def _second_colon(lines: list[str], mark: yaml.Mark) -> ParameterFileError:
 
 
 def _entry(line: str) -> str:
-    """Return a line such as `p = 1` or `p:1` as it was meant; empty if it is an entry, or none can be told."""
+    """Return a line such as `p = 1` or `p:1` written as an entry; empty if it is one, or cannot be one."""
     match = re.match(r"\s*([\w.]+)(?:\s*=\s*|:|\s+)(?=\S)", line)
     return (
         "" if match is None or re.search(r":(\s|$)", line) else f"{match[1]}: {line[match.end() :].strip()}"

@@ -1,4 +1,4 @@
-"""A Python file as `ast` sees it; nothing in it is ever run."""
+"""A Python file parsed by `ast`; nothing in it is ever run."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ros2lab.diagnose.sources.static_value import bound, dotted
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
-DEEPEST = 200  # levels; what is deeper was not written by hand, and is passed over
-MOST_FAULTS = 5  # that are looked behind in one file
+DEEPEST = 200  # levels; a deeper tree was not written by hand, and is ignored
+MOST_FAULTS = 5  # syntax errors to repair in a file
 LARGEST_FILE = 1_000_000  # bytes; nobody writes more by hand
 
 
@@ -38,12 +38,13 @@ class PythonSource:
     """A Python file.
 
     Attributes:
-        name: how it is imported, such as `robot_controller.status_publisher`.
+        name: its import name, such as `robot_controller.status_publisher`.
         shown: its path as it is shown.
-        text: what it says.
+        text: its text.
         is_package: whether it is an `__init__.py`.
-        fault: why Python cannot read it, once `tree` was asked for.
-        warned: what Python warns of in it, each with the line, once `tree` was asked for.
+        path: its path; None if it is not on disk.
+        fault: why Python cannot parse it; set by `tree`.
+        warned: the warnings of Python's compiler, each with its line; set by `tree`.
     """
 
     name: str
@@ -56,15 +57,15 @@ class PythonSource:
 
     @cached_property
     def tree(self) -> ast.Module:
-        """The parsed file; an empty one, and `fault` says why, if it cannot be parsed."""
+        """The parsed file; if it cannot be parsed, an empty module, and `fault` says why."""
         try:
             with warnings.catch_warnings(record=True) as warned:
                 warnings.simplefilter("always")
                 tree = ast.parse(self.text)
                 if _depth(tree) >= DEEPEST:
                     return ast.Module([], [])
-                compile(tree, self.shown, "exec", dont_inherit=True)  # which is not run, and warns of more
-            self.warned = [(one.lineno, str(one.message)) for one in warned]
+                compile(tree, self.shown, "exec", dont_inherit=True)  # not run; it gives more warnings
+            self.warned = [(warning.lineno, str(warning.message)) for warning in warned]
             bound(tree)
             _mark_functions(tree)
             return tree
@@ -76,12 +77,12 @@ class PythonSource:
 
     @property
     def readable_to(self) -> float:
-        """The line at which Python gives up; infinite if it can read the file."""
+        """The line at which Python stops with a syntax error; infinite if there is none."""
         _ = self.tree
         return (self.fault.lineno or 1) if self.fault else math.inf
 
     def as_meant(self) -> PythonSource:
-        """Return the file with the lines that Python cannot read closed or left out; itself if few of them do not do."""
+        """Return the file with lines of syntax errors closed or left out; itself if there are too many."""
         known = self
         for _ in range(MOST_FAULTS):
             line, lines = known.readable_to, known.text.split("\n")
@@ -91,25 +92,27 @@ class PythonSource:
             begin = lines[at][: -len(lines[at].lstrip()) or None]
             texts = (f"{lines[at]}:", f"{lines[at]})", "", f"{begin}pass", f"{begin}if True:")
             changed = ("\n".join([*lines[:at], text, *lines[at + 1 :]]) for text in texts)
-            known = max((replace(known, text=text) for text in changed), key=lambda one: one.readable_to)
+            known = max(
+                (replace(known, text=text) for text in changed), key=lambda candidate: candidate.readable_to
+            )
             if known.readable_to <= line:
                 break
         return known if known.readable_to == math.inf else self
 
     def at(self, node: ast.AST | int | None) -> str:
-        """Return the place of a node or a line."""
+        """Return the place of a node or a line, such as `src/pk/pk/talk.py:12`."""
         return at(
             self.shown, node if isinstance(node, int) or node is None else getattr(node, "lineno", None)
         )
 
     @cached_property
     def nodes(self) -> tuple[ast.AST, ...]:
-        """Everything in the file."""
+        """All syntax nodes of the file."""
         return tuple(walk(self.tree))
 
     @cached_property
     def stored(self) -> frozenset[str]:
-        """Every name and attribute that something is assigned to, as it is written."""
+        """The names and attributes that are assigned to, as they are written."""
         return frozenset(
             ast.unparse(node)
             for node in self.nodes
@@ -118,13 +121,18 @@ class PythonSource:
 
     @property
     def assigned(self) -> frozenset[str]:
-        """The global names that an assignment at its top binds."""
-        targets = [to for one in self.tree.body if isinstance(one, ast.Assign) for to in one.targets]
+        """The global names that its top-level assignments bind."""
+        targets = [
+            to
+            for statement in self.tree.body
+            if isinstance(statement, ast.Assign)
+            for to in statement.targets
+        ]
         return frozenset(target.id for target in targets if isinstance(target, ast.Name))
 
     @cached_property
     def imports(self) -> tuple[Import, ...]:
-        """What its import statements bind, anywhere in it."""
+        """The names that its import statements bind, anywhere in the file."""
         return tuple(self._imports(self.tree, is_guarded=False))
 
     def _imports(self, parent: ast.AST, is_guarded: bool) -> Iterator[Import]:
@@ -139,7 +147,7 @@ class PythonSource:
                     target = f"{module}.{alias.name}" if module else alias.name
                     yield Import(alias.asname or alias.name, target, node.lineno, True, is_guarded)
             else:
-                # What stands in a `try` or below a condition is not always imported.
+                # An import in a `try` or below a condition does not always happen.
                 yield from self._imports(node, is_guarded or isinstance(node, (ast.Try, ast.If)))
 
     def _absolute(self, node: ast.ImportFrom) -> str:
@@ -151,13 +159,13 @@ class PythonSource:
 
     @cached_property
     def names(self) -> Mapping[str, str]:
-        """What the file's global names stand for, by import or as an alias of another name."""
+        """The full names of the file's global names: imports, definitions and aliases."""
         found = {}
-        for one in self.imports:
-            if one.is_from or one.local != one.target.partition(".")[0]:
-                found[one.local] = one.target
+        for imported in self.imports:
+            if imported.is_from or imported.local != imported.target.partition(".")[0]:
+                found[imported.local] = imported.target
             else:
-                found[one.local] = one.local
+                found[imported.local] = imported.local
         for node in self.tree.body:
             if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
                 found[node.name] = f"{self.name}.{node.name}"
@@ -169,9 +177,9 @@ class PythonSource:
         return found
 
     def resolve(self, node: ast.AST | None) -> str | None:
-        """Return what a name stands for, such as `rclpy.node.Node` for `n.Node` after `import rclpy.node as n`.
+        """Return the full name of a name: `rclpy.node.Node` for `n.Node` after `import rclpy.node as n`.
 
-        A string that is an annotation counts as the name in it.
+        A string, as in an annotation, counts as the name in it. None if the name is not known.
         """
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.isidentifier():
             return self.names.get(node.value)
@@ -185,7 +193,7 @@ class PythonSource:
 
     @cached_property
     def constants(self) -> Mapping[str, object]:
-        """The values of names that the file binds once, at its top, to a constant."""
+        """The values of the names that the file binds only once, at its top level, to a constant."""
         values: dict[str, object] = {}
         again: set[str] = set()
         for node in self.nodes:
@@ -213,7 +221,7 @@ def read_source(path: Path, name: str, shown: str) -> PythonSource:
 
 
 def read_toml(text: str) -> dict[str, Any]:
-    """Return what a text in TOML says; nothing if it cannot be read."""
+    """Return the contents of a text in TOML; empty if it cannot be read."""
     for name in ("tomllib", "setuptools.compat.py310"):  # Python 3.10 has none of its own
         try:
             module = importlib.import_module(name)
@@ -228,9 +236,9 @@ def read_toml(text: str) -> dict[str, Any]:
 
 
 def read_text(path: Path) -> str:
-    """Return what a file says, nothing if it is missing, cannot be read or is too large."""
+    """Return the text of a file; empty if it is missing, cannot be read or is too large."""
     try:
-        # A device or a pipe has no end, and no beginning either.
+        # Reading a device or a pipe may never end.
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:
             return ""
         return path.read_bytes().decode("utf-8-sig", errors="replace")
@@ -239,7 +247,7 @@ def read_text(path: Path) -> str:
 
 
 def _mark_functions(tree: ast.Module) -> None:
-    """Note of each `self.name` and `name` that is a function of the file that it is one, in `is_function`."""
+    """Set `is_function` on each `name` and `self.name`: whether it is a function of the file."""
     nodes = [*walk(tree)]
     functions = {node.name for node in nodes if isinstance(node, Function) and not node.decorator_list}
     named = [node for node in nodes if isinstance(node, (ast.Name, ast.Attribute))]
@@ -256,7 +264,7 @@ def _last(node: ast.Name | ast.Attribute) -> str:
 
 
 def _depth(tree: ast.AST) -> int:
-    """Return how many levels a tree has, as far as `DEEPEST`."""
+    """Return the depth of a tree, at most `DEEPEST`."""
     level: list[ast.AST] = [tree]
     for depth in range(DEEPEST):
         level = [child for node in level for child in children(node)]
@@ -271,13 +279,13 @@ def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
 
 
 def is_property(function: Function) -> bool:
-    """Return whether an attribute has a function's value and not the function: `@property`, `@cached_property`, a setter."""
-    names = [ast.unparse(one).rpartition(".")[2] for one in function.decorator_list]
+    """Return whether a function is a property: `@property`, `@cached_property`, a getter or a setter."""
+    names = [ast.unparse(decorator).rpartition(".")[2] for decorator in function.decorator_list]
     return any("property" in name or name in ("getter", "setter", "deleter") for name in names)
 
 
 def children(node: ast.AST) -> tuple[ast.AST, ...]:
-    """Return what is directly below a node; rules ask again and again, and a tree that was read never changes."""
+    """Return the children of a node; they are cached, because rules ask often and trees never change."""
     found: tuple[ast.AST, ...] | None = node.__dict__.get("_children")
     if found is None:
         found = node.__dict__["_children"] = tuple(ast.iter_child_nodes(node))
@@ -285,7 +293,7 @@ def children(node: ast.AST) -> tuple[ast.AST, ...]:
 
 
 def walk(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield a node and everything below it, level by level, as `ast.walk` does."""
+    """Yield a node and all its descendants, level by level, as `ast.walk` does."""
     level: list[ast.AST] = [node]
     while level:
         yield from level
@@ -293,10 +301,10 @@ def walk(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def own_nodes(function: ast.AST) -> tuple[ast.AST, ...]:
-    """Return what is in a function, without the functions and classes inside it.
+    """Return the syntax nodes of a function, without those of the functions and classes inside it.
 
-    Its decorators, and the defaults of its parameters, are computed where it is defined, and so belong to what is
-    around it.
+    Decorators and default values are evaluated where a function is defined: they belong to the scope around
+    it.
     """
     found: tuple[ast.AST, ...] | None = function.__dict__.get("_own_nodes")
     if found is None:
@@ -311,23 +319,23 @@ def _own_nodes(parent: ast.AST) -> Iterator[ast.AST]:
             continue
         yield node
         if isinstance(node, ast.arguments):
-            yield from (one for one in walk(node) if isinstance(one, ast.arg))
+            yield from (argument for argument in walk(node) if isinstance(argument, ast.arg))
         elif not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
             yield from _own_nodes(node)
-        for one in _outside(node):
-            yield one
-            yield from _own_nodes(one)
+        for expression in _outside(node):
+            yield expression
+            yield from _own_nodes(expression)
 
 
 def _outside(node: ast.AST) -> list[ast.expr]:
-    """Return what of a function or a class is computed where it is defined."""
+    """Return the parts of a function or a class that are evaluated where it is defined."""
     found: list[ast.expr | None] = [*getattr(node, "decorator_list", ()), *getattr(node, "bases", ())]
     if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
         found += [*node.args.defaults, *node.args.kw_defaults]
-    return [one for one in found if one is not None]
+    return [expression for expression in found if expression is not None]
 
 
 def returns_value(function: Function) -> bool:
-    """Return whether a function gives back more than None, as one that yields does."""
+    """Return whether a function returns or yields a value."""
     kinds = (ast.Return, ast.Yield, ast.YieldFrom)
     return any(isinstance(node, kinds) and node.value is not None for node in own_nodes(function))

@@ -1,4 +1,4 @@
-"""What a setup.cfg says, as setuptools reads it: all of it, or nothing and why."""
+"""Read setup.cfg as setuptools does: all of it, or nothing and why."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ class CfgFault:
     """Why setuptools cannot read a setup.cfg.
 
     Attributes:
-        said: what is wrong, as the rest of a sentence that begins with the file.
-        line: on which it is.
+        said: what is wrong, as the rest of a sentence that begins with the name of the file.
+        line: the line with the fault.
         fix: what to do.
     """
 
@@ -24,12 +24,12 @@ class CfgFault:
 
 
 def read_cfg(text: str) -> tuple[configparser.RawConfigParser, CfgFault | None]:
-    """Return what a setup.cfg holds, and why it cannot be read; then it holds nothing, as for setuptools."""
+    """Return the contents of a setup.cfg and None, or, if it cannot be read, no contents and why."""
     parser = _empty()
     try:
         parser.read_string(text)
     except configparser.Error as error:
-        # It has been left half-read: its values are not yet texts.
+        # The parser is left half-filled: its values are not strings yet.
         return _empty(), _fault(error, text.splitlines())
     return parser, None
 
@@ -66,7 +66,7 @@ def _fault(error: configparser.Error, lines: list[str]) -> CfgFault:
 
 
 def _quoted(lines: list[str], number: int) -> str:
-    """Return a line as it is shown."""
+    """Return a line in quotes for a message, shortened if it is long."""
     text = lines[number - 1].strip() if 0 < number <= len(lines) else ""
     text = text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
     return f"the line {text!r}"

@@ -1,4 +1,4 @@
-"""What a setup.py says, read and never run."""
+"""Read setup.py without running it."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ros2lab.diagnose.sources.python_source import PythonSource, read_source, re
 from ros2lab.diagnose.sources.setup_cfg import read_cfg
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate, is_known
 
-_LARGEST_PACKAGE = 2000  # files looked at
-_KEYWORDS = ("name", "packages", "entry_points", "data_files")  # that another file may bring
+_LARGEST_PACKAGE = 2000  # Python packages to find
+_KEYWORDS = ("name", "packages", "entry_points", "data_files")  # that another file may set
 
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """A console script: `name = module:function`; `module` is empty if the text has another form."""
+    """A console script, `name = module:function`; `module` is empty if its text has another form."""
 
     text: str
     line: int | None
@@ -37,10 +37,10 @@ class SetupScript:
 
     Attributes:
         source: the file.
-        keywords: what `setup()` is given; a value may be, or hold, `UNKNOWN`.
-        lines: the line on which each keyword stands.
+        keywords: the keyword arguments of `setup()`; a value may be or contain `UNKNOWN`.
+        lines: the line of each keyword argument.
         is_called: whether `setup()` is called at all.
-        targets: where the folder of each pair of data_files is written.
+        targets: the expression of each folder in data_files.
     """
 
     source: PythonSource
@@ -51,7 +51,7 @@ class SetupScript:
 
     @property
     def groups(self) -> dict[str, Any] | None:
-        """The entry points by group, as texts; None if they are not known."""
+        """The entry points by group, as they are written; None if not known."""
         value = self.keywords.get("entry_points", {})
         if isinstance(value, str):
             return _groups_in(value)
@@ -61,7 +61,7 @@ class SetupScript:
 
     @property
     def entry_points(self) -> list[EntryPoint] | None:
-        """The console scripts; None if they are not known."""
+        """The console scripts; None if not known."""
         groups = self.groups
         if groups is None:
             return None
@@ -77,7 +77,7 @@ class SetupScript:
 
     @property
     def data_files(self) -> list[tuple[str, list[str]]]:
-        """Where which files are installed, as far as it is known."""
+        """The folders into which files are installed, each with its files, as far as they are known."""
         value = self.keywords.get("data_files", [])
         return [
             (target.rstrip("/"), [file for file in files if isinstance(file, str)])
@@ -86,18 +86,18 @@ class SetupScript:
 
     @property
     def are_data_files_known(self) -> bool:
-        """Whether `data_files` tells all of it."""
+        """Whether all of `data_files` is known."""
         value = self.keywords.get("data_files", [])
-        return isinstance(value, (list, tuple)) and all(_is_pair(one) and is_known(one) for one in value)
+        return isinstance(value, (list, tuple)) and all(_is_pair(pair) and is_known(pair) for pair in value)
 
     def written(self, target: str) -> tuple[str, int | None]:
-        """Return how the folder of a pair of data_files is written, and in which line."""
+        """Return the code of a folder in data_files, and its line."""
         node = self.targets.get(target)
         text = ast.get_source_segment(self.source.text, node) if node is not None else None
         return (text, node.lineno) if node is not None and text else (repr(target), self.line("data_files"))
 
     def line(self, keyword: str) -> int | None:
-        """Return the line of a keyword, or that of nothing."""
+        """Return the line of a keyword argument; None if it is not given."""
         return self.lines.get(keyword)
 
     def _entry_point(self, text: str, earlier: int) -> EntryPoint:
@@ -110,9 +110,9 @@ class SetupScript:
         )
 
     def _line_of(self, name: str, earlier: int) -> int | None:
-        """Return the line of an executable's entry point, before which it has this many."""
+        """Return the line of an entry point, before which there are `earlier` ones of the same name."""
         start = self.line("entry_points") or 1
-        # From `entry_points` on: the package's own name may stand above, too.
+        # Search from `entry_points` on: the same name may be above as that of the package.
         found = [
             number
             for number, line in enumerate(self.source.text.splitlines()[start - 1 :], start)
@@ -122,12 +122,12 @@ class SetupScript:
 
 
 def _executable(text: str) -> str:
-    """Return the name with which an entry point begins."""
+    """Return the name of the executable at the beginning of an entry point."""
     return re.split(r"[=:]", text)[0].strip()
 
 
 def _is_pair(value: Any) -> bool:
-    """Return whether this is a folder with its files."""
+    """Return whether a value is a pair of a folder and its files."""
     match value:
         case [str(), [*_]]:
             return True
@@ -140,7 +140,7 @@ _ENTRY_POINT = re.compile(
 
 
 def read_setup(folder: Path, shown: str) -> SetupScript | None:
-    """Read the setup.py of a package; None if there is none."""
+    """Read the setup.py of a package; return None if there is none."""
     path = folder / "setup.py"
     if not path.is_file():
         return None
@@ -156,7 +156,7 @@ def read_setup(folder: Path, shown: str) -> SetupScript | None:
             break
         _follow(statement, names, known)
     if not script.is_called:
-        # It may stand in a function or below a condition.
+        # The call may be in a function or below a condition.
         for node in source.nodes:
             if isinstance(node, ast.Call) and _is_setup(source, node.func):
                 _take_keywords(script, node, names, known)
@@ -166,7 +166,7 @@ def read_setup(folder: Path, shown: str) -> SetupScript | None:
 
 
 def _take_configuration(script: SetupScript, folder: Path) -> None:
-    """Add what setuptools reads from setup.cfg and pyproject.toml where setup.py says nothing."""
+    """Add what setuptools reads from setup.cfg and pyproject.toml for keywords that setup.py does not set."""
     parser, fault = read_cfg(read_text(folder / "setup.cfg"))
     given: dict[str, Any] = {}
     if parser.has_section("options.entry_points"):
@@ -207,7 +207,7 @@ def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
 
 
 def _spellings(source: PythonSource) -> Iterator[tuple[str, str]]:
-    """Yield every dotted name that the file uses, with what it stands for."""
+    """Yield every dotted name in the file, with its full name."""
     for node in source.nodes:
         name = dotted(node) if isinstance(node, (ast.Name, ast.Attribute)) else None
         if name:
@@ -238,13 +238,13 @@ def _take_keywords(script: SetupScript, call: ast.Call, names: dict[str, Any], c
         elif isinstance(value, dict):
             script.keywords.update(value)
         else:
-            # Whatever it brings is not known.
+            # The contents of the unpacked dict are not known.
             for name in ("name", "packages", "data_files", "entry_points", "package_dir", "py_modules"):
                 script.keywords.setdefault(name, UNKNOWN)
 
 
 def _follow(statement: ast.stmt, names: dict[str, Any], calls: dict[str, Any]) -> None:
-    """Do with `names` what a statement does, or forget the names that it may change."""
+    """Update the known names as a statement does, or forget the names that it may change."""
     if isinstance(statement, (ast.Assign, ast.AnnAssign)):
         value = evaluate(statement.value, names, calls)
         targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
@@ -284,11 +284,11 @@ def _forget(node: ast.AST, names: dict[str, Any]) -> None:
 
 
 def _calls(folder: Path) -> dict[str, Any]:
-    """Return what the functions do that a setup.py usually calls, seen from the package's folder."""
+    """Return stand-ins for the functions that a setup.py usually calls, working in the package's folder."""
 
     def found(pattern: str, **_: Any) -> Any:
         if pattern.startswith("/") or ".." in pattern:
-            return UNKNOWN  # nothing outside the package is looked for
+            return UNKNOWN  # do not search outside the package
         pattern = os.path.join(folder, pattern)  # noqa: PTH118 -- the pattern may be absolute
         return [os.path.relpath(path, folder) for path in glob.glob(pattern, recursive=True)]  # noqa: PTH207
 
@@ -320,7 +320,7 @@ def _calls(folder: Path) -> dict[str, Any]:
 
 
 def packages_in(folder: Path, exclude: tuple[str, ...] = (), include: tuple[str, ...] = ("*",)) -> list[str]:
-    """List what `find_packages` finds: folders with an `__init__.py`, and such folders in them."""
+    """Return what `find_packages` finds: folders with an `__init__.py`, and such folders in them."""
     found: list[str] = []
     queue = [(folder, "")]
     while queue and len(found) < _LARGEST_PACKAGE:

@@ -1,4 +1,4 @@
-"""What a function of an installed library takes, read from its source."""
+"""Read the signatures of functions in installed libraries from their sources."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from pathlib import Path
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_source
 
-_DEEPEST = 5  # modules through which a name is handed on, and classes above one
+_DEEPEST = 5  # modules that re-export a name, and levels of base classes
 _NODE = "rclpy.node.Node"
-# The names of types that take a literal of each kind; a literal of any other kind is taken by that type alone.
+# The types that accept a literal of each kind; a literal of any other kind needs exactly that type.
 TAKES = {
     "str": {"str", "Text", "SomeSubstitutionsType", "Path", "PathLike", "Iterable"},
     "int": {"int", "float", "QoSProfile", "SomeSubstitutionsType"},
@@ -28,7 +28,7 @@ TAKES = {
 }
 LIST_OF = re.compile(
     r"(?:[lL]ist|Sequence|Iterable|Collection)\[['\"]?(?:\w+\.)*([A-Z]\w+)['\"]?\]"
-)  # of objects of a class
+)  # a list of objects of a class
 LISTS = TAKES["list"] - {"SomeSubstitutionsType"}
 _PLAIN = frozenset().union(*TAKES.values()) - {"SomeSubstitutionsType", "QoSProfile"}
 ANYTHING = frozenset(("", "Any", "object", "Unknown", "T", "MsgType", "SrvType", "AllowableParameterValue"))
@@ -36,7 +36,7 @@ ANYTHING = frozenset(("", "Any", "object", "Unknown", "T", "MsgType", "SrvType",
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a function: its name, the type that it asks for, and its default; "" stands for none."""
+    """A parameter of a function: its name, its type and its default; "" if there is none."""
 
     name: str
     type: str
@@ -44,21 +44,21 @@ class Parameter:
     is_positional: bool
 
     def takes(self, value: ast.expr) -> bool:
-        """Return whether a value may be given for it, as far as its kind can be read."""
+        """Return whether the parameter accepts a value; true if the kind of the value is not known."""
         kind, heads = kind_of(value), heads_of(self.type)
         if kind is None or kind == "None" or heads & ANYTHING:
             return kind != "None" or "None" in f"{self.type} {self.default}" or "Optional" in self.type
         if isinstance(value, ast.List) and LIST_OF.search(self.type) and "tuple" not in self.type.lower():
-            return not any(isinstance(one, ast.Tuple) for one in value.elts)
+            return not any(isinstance(item, ast.Tuple) for item in value.elts)
         if isinstance(value, ast.List) and "tuple[" in self.type.lower():
-            return not any(kind_of(one) in ("str", "int", "float", "dict") for one in value.elts)
+            return not any(kind_of(item) in ("str", "int", "float", "dict") for item in value.elts)
         if kind == "str" and heads <= LISTS:
-            return False  # it is a list of its letters, which nobody means
+            return False  # a string counts as a list of characters, which nobody means
         return bool(heads - _PLAIN) if kind == "object" else bool(heads & TAKES.get(kind, {kind}))
 
 
 def heads_of(wanted: str) -> set[str]:
-    """Return the alternatives of a type, each without what stands in its brackets: `{list, None}` for `list[int] | None`."""
+    """Return the alternatives of a type, without brackets and None: `{list, str}` for `list[int] | str`."""
     text = wanted.strip("'\" ")
     while match := re.fullmatch(r"(?:typing\.)?(?:Optional|Union)\[(.*)\]", text):
         text = match[1]
@@ -69,25 +69,26 @@ def heads_of(wanted: str) -> set[str]:
 
 @dataclass(frozen=True)
 class Signature:
-    """What a function takes, without `self`."""
+    """The parameters of a function, without `self`."""
 
     parameters: tuple[Parameter, ...]
-    is_open: bool = False  # whether it takes any name
+    is_open: bool = False  # whether it accepts any keyword argument
 
     def named(self, name: str) -> Parameter | None:
-        """Return the parameter of this name."""
-        return next((one for one in self.parameters if one.name == name), None)
+        """Return the parameter with this name; None if there is none."""
+        return next((parameter for parameter in self.parameters if parameter.name == name), None)
 
     @property
     def shown(self) -> str:
-        """What stands between the parentheses: what must be given, and the names of what may be."""
+        """The parameters as in a call: required ones by position, and all others as `name=...`."""
         return ", ".join(
-            f"{one.name}=..." if one.default or not one.is_positional else one.name for one in self.parameters
+            f"{parameter.name}=..." if parameter.default or not parameter.is_positional else parameter.name
+            for parameter in self.parameters
         )
 
 
 def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
-    """Return what the library's function takes that a call means; None if it is none, or is not known."""
+    """Return the signature of the library function in a call; None if it is not one, or not known."""
     match call.func:
         case ast.Attribute(value=ast.Call(func=ast.Name(id="super")), attr="__init__"):
             return signature_by_name(_NODE)
@@ -101,7 +102,7 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
 
 
 def fields_as_parameters(fields: Mapping[str, str]) -> Iterator[Parameter]:
-    """Yield a message's fields as the parameters that they are of its class."""
+    """Yield the fields of a message as parameters of its class."""
     for name, kind in fields.items():
         plain = {"double": "float", "string": "str", "boolean": "bool"}.get(kind, kind)
         wanted = message_of(kind) or (
@@ -122,7 +123,7 @@ def message_of(wanted: str) -> str:
 
 
 def kind_of(value: ast.AST) -> str | None:  # noqa: PLR0911 -- a table
-    """Return of which kind a literal or a function of the file is; None if it is neither."""
+    """Return the kind of a literal, a new object or a function of the file; None for anything else."""
     match value:
         case ast.Constant():
             return type(value.value).__name__.replace("NoneType", "None") if value.value is not ... else None
@@ -150,7 +151,7 @@ def _methods() -> frozenset[str]:
 
 @lru_cache(maxsize=64)
 def signature_by_name(name: str) -> Signature | None:
-    """Return what a function, or a class where it is made into an object, takes."""
+    """Return the signature of an installed function, or of a class when it is called; None if not known."""
     found = _definition(name)
     if found is None:
         return None
@@ -161,19 +162,21 @@ def signature_by_name(name: str) -> Signature | None:
 
 
 def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature | None:
-    made = [one for one in node.body if isinstance(one, ast.FunctionDef) and one.name == "__init__"]
+    made = [
+        method for method in node.body if isinstance(method, ast.FunctionDef) and method.name == "__init__"
+    ]
     bases = [source.resolve(base) for base in node.bases]
     above = [
-        one
+        signature
         for base in bases
         if depth and base and (found := _definition(base)) and isinstance(found[1], ast.ClassDef)
-        if (one := _of_class(*found, depth - 1))  # type: ignore[arg-type]
+        if (signature := _of_class(*found, depth - 1))  # type: ignore[arg-type]
     ]
     if not made:
         return above[0] if above else None
     own = _of_function(made[-1], is_method=True)
     if not own.parameters and own.is_open and not above:
-        # As in rclpy's profiles: what can be given are its properties.
+        # As in rclpy's QoS profiles: the keyword arguments are the properties.
         names = [
             f.name
             for f in node.body
@@ -183,14 +186,14 @@ def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature
             Parameter(name, "int" if name == "depth" else "Any", "...", False)
             for name in dict.fromkeys(names)
         ]
-        return Signature(tuple(sorted(rows, key=lambda one: one.name != "depth")))
+        return Signature(tuple(sorted(rows, key=lambda row: row.name != "depth")))
     if made[-1].args.kwarg is None or not above:
         return own
-    own_names = {one.name for one in own.parameters}
+    own_names = {parameter.name for parameter in own.parameters}
     more = tuple(
-        replace(one, is_positional=False, default=one.default or "...")
-        for one in above[0].parameters
-        if one.name not in own_names
+        replace(parameter, is_positional=False, default=parameter.default or "...")
+        for parameter in above[0].parameters
+        if parameter.name not in own_names
     )
     return Signature((*own.parameters, *more), above[0].is_open)
 
@@ -200,21 +203,21 @@ def _of_function(node: Function, *, is_method: bool) -> Signature:
     places = [*arguments.posonlyargs, *arguments.args]
     defaults = [*[None] * (len(places) - len(arguments.defaults)), *arguments.defaults]
     rows = [
-        *((one, default, True) for one, default in zip(places, defaults, strict=True)),
+        *((argument, default, True) for argument, default in zip(places, defaults, strict=True)),
         *(
-            (one, default, False)
-            for one, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+            (argument, default, False)
+            for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
         ),
     ][is_method:]
     return Signature(
         tuple(
             Parameter(
-                one.arg,
-                ast.unparse(one.annotation) if one.annotation else "",
+                argument.arg,
+                ast.unparse(argument.annotation) if argument.annotation else "",
                 ast.unparse(default) if default else "",
                 is_positional,
             )
-            for one, default, is_positional in rows
+            for argument, default, is_positional in rows
         ),
         arguments.kwarg is not None,
     )
@@ -222,25 +225,29 @@ def _of_function(node: Function, *, is_method: bool) -> Signature:
 
 @lru_cache(maxsize=256)
 def _definition(name: str) -> tuple[PythonSource, ast.ClassDef | Function] | None:
-    """Return where an installed class, function or method is defined."""
+    """Return the definition of an installed class, function or method, and its file; None if not found."""
     for _ in range(_DEEPEST):
         module, _, rest = name.rpartition(".")
         source = _module(module)
         if source is None:
-            # A method: its class comes before it.
+            # It may be a method: look up its class.
             found = _definition(module) if "." in module else None
             if found is None or not isinstance(found[1], ast.ClassDef):
                 return None
             return next(
                 (
-                    (found[0], one)
-                    for one in reversed(found[1].body)
-                    if isinstance(one, ast.FunctionDef) and one.name == rest
+                    (found[0], method)
+                    for method in reversed(found[1].body)
+                    if isinstance(method, ast.FunctionDef) and method.name == rest
                 ),
                 None,
             )
         kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-        own = [one for one in source.tree.body if isinstance(one, kinds) and one.name == rest]
+        own = [
+            definition
+            for definition in source.tree.body
+            if isinstance(definition, kinds) and definition.name == rest
+        ]
         if own:
             return source, own[-1]
         handed_on = source.names.get(rest)

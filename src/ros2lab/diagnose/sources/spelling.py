@@ -1,4 +1,4 @@
-"""How alike two names are."""
+"""Compare names: which known name a misspelt one means."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from collections.abc import Iterable
 
 
 def nearest(name: object, known: Iterable[object], cutoff: float = 0.7) -> str | None:
-    """Return the known name that is most like `name`, None if none is; one with the same letters before any other.
+    """Return the known name most similar to `name`; None if none is similar enough.
 
-    What is no text, as a key in a file may be, is like no name.
+    A name that differs only in case and separators comes first. Anything but a string is similar to no name.
     """
     if not isinstance(name, str):
         return None
-    names = {one for one in known if isinstance(one, str)}
-    same = [one for one in names if one != name and _letters(one) == _letters(name)]
+    names = {candidate for candidate in known if isinstance(candidate, str)}
+    same = [candidate for candidate in names if candidate != name and _letters(candidate) == _letters(name)]
     if same:
-        return min(same, key=lambda one: (one.startswith("_"), one))
+        return min(same, key=lambda candidate: (candidate.startswith("_"), candidate))
     close = difflib.get_close_matches(name, sorted(names - {name}), n=1, cutoff=cutoff)
     return close[0] if close else None
 
@@ -30,22 +30,22 @@ def with_article(noun: str) -> str:
 
 
 def did_you_mean(name: object, known: Iterable[object]) -> str:
-    """Return a sentence, or nothing, to put after another one."""
+    """Return the sentence ` Did you mean ...?`; empty if no known name is similar."""
     close = nearest(name, known)
     return f" Did you mean {close}?" if close else ""
 
 
 def is_near_miss(name: object, wanted: object) -> bool:
-    """Return whether `name` looks like `wanted` written wrongly, and not like another name.
+    """Return whether `name` is a misspelling of `wanted`, and not another name.
 
-    One letter too few, too many or wrong, two that changed places, other case, other separators, or a number
-    after it: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, nor is what is no text.
+    It has one letter too few, too many or wrong, two letters swapped, another case or separator, or a number
+    at the end: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, and no non-string is.
     """
     return isinstance(name, str) and isinstance(wanted, str) and _is_near_miss(name, wanted)
 
 
 def is_near_topic(topic: str, wanted: str) -> bool:
-    """Return whether a topic is likely to be meant for another one."""
+    """Return whether a topic was probably meant to be another one."""
     return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
 
 
@@ -64,24 +64,26 @@ def _letters(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
-def _is_one_edit(one: str, other: str) -> bool:
-    if len(one) > len(other):
-        one, other = other, one
-    if len(other) - len(one) > 1:
+def _is_one_edit(shorter: str, longer: str) -> bool:
+    if len(shorter) > len(longer):
+        shorter, longer = longer, shorter
+    if len(longer) - len(shorter) > 1:
         return False
-    start = next((n for n, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]), len(one))
-    rest, other_rest = one[start:], other[start:]
-    if len(one) < len(other):
-        return rest == other_rest[1:]
-    swapped = len(rest) > 1 and rest[:2] == other_rest[1::-1]
-    return rest[1:] == other_rest[1:] or (swapped and rest[2:] == other_rest[2:])
+    start = next(
+        (n for n, pair in enumerate(zip(shorter, longer, strict=False)) if pair[0] != pair[1]), len(shorter)
+    )
+    rest, longer_rest = shorter[start:], longer[start:]
+    if len(shorter) < len(longer):
+        return rest == longer_rest[1:]
+    swapped = len(rest) > 1 and rest[:2] == longer_rest[1::-1]
+    return rest[1:] == longer_rest[1:] or (swapped and rest[2:] == longer_rest[2:])
 
 
 def plain_signs(text: str) -> str:
-    """Return a text with the signs of a keyboard instead of those of a web page or a text program."""
+    """Return a text with typographic characters, as from a web page, replaced by those of a keyboard."""
     signs = {"\u2018": "'", "\u2019": "'", "\u201c": '"', "\u201d": '"', "\u201e": '"', "\u00b4": "'"}
     signs |= {"\u2013": "-", "\u2014": "-", "\u2212": "-", "\u200b": "", "\ufeff": ""}
-    # Letters with an accent stay; what only looks like a sign of Python's becomes that sign.
+    # Letters stay, with their accents; a character that only looks like one of Python's becomes that one.
     return "".join(
         signs.get(letter, letter if letter.isalpha() else unicodedata.normalize("NFKC", letter))
         for letter in text

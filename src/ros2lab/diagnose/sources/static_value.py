@@ -1,4 +1,4 @@
-"""The value of a Python expression, as far as it can be known without running anything."""
+"""Evaluate a Python expression as far as possible without running anything."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Calls = Mapping[str, Callable[..., Any]]
 
 
 class Unknown:
-    """Stands for a value that only running the program would tell."""
+    """The type of `UNKNOWN`, the value of what only running the program would tell."""
 
     def __repr__(self) -> str:
         return "UNKNOWN"
@@ -32,7 +32,7 @@ _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
 }
-# No float holds a larger whole number, and of one with some more digits Python does not even write them down.
+# No float holds a larger integer, and Python refuses to print one with a few more digits.
 LARGEST = 2**1023
 _LONGEST = 10_000  # items or characters, so that `"x" * 10**9` costs nothing
 
@@ -46,21 +46,21 @@ def evaluate(node: ast.expr | None, names: Mapping[str, Any], calls: Calls) -> A
 
     Args:
         node: the expression.
-        names: values of the names that are known; a dotted name is one, too (`os.sep`).
-        calls: what the known functions do, by their dotted names.
+        names: the values of the known names, including dotted names such as `os.sep`.
+        calls: the known functions by their dotted names.
 
     Returns:
-        The value, or `UNKNOWN`; a list, tuple or dict may hold `UNKNOWN` for single elements.
+        The value, or `UNKNOWN`; a list, tuple or dict may contain `UNKNOWN`.
     """
     try:
         return bounded(_value(node, names, calls)) if node is not None else UNKNOWN
     except Exception:
-        # Whatever a wrong expression raises (a key, a type, a format), it has no value that we know.
+        # Whatever a wrong expression raises (a key, a type, a format), its value is not known.
         return UNKNOWN
 
 
 def expression(text: str) -> ast.expr | None:
-    """Parse an expression that stands in a text, as what is in a file; None if it is none."""
+    """Return the parsed expression in a text; None if the text is not an expression."""
     try:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -70,19 +70,19 @@ def expression(text: str) -> ast.expr | None:
 
 
 def bound(tree: ast.AST) -> None:
-    """Let no whole number in a tree lie beyond `LARGEST`."""
+    """Limit all integers in a tree to `LARGEST`."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant):
             node.value = bounded(node.value)
 
 
 def bounded(value: Any) -> Any:
-    """Return a value; of a whole number beyond `LARGEST`, that one."""
+    """Return a value, an integer limited to `LARGEST`."""
     return max(-LARGEST, min(value, LARGEST)) if type(value) is int else value
 
 
 def dotted(node: ast.AST | None) -> str | None:
-    """Return the name that an expression is made of, such as `os.path.join`; None if it is something else."""
+    """Return an expression as a dotted name such as `os.path.join`; None if it is not one."""
     if isinstance(node, ast.Name):
         return node.id
     if isinstance(node, ast.Attribute):
@@ -92,7 +92,7 @@ def dotted(node: ast.AST | None) -> str | None:
 
 
 def is_known(value: Any) -> bool:
-    """Return whether nothing in a value is unknown."""
+    """Return whether a value is known, and everything in it."""
     if isinstance(value, (list, tuple, set)):
         return all(is_known(item) for item in value)
     if isinstance(value, dict):
@@ -146,19 +146,19 @@ def _operation(node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[
 
 
 def _joined(node: ast.BinOp, part: Callable[[ast.expr], Any]) -> Any:
-    # Each side once: where a sum asked twice for what is in it, one of thirty terms would take for ever.
+    # Evaluate each side only once: twice would take for ever in a sum of thirty terms.
     left, right = part(node.left), part(node.right)
     if isinstance(node.op, ast.Add):
         are_lists = isinstance(left, (list, tuple)) and isinstance(right, (list, tuple))
         return [*left, *right] if are_lists else _short(_sure(left) + _sure(right))
     if isinstance(node.op, ast.Mod) and isinstance(left, str):
         return _short(_plain(left) % _sure(right))
-    numbers = all(isinstance(one, (int, float)) for one in (left, right))
+    numbers = all(isinstance(side, (int, float)) for side in (left, right))
     return _ARITHMETIC[type(node.op)](left, right) if numbers and type(node.op) in _ARITHMETIC else UNKNOWN
 
 
 def _sure(value: Any) -> Any:
-    """Return a value of which nothing is unknown."""
+    """Return a value if all of it is known."""
     if not is_known(value):
         raise _CannotTellError
     return value
@@ -217,8 +217,8 @@ def _bound(target: ast.expr, value: Any) -> dict[str, Any]:
     if isinstance(target, (ast.Tuple, ast.List)):
         return {
             name: inner
-            for element, one in zip(target.elts, value, strict=True)
-            for name, inner in _bound(element, one).items()
+            for element, item in zip(target.elts, value, strict=True)
+            for name, inner in _bound(element, item).items()
         }
     raise _CannotTellError
 
@@ -249,7 +249,7 @@ def _short(value: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return the value; a text may ask for fields a million wide when it is filled in."""
+    """Return a value, or give up if it is a format string with a huge field width."""
     if isinstance(value, str) and re.search(r"[%{:].*\d{4}", value):
         raise _CannotTellError
     return value

@@ -1,4 +1,4 @@
-"""What the files of a package define, and what of it anything reads, calls or changes."""
+"""Which of the definitions in a package's files are read, called or changed."""
 
 from __future__ import annotations
 
@@ -13,18 +13,16 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 from ros2lab.diagnose.sources.static_value import dotted
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
-LONGEST_NAME = 200  # letters of a text that may name something
+LONGEST_NAME = 200  # characters of a string that may name something
 
 
 class Uses:
-    """Every name that something in a package's files reads."""
+    """The names that a package's files read."""
 
     def __init__(self, sources: NodeSources) -> None:
         self.sources = sources
-        self.named: Counter[str] = (
-            Counter()
-        )  # as it is written: names, attributes, and what texts may ask for
-        self.resolved: Counter[str] = Counter()  # names of the package's own, with their modules
+        self.named: Counter[str] = Counter()  # as written: names, attributes, and words in strings
+        self.resolved: Counter[str] = Counter()  # the package's own names, with their modules
         for source in sources.sources.values():
             for node in source.nodes:
                 self.named.update(named(node))
@@ -33,12 +31,12 @@ class Uses:
 
     @cached_property
     def nodes(self) -> tuple[ast.AST, ...]:
-        """Everything in the files."""
+        """All syntax nodes of the files."""
         return tuple(node for source in self.sources.sources.values() for node in source.nodes)
 
     @cached_property
     def stored_of_others(self) -> frozenset[str]:
-        """The attributes that something gives to what is not `self`, which may be a node all the same."""
+        """The attributes assigned on objects other than `self`, which may be nodes, too."""
         return frozenset(
             node.attr
             for node in self.nodes
@@ -48,7 +46,7 @@ class Uses:
 
     @cached_property
     def read_of_others(self) -> frozenset[str]:
-        """The attributes that something reads of what is not `self`, also by `getattr()` and its like."""
+        """The attributes read from objects other than `self`, also by `getattr()` and the like."""
         found = set()
         for node in self.nodes:
             if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
@@ -59,9 +57,13 @@ class Uses:
 
     @cached_property
     def callbacks(self) -> dict[int, str]:
-        """By their identities the functions that ROS calls, and what these call, with how ROS was given them."""
+        """The callbacks and the methods that they call, by `id`, each with the call that passed it to ROS."""
         found: dict[int, str] = {}
-        owners = {id(m): one for one in self.sources.classes.values() for m in one.methods.values()}
+        owners = {
+            id(m): node_class
+            for node_class in self.sources.classes.values()
+            for m in node_class.methods.values()
+        }
         waiting = [(function, creation.method) for creation, function in self.sources.callbacks()]
         while waiting:
             function, how = waiting.pop()
@@ -77,7 +79,7 @@ class Uses:
 
 
 def named(node: ast.AST) -> Iterator[str]:
-    """Yield the names that a part of a program reads, also those in its texts."""
+    """Yield the names that a syntax node reads, and the words in a string."""
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
         yield node.id
     elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
@@ -87,19 +89,21 @@ def named(node: ast.AST) -> Iterator[str]:
 
 
 class State:
-    """What a node class keeps in its attributes, by their texts such as `self.msg.data`, and where it is changed."""
+    """The attributes of a node class, as written (`self.msg.data`), and where they are read and assigned."""
 
     def __init__(self, uses: Uses, owner: NodeClass) -> None:
         self.uses, self.owner, self.source = uses, owner, owner.source
         family = [
-            one
-            for one in uses.sources.classes.values()
-            if owner in uses.sources.lineage(one)[0] or one in uses.sources.lineage(owner)[0]
+            node_class
+            for node_class in uses.sources.classes.values()
+            if owner in uses.sources.lineage(node_class)[0] or node_class in uses.sources.lineage(owner)[0]
         ]
         self.stores: dict[str, list[tuple[Function, ast.AST, ast.expr | None]]] = {}
         self.loads: dict[str, list[tuple[Function, ast.AST]]] = {}
         self._sources: dict[int, PythonSource] = {}
-        for member, method in ((one, function) for one in family for function in one.functions):
+        for member, method in (
+            (node_class, function) for node_class in family for function in node_class.functions
+        ):
             values = values_in(method)
             for node in walk(method):
                 self._sources[id(node)] = member.source
@@ -114,34 +118,34 @@ class State:
         }
 
     def at(self, node: ast.AST | None) -> str:
-        """Return the place of a part of the class, or of a class that it is derived from."""
+        """Return the place of a syntax node in the class, its bases or the classes derived from it."""
         return self._sources.get(id(node), self.source).at(node)
 
     def first(self, text: str) -> ast.expr | None:
-        """Return what `__init__` gives an attribute, if nothing outside the class may give it anything else."""
+        """Return what `__init__` assigns to an attribute; None if code outside the class may assign it."""
         values = [value for method, _, value in self.stores.get(text, ()) if method.name == "__init__"]
         name = text.rpartition(".")[2]
-        others = [other for other in self.stores if other.endswith(f".{name}") and other != text]
+        others = [stored for stored in self.stores if stored.endswith(f".{name}") and stored != text]
         is_own = name not in self.uses.stored_of_others and not others
         return values[0] if len(values) == 1 and is_own else None
 
     def initial(self, text: str) -> ast.expr | None:
-        """Return what `__init__` gives an attribute, if that is all that anybody gives it."""
+        """Return what `__init__` assigns to an attribute; None if it is assigned anywhere else."""
         return self.first(text) if len(self.stores.get(text, ())) == 1 else None
 
     def later(self, text: str) -> list[tuple[Function, ast.AST, ast.expr | None]]:
-        """Return where an attribute is given something but in `__init__`."""
+        """Return the assignments to an attribute outside `__init__`."""
         return [store for store in self.stores.get(text, ()) if store[0].name != "__init__"]
 
     def changes(self, text: str) -> str:
-        """Return the callback in which an attribute is changed; empty if none changes it."""
+        """Return the name of a callback that assigns an attribute; empty if there is none."""
         return next(
             (method.name for method, *_ in self.stores.get(text, ()) if id(method) in self.uses.callbacks), ""
         )
 
 
 def values_in(function: Function) -> dict[int, ast.expr | None]:
-    """Return what is assigned to each target of a function, by the target's identity."""
+    """Return the value assigned to each target in a function, by the `id` of the target."""
     return {
         id(target): node.value
         for node in walk(function)
@@ -151,14 +155,14 @@ def values_in(function: Function) -> dict[int, ast.expr | None]:
 
 
 def is_log(node: ast.AST) -> bool:
-    """Return whether a call only shows something."""
+    """Return whether a node is a call that only prints or logs."""
     return isinstance(node, ast.Call) and (
         getattr(node.func, "id", "") == "print" or getattr(node.func, "attr", "") in LOG_METHODS
     )
 
 
 def filled(function: Function) -> Iterator[tuple[str, ast.expr]]:
-    """Yield the fields of messages that a function fills, each with what it is given."""
+    """Yield the fields that a function assigns on local messages, each with its value."""
     for node in own_nodes(function):
         target = node.targets[0] if isinstance(node, ast.Assign) else None
         if isinstance(node, ast.Assign) and isinstance(target, ast.Attribute):
