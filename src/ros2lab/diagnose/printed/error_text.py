@@ -1,4 +1,4 @@
-"""What a failed command has printed, taken apart: which errors, of which kind, and where."""
+"""Parse what a failed command printed: which errors, of which kind, and where."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from ros2lab.diagnose.printed.transcript import (
     steps_of,
 )
 
-_MOST_QUOTED = 30  # lines of one command
-MOST_READ = 100_000  # characters of what was printed
+_MOST_QUOTED = 30  # lines of a command
+MOST_READ = 100_000  # characters of output
 
-# What a tool, launch or a logger puts before what it says.
+# What a tool, launch or a logger puts before its message.
 PREFIX = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E|fatal)?(?::[\w.]+)?:? ?")
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\r")
 _FRAME = re.compile(r'^\s*File "(?P<file>[^"]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?')
@@ -34,19 +34,19 @@ _CELL_FRAME = re.compile(
 _EXCEPTION = re.compile(
     r"^(?:E +| - )?(?P<kind>(?:[A-Za-z_]\w*\.)*[A-Za-z_]\w*(?:Error|Exception|Interrupt|Exit))(?::\s?(?P<message>.*))?$"
 )
-# Some are called otherwise, such as StopIteration: what follows the places of a traceback is one.
+# Some exceptions have other names, such as StopIteration: the line after the frames of a traceback is one.
 _OTHER_EXCEPTION = re.compile(r"(?P<kind>[A-Za-z_][\w.]*)(?::\s(?P<message>.*))?$")
-# What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
+# What is printed when nothing is wrong: progress, messages, names, separators and Ctrl-C.
 _OF_COURSE = re.compile(
     r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|\S+\.xml: \d+ tests?, |Set parameter successful|Failed to publish log message to rosout|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
 )
-# What a program of the student's says itself; a finding may be led to by it, but no tool has said it.
+# What the student's own program logs: it may lead to a finding, but no tool printed it.
 _OWN_LOG = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)[\w./]+\]: ")
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$")
 _OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: |$)| +\S|- ")
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
-# A program that is ended from outside says so by these, and nothing is wrong.
+# What a program raises when it is ended from outside; nothing is wrong then.
 _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
 _INTERRUPTED = re.compile(r"^\^C|user interrupted with ctrl-c")
 _WRAPPED = re.compile(r"Invalid(?:Frontend)?LaunchFileError$")  # launch says why in the line above
@@ -58,11 +58,11 @@ _INSTALLED = re.compile(
 
 @dataclass(frozen=True)
 class Frame:
-    """One line of a traceback that says where; the innermost one is the last.
+    """One frame of a traceback; the innermost frame is the last.
 
     Attributes:
-        part: what of the line failed, as Python marks it below; empty if it marks nothing.
-        text: the line itself, where it was printed.
+        part: the part of the line that Python marks below it; empty if it marks nothing.
+        text: the line of code itself, if it was printed.
     """
 
     file: str
@@ -72,7 +72,7 @@ class Frame:
 
     @property
     def is_in(self) -> str:
-        """The file's name with its folder's, by which a file and its installed copy are the same."""
+        """The file name with its folder name, which a file shares with its installed copy."""
         return "/".join(PurePath(self.file).parts[-2:])
 
 
@@ -81,9 +81,9 @@ class ErrorReport:
     """One error.
 
     Attributes:
-        kind: the exception's class, without its module; empty for what is no exception.
-        message: what it says.
-        frames: where, the innermost last.
+        kind: the class of the exception, without its module; empty if it is not an exception.
+        message: its message.
+        frames: its traceback, the innermost frame last.
     """
 
     kind: str
@@ -92,20 +92,20 @@ class ErrorReport:
 
     @property
     def line(self) -> str:
-        """The line that decides."""
+        """The line that states the error, such as `KeyError: 'name'`."""
         return f"{self.kind}: {self.message}".removesuffix(": ") if self.kind else self.message
 
 
 @dataclass(frozen=True)
 class ErrorText:
-    """Everything that a text tells.
+    """A parsed error text.
 
     Attributes:
         text: the text, without colours.
         reports: its exceptions, those of the first traceback first.
-        decisive: the line that says best what went wrong; empty if the text is.
-        steps: the commands after prompts, in their order, each with what it has printed.
-        is_clear: whether that line says by its words that something went wrong.
+        decisive: the line that best says what went wrong; empty if the text is empty.
+        is_clear: whether the words of that line say that something went wrong.
+        steps: the commands typed after prompts, in order, each with its output.
         command: the last `ros2 run` or `ros2 launch` in it, as (verb, package, executable or file).
     """
 
@@ -118,17 +118,17 @@ class ErrorText:
 
     @property
     def typed(self) -> tuple[str, ...]:
-        """The commands, in their order."""
+        """The commands that were typed, in order."""
         return tuple(step.command for step in self.steps if step.command)
 
     @property
     def frames(self) -> tuple[Frame, ...]:
-        """All places that its exceptions name."""
+        """The frames of all exceptions."""
         return tuple(frame for report in self.reports for frame in report.frames)
 
 
 def read_printed(stream: BinaryIO) -> str:
-    """Return what a command has printed, of however much only the beginning and the end."""
+    """Return the output of a command; if it is very long, only its beginning and end."""
     begin, end = stream.read(MOST_READ), b""
     while part := stream.read(MOST_READ):
         end = (end + part)[-MOST_READ:]
@@ -136,7 +136,7 @@ def read_printed(stream: BinaryIO) -> str:
 
 
 def commands_with_output(text: str) -> list[tuple[str, list[str]]]:
-    """Return each command that was typed after a prompt, with the lines printed up to the next prompt."""
+    """Return each command typed after a prompt, with the lines printed up to the next prompt."""
     steps = steps_of(_with_whole_quotes(_ESCAPES.sub("", text[-MOST_READ:]).splitlines()))
     return [(step.command, [*step.lines]) for step in steps if step.command]
 
@@ -145,7 +145,7 @@ _TRIED = re.compile(r"when trying to load file of format \[\w+\]:$")
 
 
 def read_error(text: str) -> ErrorText:
-    """Take an error's text apart; of a very long one the beginning and the end."""
+    """Parse an error text; if it is very long, only its beginning and end."""
     if len(text) > MOST_READ:
         text = f"{text[: MOST_READ // 2]}\n{text[-MOST_READ // 2 :]}"
     lines = _with_whole_quotes(_ESCAPES.sub("", text).splitlines())
@@ -155,7 +155,7 @@ def read_error(text: str) -> ErrorText:
     lines = _of_its_own_format([line for step in steps for line in step.lines])
     lines = _of_one_process_each(_before_ctrl_c(lines))
     reports: list[ErrorReport] = []
-    said: list[str] = []  # what stands in no traceback of a program that was only ended
+    said: list[str] = []  # all lines but the tracebacks of programs that were only ended from outside
     start = 0
     for end, report in _reports(lines):
         if report.kind not in _ENDED:
@@ -166,8 +166,7 @@ def read_error(text: str) -> ErrorText:
             said += lines[start : headers[0]] if headers else []
         start = end
     said = _without_messages([*said, *lines[start:]])
-    # colcon's own traceback follows the one of the setup.py that it has run.
-    # What Python only warns of comes before what ended the program.
+    # The last report is the decisive one: not a warning, and not a traceback of colcon or launch themselves.
     reports.sort(
         key=lambda report: (
             not _WRAPPED.match(report.kind),
@@ -189,9 +188,9 @@ def read_error(text: str) -> ErrorText:
 
 
 def _without_messages(lines: Sequence[str]) -> list[str]:
-    """Leave out the messages that `ros2 topic echo` shows, each in YAML above three hyphens: what they say is no error.
+    """Leave out the messages that `ros2 topic echo` prints, as YAML followed by `---`: they are no errors.
 
-    colcon ends with three hyphens, too, what a package printed; that began with them.
+    colcon, too, ends the output of a package with `---`, but begins it with a line such as `--- stderr`.
     """
     found: list[str] = []
     is_of_colcon = False
@@ -206,9 +205,9 @@ def _without_messages(lines: Sequence[str]) -> list[str]:
 
 
 def _of_its_own_format(lines: Sequence[str]) -> list[str]:
-    """Leave out why launch could not read a file in other formats than its own, which it tries after that."""
+    """Leave out why launch could not read a file in the formats that it tries after the first."""
     found: list[str] = []
-    tried = -1  # the reasons that are left; negative where none are listed
+    tried = -1  # the number of reasons so far; negative outside such a list
     for line in lines:
         tried = 0 if _TRIED.search(line) else tried + 1 if tried >= 0 and line.startswith(" - ") else -1
         if tried < 2:
@@ -217,7 +216,7 @@ def _of_its_own_format(lines: Sequence[str]) -> list[str]:
 
 
 def _with_whole_quotes(lines: Sequence[str]) -> list[str]:
-    """Put the lines of a command together whose quote is closed in a later line; a shell shows `> ` before these."""
+    """Join the lines of a command whose quote is closed on a later line; a shell shows `> ` before those."""
     found: list[str] = []
     left, shown = list(lines), prompt_in(lines)
     while left:
@@ -227,23 +226,25 @@ def _with_whole_quotes(lines: Sequence[str]) -> list[str]:
             r"^[^'\"]*(?:'[^']*'[^'\"]*|\"[^\"]*\"[^'\"]*)*(['\"])[^'\"]*$",
             line[prompt.end() :] if prompt else "",
         )
-        end = next((n for n, one in enumerate(left[:_MOST_QUOTED]) if quote and quote[1] in one), None)
-        if end is not None and not any(shown.match(one) for one in left[: end + 1]):
-            line = "\n".join([line, *(one.removeprefix("> ") for one in left[: end + 1])])
+        end = next(
+            (n for n, following in enumerate(left[:_MOST_QUOTED]) if quote and quote[1] in following), None
+        )
+        if end is not None and not any(shown.match(following) for following in left[: end + 1]):
+            line = "\n".join([line, *(following.removeprefix("> ") for following in left[: end + 1])])
             del left[: end + 1]
         found.append(line)
     return found
 
 
 def _before_ctrl_c(lines: list[str]) -> list[str]:
-    """Return what was printed before Ctrl-C, if that says already what went wrong; else everything but the ^C."""
+    """Return what was printed before Ctrl-C if it says what went wrong; otherwise everything but the ^C."""
     end = next((n for n, line in enumerate(lines) if _INTERRUPTED.search(line)), len(lines))
     before, lines = lines[:end], [line.removeprefix("^C") for line in lines]
     return before if _decisive(before)[1] or any(_reports(before)) else lines
 
 
 def _of_one_process_each(lines: Sequence[str]) -> list[str]:
-    """Put together what each process of a launch has printed, without its name."""
+    """Group the output of a launch by process, without the name of the process."""
     parts: dict[str, list[str]] = {}
     for line in lines:
         process = _PROCESS.match(line)
@@ -252,7 +253,7 @@ def _of_one_process_each(lines: Sequence[str]) -> list[str]:
 
 
 def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
-    """Yield each exception, with the line after it."""
+    """Yield each exception, with the number of the line after it."""
     frames: list[Frame] = []
     is_traceback = False
     package = ""
@@ -282,9 +283,9 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
 
 
 def _frame(line: str, below: Sequence[str], package: str, before: Sequence[Frame]) -> Frame | None:
-    """Return the place that a line of a traceback names, as Python, pytest or IPython writes it; None if it is none."""
+    """Return the frame in a line of a traceback from Python, pytest or IPython; None if there is none."""
     if frame := _FRAME.match(line) or _PYTEST_FRAME.match(line):
-        # colcon runs a setup.py from a text.
+        # colcon passes setup.py to Python as a string.
         is_setup = frame["file"] == "<string>" and before and before[-1].file.endswith("/core.py")
         file = f"{package}/setup.py" if is_setup else frame["file"]
         text = below[0].strip() if below and below[0].startswith("    ") else ""
@@ -297,19 +298,19 @@ def _frame(line: str, below: Sequence[str], package: str, before: Sequence[Frame
 
 
 def _named_places(message: str, below: Sequence[str]) -> list[Frame]:
-    """Return where an exception without a traceback came, as the lines below or its own words say it."""
-    places = [match for one in below if (match := _PYTEST_PLACE.match(one))]
+    """Return where an exception without a traceback was raised, from the lines below or its own message."""
+    places = [match for line in below if (match := _PYTEST_PLACE.match(line))]
     named = places or [match for match in [_NAMED.search(message)] if match]
-    return [Frame(one["file"], int(one["line"])) for one in named]
+    return [Frame(place["file"], int(place["line"])) for place in named]
 
 
-# How pytest names a line: before the code, or below it in its long form.
+# How pytest names a line: before the code, or below the code in its long form.
 _PYTEST_FRAME = re.compile(r"(?P<file>\S+\.py):(?P<line>\d+): (?:in \S+)?$")
 _PYTEST_PLACE = re.compile(r"(?P<file>\S+\.py):(?P<line>\d+): \w+$")
 
 
 def _marked(lines: Sequence[str]) -> str:
-    """Return what of a line of code the line below it marks, as in `    ~~~~^^^`."""
+    """Return the part of a line of code that the line below marks, as in `    ~~~~^^^`; empty if none."""
     match lines:
         case [code, marks] if re.fullmatch(r" +[~^]+", marks):
             return code[len(marks) - len(marks.lstrip()) : len(marks)]
@@ -317,7 +318,7 @@ def _marked(lines: Sequence[str]) -> str:
 
 
 def _whole_message(first: str, rest: Sequence[str]) -> str:
-    """Join a message that goes on in the next lines, as rclpy's do."""
+    """Return a message with the lines on which it continues, as rclpy's messages do."""
     message = [first.strip()]
     for line in rest[:3]:
         is_next = line.startswith((" ", "\t", "Traceback", "[", "---", "File ", "$")) or _EXCEPTION.match(
@@ -332,10 +333,10 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 
 
 def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
-    """Return the line that says best what went wrong, and whether it does so by its words: a warning does not."""
+    """Return the line that best says what went wrong, and whether its words say so: a warning's do not."""
     lines = [line for line in lines if not (_OF_COURSE.match(line) or _OWN_LOG.match(line))]
     lines = [line for line in lines if not says_well(line)]
-    telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # so pytest marks it
+    telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # as pytest marks it
     telling = telling or next(
         (
             line
@@ -364,5 +365,5 @@ def _is_foreign(file: str) -> bool:
     parts = PurePath(file).parts
     if "site-packages" not in parts and "dist-packages" not in parts:
         return "ros2lab" in parts and "src" in parts
-    # In the installed copy of a workspace, the student's files lie below site-packages, too.
+    # In the install folder of a workspace, the student's files are below site-packages, too.
     return "install" not in parts or ".venv" in parts

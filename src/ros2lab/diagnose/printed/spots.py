@@ -1,4 +1,4 @@
-"""Places in a student's files, as texts and as what stands there."""
+"""Places in a student's files, and the code there."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ros2lab.diagnose.sources.static_value import expression
 
 @dataclass(frozen=True)
 class Spot:
-    """A line of the student's at which an error came.
+    """A line of the student's code where an error occurred.
 
     Attributes:
         source: the file; None if it cannot be read.
-        line: the line.
-        is_innermost: whether the error came in this line itself, and not in what a library did for it.
-        part: what of the line failed, as Python marks it.
+        line: the number of the line.
+        is_innermost: whether the error was raised in this line itself, not in a library that it calls.
+        part: the part of the line that Python marks.
     """
 
     source: PythonSource | None
@@ -40,13 +40,13 @@ class Spot:
 
     @property
     def nodes(self) -> list[ast.AST]:
-        """What stands in the line."""
+        """The syntax nodes that begin on the line."""
         nodes = self.source.nodes if self.source else ()
         return [node for node in nodes if getattr(node, "lineno", 0) == self.line]
 
     @property
     def text(self) -> str:
-        """The line itself."""
+        """The text of the line."""
         lines = self.source.text.splitlines() if self.source else []
         return lines[self.line - 1].strip() if 0 < self.line <= len(lines) else ""
 
@@ -63,7 +63,7 @@ class Spot:
 
     @property
     def lines(self) -> range:
-        """The lines of the statement that stands there; of an `if` or a `def`, those before its body."""
+        """The lines of the statement at the line; of an `if` or a `def`, those before its body."""
         best = range(self.line, self.line + 1)
         for node in self.source.nodes if self.source else ():
             if isinstance(node, ast.stmt) and node.lineno <= self.line <= (node.end_lineno or 0):
@@ -74,19 +74,21 @@ class Spot:
         return best
 
     def assigned(self, text: str) -> list[ast.expr]:
-        """Return what the file assigns to a name, or to an attribute such as `self.count`."""
+        """Return the values that the file assigns to a name or an attribute such as `self.count`."""
         nodes = self.source.nodes if self.source else ()
         assignments = (node for node in nodes if isinstance(node, ast.Assign))
-        return [one.value for one in assignments if text in map(ast.unparse, one.targets)]
+        return [
+            assignment.value for assignment in assignments if text in map(ast.unparse, assignment.targets)
+        ]
 
     def holds(self, name: str) -> list[str]:
-        """Return the expressions of the line in front of `.name`, of the shortest first."""
+        """Return the expressions before `.name` in the line, the shortest first."""
         found = [ast.unparse(n.value) for n in self.nodes if isinstance(n, ast.Attribute) and n.attr == name]
         return sorted(found, key=len)
 
 
 def spot_at(place: str, look: Look | None) -> Spot:
-    """Return what stands at a place such as `src/pk/pk/talk.py:12`; nothing if that names no line of a file."""
+    """Return the spot at a place such as `src/pk/pk/talk.py:12`; without a source if there is none."""
     file, _, line = place.rpartition(":")
     path = (look.root if look else Path()) / file
     is_known = line.isdigit() and path.is_file()
@@ -94,7 +96,7 @@ def spot_at(place: str, look: Look | None) -> Spot:
 
 
 def statement_around(place: str, look: Look) -> list[str]:
-    """Return the places of all lines of the statement at a place; of the file, if that names no line."""
+    """Return the places of all lines of the statement at a place; of the whole file if it has no line."""
     if not place.rpartition(":")[2].isdigit():
         return [f"{place}:{n}" for n, _ in enumerate(read_text(look.root / place).splitlines(), 1)]
     spot = spot_at(place, look)
@@ -107,7 +109,7 @@ def is_setup(place: str) -> bool:
 
 
 def place_of(frames: list[Frame], look: Look | None) -> str:
-    """Return the innermost place; of an installed copy, that of the student's own file."""
+    """Return the place of the innermost frame; an installed copy counts as the student's own file."""
     if not frames:
         return ""
     file = frames[0].file
@@ -116,12 +118,12 @@ def place_of(frames: list[Frame], look: Look | None) -> str:
             if file == source.shown or file.endswith(f"/{'/'.join(Path(source.shown).parts[2:])}"):
                 return f"{source.shown}:{frames[0].line}"
         if (package.folder / file).is_file() and not Path(file).is_absolute():
-            return f"{package.shown(file)}:{frames[0].line}"  # pytest names a test from the package on
+            return f"{package.shown(file)}:{frames[0].line}"  # pytest names a test relative to its package
     return f"{shown_path(Path(file), look.root if look else None)}:{frames[0].line}"
 
 
 def kind_in_words(name: str) -> str:
-    """Return one of Python's types in words."""
+    """Return the name of a Python type in words, such as `a string`."""
     words = {
         "str": "a string",
         "int": "an integer",

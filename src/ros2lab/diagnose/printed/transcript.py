@@ -1,4 +1,4 @@
-"""What a terminal shows, command by command: what each has printed, and whether that shows that it did well."""
+"""Parse what a terminal shows: the output of each command, and whether the command succeeded."""
 
 from __future__ import annotations
 
@@ -11,35 +11,35 @@ from dataclasses import dataclass
 _NAMED = r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$ (?=\S)|^[\w.-]+@[\w.-]+:?\S* ?# |^>>> "
 _PLAIN = re.compile(r"^[^$\n]{0,60}?\$ (?=\S)")
 _PROMPT = re.compile(rf"{_NAMED}|{_PLAIN.pattern}")
-# A bare # is root's prompt, and begins a comment: in what `ros2 interface show` prints, or of who wrote the text.
+# A bare # is root's prompt, but also begins a comment, as in the output of `ros2 interface show`.
 _PROMPT_OF_ROOT = re.compile(rf"{_NAMED}|^# (?=[a-z./])")
 AT_REST = re.compile(
     r"^(?:(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*)?\$\s*$"
 )  # a prompt after which nothing was typed
-# What the operating system says, with its number.
+# The messages of the operating system, with their error numbers.
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
 TELLING = re.compile(
     rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
     r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
 )
-# What of a line is data, in which any word may stand: a comment, a value, and a name, as of a topic or of a file.
+# The parts of a line that are data and may hold any word: comments, values, and names of topics or files.
 _DATA = re.compile(
     r"(?:^|\s)#.*| value is: .*|\b\w+ ?= ?(?:'[^']*'|\"[^\"]*\"|[^\s,)]+)|(?<!\S)(?=\S*[/_.]\S)[\w./\[\]-]+(?!\S)"
 )
 OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: (?!error:)|$)| +\S|- ")
-# What its tool itself calls a warning: at its beginning, or after the place of which Python or a compiler warns.
+# A line that a tool labels as a warning, at its beginning or after the place that the warning is about.
 LABELLED = re.compile(
     r"^\s*(?:\[[\w.-]+\] )*\[?WARN(?:ING)?\]?(?=[:\s])|^\s*(?:\S+:\d+: ?)?(?:\w*Warning|warning|CMake Warning\b.*):"
 )
-# How Python prints a warning, at the place that it is about.
+# How Python prints a warning, with its place.
 WARNING = re.compile(
     r"^(?P<indent>\s*)(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)"
 )
 _QUOTED = re.compile(r"'([^']{3,})'|\"([^\"]{3,})\"")
-# What Python warns of because it will be otherwise some day.
+# Warnings about what a later release will change, or about resources.
 OF_LATER = re.compile(r"Deprecation|Resource")
 _WAITING = re.compile(r"(?i)\bwait(?:ing|s)? for\b|does not appear to be|no publisher")
-# How the tools that run others say at their end how these did: colcon, pytest, unittest.
+# The last line of colcon, pytest and unittest, which says how many succeeded or failed.
 _CLOSING = re.compile(
     r"^\s*(?:Summary: (?P<finished>\d+) packages? finished|\d+ packages? (?P<not>failed|aborted|not processed|had test failures)"
     r"|Summary: \d+ tests?, (?P<errors>\d+) errors?, (?P<failures>\d+) failures?"
@@ -47,15 +47,15 @@ _CLOSING = re.compile(
 )
 
 
-_THAT_RUN = (["run"], ["launch"], ["bag"])  # programs, which say what they like, and do not ask
+_THAT_RUN = (["run"], ["launch"], ["bag"])  # verbs that start programs, which may print anything
 
 
 @dataclass(frozen=True)
 class Step:
-    """A command with what it has printed.
+    """A command with its output.
 
     Attributes:
-        command: what was typed; empty for what stands before the first prompt.
+        command: what was typed; empty for the lines before the first prompt.
         lines: what was printed below it.
     """
 
@@ -64,43 +64,46 @@ class Step:
 
     @property
     def text(self) -> str:
-        """Everything that it has printed."""
+        """Its whole output."""
         return "\n".join(self.lines)
 
     @property
     def is_answered(self) -> bool:
-        """Whether it got at last what it asked for: something was printed, and no complaint came after it."""
+        """Whether the command got an answer in the end: its last line of output is no complaint."""
         said = [line for line in self.lines if line.strip() and not line.startswith(("^C", "#"))]
         return bool(said) and not is_complaint(said[-1])
 
     @property
     def is_answer(self) -> bool:
-        """Whether all that was printed is what a command of ros2 was asked for: words of the graph, and none of a tool."""
+        """Whether the output answers a ros2 command that queries the graph, and is no program's log."""
         words = self.command.split()
         return words[:1] == ["ros2"] and words[1:2] not in _THAT_RUN and self.is_answered
 
     @property
     def ended_well(self) -> bool:
-        """Whether a tool said at its end that everything did well."""
+        """Whether a tool said in the end that everything succeeded."""
         closings = [match for line in self.lines if (match := _CLOSING.match(line))]
         return bool(closings) and all(map(_is_good, closings))
 
 
 def unsettled(steps: Sequence[Step]) -> list[Step]:
-    """Return the steps without those whose command was typed again later, and was answered then."""
+    """Return the steps without those whose command was typed again later and was answered then."""
     answered = {step.command: number for number, step in enumerate(steps) if step.is_answer}
     return [step for number, step in enumerate(steps) if number >= answered.get(step.command, 0)]
 
 
 def harmless_lines(steps: Sequence[Step]) -> set[str]:
-    """Return the lines that are no complaint, whatever their words: answers, what was typed, and all but warnings of what ended well."""
+    """Return the lines that are no complaints, whatever their words.
+
+    They are answers, echoes of what was typed, and all lines but warnings of a command that succeeded.
+    """
     found: set[str] = set()
     left = unsettled(steps)
     for step in steps:
         if step.is_answer or step not in left:
             found.update(step.lines)
             continue
-        quoted = [one or other for one, other in _QUOTED.findall(step.command)]
+        quoted = [single or double for single, double in _QUOTED.findall(step.command)]
         for line in step.lines:
             rest = line
             for text in quoted:
@@ -112,12 +115,12 @@ def harmless_lines(steps: Sequence[Step]) -> set[str]:
 
 
 def prompt_in(lines: Iterable[str]) -> re.Pattern[str]:
-    """Return how the prompts of a text look."""
+    """Return the pattern of the prompts in a text."""
     return _PROMPT if any(map(_PLAIN.match, lines)) else _PROMPT_OF_ROOT
 
 
 def steps_of(lines: Sequence[str]) -> list[Step]:
-    """Take what a terminal shows apart at its prompts."""
+    """Split what a terminal shows at its prompts."""
     shown = prompt_in(lines)
     steps = [("", list[str]())]
     for line in lines:
@@ -129,14 +132,14 @@ def steps_of(lines: Sequence[str]) -> list[Step]:
 
 
 def step_with(line: str, steps: Sequence[Step]) -> Step:
-    """Return the step that has printed a line; the last one if that is not known."""
+    """Return the last step that printed a line; the last step of all if none did."""
     wanted = line.strip()
-    found = (step for step in reversed(steps) if any(wanted in one for one in step.lines))
+    found = (step for step in reversed(steps) if any(wanted in printed for printed in step.lines))
     return next(found, steps[-1] if steps else Step("", ()))
 
 
 def is_complaint(line: str) -> bool:
-    """Return whether a line says that something is wrong, warns of it, or only waits."""
+    """Return whether a line reports an error, warns, or only waits for something."""
     if LABELLED.match(line) or _WAITING.search(line):
         return True
     if says_well(line):
@@ -150,12 +153,12 @@ def is_telling(line: str) -> bool:
 
 
 def without_data(line: str) -> str:
-    """Return the words of a line in which its tool itself speaks."""
+    """Return a line without the data in it: what remains are the tool's own words."""
     return _DATA.sub(" ", line).strip()
 
 
 def says_well(line: str) -> bool:
-    """Return whether a line is one with which a tool says at its end that everything did well."""
+    """Return whether a line is the last one of a tool, and says that everything succeeded."""
     closing = _CLOSING.match(line)
     return closing is not None and _is_good(closing)
 
