@@ -1,1 +1,1 @@
-"""Rules over packages: manifests, setup files, entry points, where things lie and what was installed."""
+"""Rules over packages: manifests, setup files, entry points, the places of files, and what was installed."""

@@ -1,4 +1,4 @@
-"""What executables call: the entry points of setup.py, against the files of the package."""
+"""Check the entry points of setup.py against the files of the package."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
 
 
 def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
-    """Yield what is wrong with the executables of a setup.py, and with what they call."""
+    """Yield what is wrong with the entry points of a setup.py, and with the functions that they name."""
     groups, points = setup.groups, setup.entry_points
     place = at(setup.source.shown, setup.line("entry_points"))
     if (
@@ -48,7 +48,7 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
             found = [_named_twice(setup, point, first)]
         else:
             found = [*_entry_point_fault(package, setup, point)]
-        yield from (replace(one, about=(point.name, *one.about)) for one in found)
+        yield from (replace(finding, about=(point.name, *finding.about)) for finding in found)
 
 
 def _first_main(package: SourcePackage) -> str | None:
@@ -73,7 +73,7 @@ def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Fi
 
 
 def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
-    """Return the only file of a folder that no entry point names, and which may be the one that is meant."""
+    """Return the only file that no entry point names, if it shares a word with the wanted one."""
     setup = package.setup
     named = {point.module.rpartition(".")[2] for point in (setup.entry_points if setup else None) or ()}
     text = setup.source.text if setup else ""
@@ -113,7 +113,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
         )
     elif source is not None and (function := _demanding(source, point.function)) is not None:
-        names = [one.arg for one in function.args.args]
+        names = [argument.arg for argument in function.args.args]
         values = ["None"] * (len(names) - len(function.args.defaults)) + [
             *map(ast.unparse, function.args.defaults)
         ]
@@ -129,7 +129,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
 
 
 def _demanding(source: PythonSource, name: str) -> ast.FunctionDef | None:
-    """Return the function of a name that cannot be called without values."""
+    """Return the function of a name if it cannot be called without arguments; None otherwise."""
     for node in source.tree.body:
         if isinstance(node, ast.FunctionDef) and node.name == name and not node.decorator_list:
             return node if len(node.args.args) > len(node.args.defaults) else None
@@ -137,7 +137,7 @@ def _demanding(source: PythonSource, name: str) -> ast.FunctionDef | None:
 
 
 def _below_guard(source: PythonSource) -> ast.If | None:
-    """Return the `if __name__ == '__main__':` that holds a program itself, and does not only call a function."""
+    """Return the `if __name__ == '__main__':` that holds the program; None if it only calls a function."""
     for node in source.tree.body:
         if isinstance(node, ast.If) and "__name__" in ast.unparse(node.test) and len(node.body) > 1:
             return node
@@ -145,11 +145,11 @@ def _below_guard(source: PythonSource) -> ast.If | None:
 
 
 def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iterator[Finding]:
-    """Yield an executable that calls what another one calls, where another file has such a function and is called by none."""
+    """Yield an executable that calls the module of another one although a suitable file is called by none."""
     points = setup.entry_points or []
     uncalled = sources.keys() - {point.module for point in points}
     for number, point in enumerate(points):
-        twin = next((one for one in points if one is not point and one.module == point.module), None)
+        twin = next((other for other in points if other is not point and other.module == point.module), None)
         if twin is None or not (meant := _meant_module(points, number, [*uncalled], sources)):
             continue
         cause = f"The executable {point.name} calls {point.module}, as {twin.name} does, so nothing runs {sources[meant].shown}."
@@ -161,37 +161,43 @@ def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iter
 def _meant_module(
     points: list[EntryPoint], number: int, uncalled: list[str], sources: Mapping[str, PythonSource]
 ) -> str:
-    """Return the module that an entry point should name, beside another one of its module; empty if it may be right.
+    """Return the module that an entry point should name instead of that of another; empty if it may be right.
 
-    It is the file of its own name. Where two call the same function, it may be another one that nothing calls: of the
-    executable whose name is most like that file's, or else of the one that stands last.
+    It is the file with the name of the executable. If two entry points call the same function and one file is
+    left uncalled, that file belongs to the executable with the more similar name, or else to the last one.
     """
     point = points[number]
     able = [name for name in uncalled if _has(sources[name], point.function)]
     if own := next((name for name in able if name.rpartition(".")[2] == point.name), ""):
         return own
-    alike = [one for one in points if (one.module, one.function) == (point.module, point.function)]
+    alike = [
+        candidate
+        for candidate in points
+        if (candidate.module, candidate.function) == (point.module, point.function)
+    ]
     if len(alike) < 2 or len(able) != 1:
         return ""
 
-    def fit(one: EntryPoint) -> tuple[float, int]:
-        return _likeness(one.name, able[0]) - _likeness(one.name, point.module), points.index(one)
+    def fit(candidate: EntryPoint) -> tuple[float, int]:
+        return _likeness(candidate.name, able[0]) - _likeness(candidate.name, point.module), points.index(
+            candidate
+        )
 
-    is_told = max(fit(one)[0] for one in alike) > 0
+    is_told = max(fit(candidate)[0] for candidate in alike) > 0
     return able[0] if point is (max(alike, key=fit) if is_told else alike[-1]) else ""
 
 
 def _likeness(executable: str, module: str) -> float:
-    """Return how much the name of an executable is like that of a module, from 0 to 1."""
+    """Return how similar the names of an executable and a module are, from 0 to 1."""
     return difflib.SequenceMatcher(None, executable, module.rpartition(".")[2]).ratio()
 
 
 def _missing_function(
     source: PythonSource, sources: Mapping[str, PythonSource], point: EntryPoint, place: str
 ) -> Finding:
-    """Return what is to be said of an entry point whose module has not the function that it names."""
+    """Return a finding about an entry point whose module lacks the function that it names."""
     calls = f"The executable {point.name} calls {point.function}() in {source.shown}, but"
-    homes = [name for name, one in sources.items() if not one.fault and _has(one, point.function)]
+    homes = [name for name, file in sources.items() if not file.fault and _has(file, point.function)]
     if (below := _below_guard(source)) is not None:
         cause = f"{calls} that file runs its code only under `if __name__ == '__main__':`, which is not true under `ros2 run`."
         fix = f"write `def {point.function}(args=None):` instead of that line, and at the end of the file that line with `{point.function}()` below it"
@@ -209,7 +215,9 @@ def _missing_function(
         )
     define = f"define {point.function}(args=None)"
     functions = [
-        one.name for one in source.tree.body if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))
+        function.name
+        for function in source.tree.body
+        if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
     ]
     if not functions:
         what = "there is no such function." if source.text.strip() else "the file is empty."
@@ -224,13 +232,13 @@ def _missing_function(
 
 
 def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own: bool) -> Finding:
-    """Say which module was meant by an entry point whose module is not there."""
+    """Return a finding about an entry point whose module does not exist, with the module that was meant."""
     if meant := _of_its_parts(package, point):
         return _put_in_order(package, point, meant, place)
     sources, listed = package.sources, package.packages or ()
     installed = [n for n in sources if n != package.name and n.rpartition(".")[0] in listed]
     wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
-    # A file of this name may be installed from another folder; in one that is not, or beside, it has to be moved.
+    # A file of this name may be in an installed folder; from any other folder it has to be moved.
     same = [name for name in sources if name.rpartition(".")[2] == wanted.stem]
     known = [name for name in same if name in installed]
     paths = [package.folder / wanted.name, *(sources[name].path for name in same)]
@@ -268,11 +276,11 @@ def _has(source: PythonSource, function: str) -> bool:
         node.id for node in source.nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
     }
     names = set(source.names) | bound
-    return function.partition(".")[0] in names or any(one.local == "*" for one in source.imports)
+    return function.partition(".")[0] in names or any(imported.local == "*" for imported in source.imports)
 
 
 def _indented(source: PythonSource, name: str) -> tuple[str, int] | None:
-    """Return the class or function in which a function of a name stands, and its line; None if none does."""
+    """Return the class or function that contains a function of this name, and its line; None if none does."""
     for outer in source.nodes:
         if isinstance(outer, (ast.ClassDef, ast.FunctionDef)):
             for node in outer.body:
@@ -285,8 +293,8 @@ def _indented(source: PythonSource, name: str) -> tuple[str, int] | None:
 def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
     name, _, rest = point.text.partition("=")
     parts = [
-        re.sub(r"\s*=\s*", " = ", one)
-        for one in re.findall(r"[\w-]+\s*=\s*[\w.]+:\w+?(?=[\W_]|$)", point.text)
+        re.sub(r"\s*=\s*", " = ", entry)
+        for entry in re.findall(r"[\w-]+\s*=\s*[\w.]+:\w+?(?=[\W_]|$)", point.text)
     ]
     if rest.count("=") >= 1:
         return Finding(
@@ -324,7 +332,7 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
 
 
 def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: str) -> Finding:
-    """Say how an entry point is written whose parts are there; a module with a hyphen in its name is moved first."""
+    """Return a finding with an entry point in the right order; a module with a hyphen is renamed first."""
     module = meant.rpartition(" = ")[2].partition(":")[0]
     if "-" not in module:
         cause = f"The parts of the entry point {point.text!r} are not in the order `name = package.module:function`."
@@ -338,22 +346,22 @@ def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: 
 
 
 def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
-    """Return an entry point of parts that are there, a module and its function, in whatever order; empty if they are not."""
+    """Return an entry point with its parts in order if its module and function exist; empty otherwise."""
     parts = re.findall(r"[\w.-]+", point.text)
     for part in parts:
-        modules = (one for one in (part, f"{package.name}.{part}") if one in package.sources)
+        modules = (module for module in (part, f"{package.name}.{part}") if module in package.sources)
         for module in modules:
             functions = [n.name for n in package.sources[module].tree.body if isinstance(n, ast.FunctionDef)]
-            rest = [one for one in parts if one != part]
-            function = next((one for one in rest if one in functions), "")
-            names = [one for one in rest if one != function and "." not in one]
+            rest = [word for word in parts if word != part]
+            function = next((word for word in rest if word in functions), "")
+            names = [word for word in rest if word != function and "." not in word]
             if function and len(names) == 1:
                 return f"{names[0]} = {module}:{function}"
     return ""
 
 
 def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
-    """Return the function that an entry point is to call: the one that is written, or the only one there is."""
+    """Return the function that an entry point should call: as written, else the only one, else main."""
     if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
         return name[1]
     source = package.sources.get(module)

@@ -1,4 +1,4 @@
-"""Whether a package is meant for ROS, or only colcon builds it: a Python library, a CMake project."""
+"""Tell packages for ROS from plain Python libraries and CMake projects that colcon builds, too."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _OF_THE_INDEX = re.compile(r"\bament_index\b|(?:^|/)package\.xml$")
 
 
 def is_for_ros(package: SourcePackage, started: Collection[str] = ()) -> bool:
-    """Return whether a package has a package.xml, or something that only a package of ROS needs.
+    """Return whether a package has a package.xml, or something that only a ROS package needs.
 
-    colcon builds a folder with a setup.py alone as a Python package, and one with a CMakeLists.txt as a CMake
-    package: both are right without a package.xml, for who only imports or links them.
+    colcon builds a folder with only a setup.py as a Python package, and one with a CMakeLists.txt as a CMake
+    package: neither needs a package.xml if it is only imported or linked.
 
     Args:
         package: the package.
-        started: the names of the packages of which launch files start nodes.
+        started: the names of the packages whose nodes launch files start.
     """
     if package.has("package.xml") or renamed_manifest(package) or package.name in started:
         return True
@@ -32,13 +32,13 @@ def is_for_ros(package: SourcePackage, started: Collection[str] = ()) -> bool:
 
 
 def renamed_manifest(package: SourcePackage) -> str:
-    """Return the file that is a manifest, and is called nearly package.xml; empty if there is none."""
+    """Return the name of a manifest that is nearly called package.xml; empty if there is none."""
     name = like(package.folder / "package.xml")
     return name if name and "<package" in read_text(package.folder / name) else ""
 
 
 def _installs_for_ros(package: SourcePackage) -> bool:
-    """Return whether a package installs something where only ROS looks: a marker, a manifest, executables below lib."""
+    """Return whether a package installs a marker, a manifest or programs where only ROS looks for them."""
     config = package.setup_cfg
     keys = (("develop", "script_dir"), ("install", "install_scripts"))
     folders = [config.get(*key, fallback="") for key in keys] if config else []
@@ -54,8 +54,8 @@ def _installs_for_ros(package: SourcePackage) -> bool:
 
 
 def _has_program(package: SourcePackage) -> bool:
-    """Return whether a file of a package is a node's program: it uses rclpy and has a main()."""
+    """Return whether a file of a package is a program with a node: it uses rclpy and has a main()."""
     return any(
-        "rclpy" in source.names and any(getattr(one, "name", "") == "main" for one in source.tree.body)
+        "rclpy" in source.names and any(getattr(node, "name", "") == "main" for node in source.tree.body)
         for source in package.sources.values()
     )

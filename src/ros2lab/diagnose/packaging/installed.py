@@ -1,4 +1,4 @@
-"""What was installed, against the sources and against the environment of a terminal."""
+"""Compare what was installed with the sources and with the environment of a terminal."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
-# Where ROS looks for the packages of a prefix: a file named for each.
+# Where ROS looks for the packages of a prefix: one file for each, with the name of the package.
 INDEX = "share/ament_index/resource_index/packages"
 _BUILD = "colcon build --packages-select"
 
 
 def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
-    """Yield how what was installed of a package differs from its sources."""
+    """Yield the differences between a package's sources and what was installed from them."""
     prefix = prefix_of(root, package.name)
     if prefix is None:
         links = list(_links(root, package, root / "install" / package.name))
-        if any("another folder" in one.cause for one in links):
+        if any("another folder" in finding.cause for finding in links):
             yield from links
             return
         if (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
@@ -63,28 +63,28 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
 
 
 def prefix_of(root: Path, name: str) -> Path | None:
-    """Return the folder into which a package was installed, None if it was not."""
+    """Return the folder into which a package was installed; None if it was not."""
     prefixes = (root / "install" / name, root / "install")
     return next((prefix for prefix in prefixes if _is_installed(prefix, name)), None)
 
 
 def _is_installed(prefix: Path, name: str) -> bool:
-    """Return whether ROS or Python knows the package there; a build that failed leaves a share folder, too."""
+    """Return whether ROS or Python finds the package there; a failed build leaves a share folder, too."""
     return (prefix / INDEX / name).is_file() or bool(_metadata(prefix, name))
 
 
 def _metadata(prefix: Path, name: str) -> list[Path]:
-    """Return the folders that say what was installed of a package."""
+    """Return the metadata folders of an installed package (`*.dist-info` and `*.egg-info`)."""
     return [
         path
         for folder in _site_packages(prefix)
-        for version in ("-*", "")  # not those of a package whose name begins so
+        for version in ("-*", "")  # not those of another package with the same prefix
         for path in folder.glob(f"{name}{version}.*-info")
     ]
 
 
 def _linked_metadata(prefix: Path, name: str) -> list[Path]:
-    """Return the same of a package that was built with links; a build that failed may leave it, too."""
+    """Return the metadata folders of a package built with links; a failed build may leave them, too."""
     return [
         Path(read_text(link).partition("\n")[0]) / f"{name}.egg-info"
         for folder in _site_packages(prefix)
@@ -98,7 +98,7 @@ def _site_packages(prefix: Path) -> list[Path]:
 
 
 def changed_sources(prefix: Path, package: SourcePackage) -> Iterator[tuple[PythonSource, Path]]:
-    """Yield the Python files whose text is not what was installed, each with its copy; with links there are none."""
+    """Yield the Python files that differ from their installed copies, each with its copy; links do not."""
     for source in package.sources.values():
         if source.path is None:
             continue
@@ -111,14 +111,14 @@ def changed_sources(prefix: Path, package: SourcePackage) -> Iterator[tuple[Pyth
             try:
                 is_same = filecmp.cmp(copy, source.path, shallow=False)
             except OSError:
-                # A test folder inside the package, or what setup.py does not list, is not installed on purpose.
+                # A folder with tests, or one that setup.py does not list, is not installed on purpose.
                 is_same = copy.parent.is_dir() is False
             if not is_same:
                 yield source, copy
 
 
 def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
-    """List the files whose text is not what was installed, data files included."""
+    """Return the files that differ from their installed copies, data files included."""
     found = [source.shown for source, _ in changed_sources(prefix, package)]
     setup = package.setup
     for target, files in setup.data_files if setup and setup.are_data_files_known else ():
@@ -130,13 +130,13 @@ def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
 
 
 def _built_at(root: Path) -> float:
-    """Return when colcon built last, in s since 1970; no time at all if it left no log."""
+    """Return the time of the last build, in s since 1970; infinite if colcon left no log."""
     log = root / "log" / "latest_build" / "logger_all.log"
     return log.stat().st_mtime if log.is_file() else float("inf")
 
 
 def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
-    """List the files of a package whose built or installed copy was changed after the build, each with that copy."""
+    """Return the files whose built or installed copy was changed after the build, each with that copy."""
     prefix, last = prefix_of(root, package.name), _built_at(root)
     if prefix is None or package.setup is None:
         return []
@@ -156,7 +156,7 @@ def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
 
 
 def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
-    """Yield a link of a build with --symlink-install that leads to what is not there, or out of the workspace."""
+    """Yield a link of a build with --symlink-install that is broken or leads out of the workspace."""
     build = root / "build" / package.name
     links = {path: path.readlink() for base in (prefix, build) for path in _all_links(base)}
     for folder in _site_packages(prefix):
@@ -193,7 +193,7 @@ def _all_links(base: Path) -> list[Path]:
 
 
 def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
-    """Yield what an earlier build has installed, and setup.py names no more."""
+    """Yield what an earlier build installed and setup.py no longer names."""
     setup = package.setup
     points = setup.entry_points if setup else None
     lib = prefix / "lib" / package.name
@@ -217,7 +217,7 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
 
 
 def installed_entry_points(prefix: Path, name: str) -> dict[str, str] | None:
-    """Return what each executable of a package was installed as, `module:function`; None if that is not known."""
+    """Return the `module:function` with which each executable was installed; None if not known."""
     folders = [*_metadata(prefix, name), *_linked_metadata(prefix, name)]
     files = [file for folder in folders if (file := folder / "entry_points.txt").is_file()]
     if not files:
@@ -233,7 +233,7 @@ def installed_entry_points(prefix: Path, name: str) -> dict[str, str] | None:
 
 
 def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
-    """List the entry points of setup.py that the installed metadata does not have, or has otherwise."""
+    """Return the entry points of setup.py that are missing or different in the installed metadata."""
     points = package.setup.entry_points if package.setup else None
     installed = installed_entry_points(prefix, package.name)
     if points is None or installed is None:
@@ -246,19 +246,19 @@ def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
 
 
 def environment_faults(root: Path, names: Collection[str], environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Yield what a terminal's environment hides of the workspace's packages.
+    """Yield why a terminal's environment hides packages of the workspace.
 
     Args:
         root: the workspace.
-        names: its packages.
-        environ: the terminal's variables.
+        names: the names of its packages.
+        environ: the environment of the terminal.
     """
     prefixes = [Path(part) for part in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if part]
     missing = []
     for name in sorted(names):
         own = prefix_of(root, name)
         if own is None or not (own / INDEX / name).is_file():
-            continue  # what has no marker, as a Python library, ROS does not look for
+            continue  # ROS does not look for a package without a marker, such as a Python library
         on_path = [p for p in prefixes if _is_installed(p, name)]
         if not any(_same(prefix, own) for prefix in on_path):
             missing.append(name)
@@ -280,5 +280,5 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
         )
 
 
-def _same(one: Path, other: Path) -> bool:
-    return one == other or os.path.realpath(one) == os.path.realpath(other)
+def _same(first: Path, second: Path) -> bool:
+    return first == second or os.path.realpath(first) == os.path.realpath(second)

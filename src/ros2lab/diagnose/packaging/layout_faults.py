@@ -1,4 +1,4 @@
-"""Where things lie: packages that colcon does not see, builds in the wrong folder, files of somebody else."""
+"""Misplaced files: packages that colcon does not see, builds in the wrong folder, another user's folders."""
 
 from __future__ import annotations
 
@@ -11,38 +11,38 @@ from ros2lab.diagnose.packaging.installed import edited, prefix_of
 from ros2lab.diagnose.packaging.own_test_faults import own_test_faults
 from ros2lab.diagnose.sources.package import PassedOver, SourcePackage, takes_for_package
 
-_LAYOUT = ".colcon_install_layout"  # what colcon writes into each of its install folders
+_LAYOUT = ".colcon_install_layout"  # which colcon writes into each install folder
 
 
 def layout_faults(
     root: Path, packages: Collection[SourcePackage], passed_over: Collection[PassedOver]
 ) -> Iterator[Finding]:
-    """Yield what lies where colcon or ROS does not look for it.
+    """Yield what is where colcon or ROS does not look for it.
 
     Args:
         root: the workspace.
-        packages: those that colcon sees.
-        passed_over: those that it does not see, and why.
+        packages: the packages that colcon sees.
+        passed_over: the packages that it does not see, and why.
     """
     seen = {package.name for package in packages}
     wanted = {name for package in packages for name in _needs(package)}
-    for one in passed_over:
-        # Somebody may have hidden a package on purpose; not one that is needed, or the only one.
-        name = one.package.name
+    for skipped in passed_over:
+        # A package may be hidden on purpose, but not one that is needed, or the only one.
+        name = skipped.package.name
         is_missed = name not in seen and (not packages or name in wanted or prefix_of(root, name))
-        if is_missed or (one.is_nested and name not in seen):
-            yield hidden(one)
+        if is_missed or (skipped.is_nested and name not in seen):
+            yield hidden(skipped)
     if not packages and not passed_over:
         yield from outside(root)
     for package in packages:
         yield from own_test_faults(package)
     yield from _built_elsewhere(root, packages)
-    yield from _renamed(root, packages, seen | {one.package.name for one in passed_over})
+    yield from _renamed(root, packages, seen | {skipped.package.name for skipped in passed_over})
     yield from _not_writable(root, packages)
 
 
 def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[str]) -> Iterator[Finding]:
-    """Yield a package that is still installed, and that src has under another name: its programs are those of a new one."""
+    """Yield a package that is still installed under its old name: a new one in src has its programs."""
     for folder in sorted((root / "install").glob("*/lib")):
         old = folder.parent.name
         programs = {path.name for path in (folder / old).glob("*") if path.is_file()}
@@ -55,28 +55,28 @@ def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[
 
 
 def _needs(package: SourcePackage) -> set[str]:
-    return {one.name for one in package.manifest.exec_depends} if package.manifest else set()
+    return {dependency.name for dependency in package.manifest.exec_depends} if package.manifest else set()
 
 
-def hidden(one: PassedOver) -> Finding:
+def hidden(skipped: PassedOver) -> Finding:
     """Say why colcon does not see a package."""
-    name, folder = one.package.name, one.package.shown("").rstrip("/")
-    by = shown_path(one.by, one.package.root)
-    root = one.package.root
-    if one.is_nested and root and (file := takes_for_package(one.by, root)):
-        where = shown_path(one.by / file, root)
+    name, folder = skipped.package.name, skipped.package.shown("").rstrip("/")
+    by = shown_path(skipped.by, skipped.package.root)
+    root = skipped.package.root
+    if skipped.is_nested and root and (file := takes_for_package(skipped.by, root)):
+        where = shown_path(skipped.by / file, root)
         return Finding(
             "package-passed-over",
-            f"colcon takes the folder {one.by} for a package because of {where}, so it does not look inside for {name}.",
+            f"colcon takes the folder {skipped.by} for a package because of {where}, so it does not look inside for {name}.",
             where,
             f"mv {where} {where}.away, and build again",
         )
-    if one.is_nested:
+    if skipped.is_nested:
         return Finding(
             "package-passed-over",
-            f"The package {name} is inside the package {one.by.name}, and colcon does not look inside packages.",
+            f"The package {name} is inside the package {skipped.by.name}, and colcon does not look inside packages.",
             folder,
-            f"mv {folder} {shown_path(one.by.parent, one.package.root)}/, and build again",
+            f"mv {folder} {shown_path(skipped.by.parent, skipped.package.root)}/, and build again",
         )
     return Finding(
         "package-passed-over",
@@ -87,7 +87,7 @@ def hidden(one: PassedOver) -> Finding:
 
 
 def outside(root: Path, name: str = "") -> Iterator[Finding]:
-    """Yield packages that lie beside a workspace and not in it; only the one of this name, if it is given."""
+    """Yield packages beside a workspace instead of in it; only the one of this name, if it is given."""
     for file in sorted([*root.parent.glob("*/package.xml"), *root.parent.glob("src/*/package.xml")]):
         package = SourcePackage(file.parent)
         if root not in (file.parent, *file.parents) and name in ("", package.name):
@@ -100,7 +100,7 @@ def outside(root: Path, name: str = "") -> Iterator[Finding]:
 
 
 def _built_elsewhere(root: Path, packages: Collection[SourcePackage]) -> Iterator[Finding]:
-    """Yield builds that were made in `src`, in a package, or above the workspace."""
+    """Yield builds that were run in `src`, in a package, or above the workspace."""
     folders = {folder for package in packages for folder in (package.folder, *package.folder.parents)}
     inside = {folder for folder in folders if root in folder.parents}
     names = [package.name for package in packages]

@@ -1,4 +1,4 @@
-"""Which Python packages a build installs, by what setup.py lists, and how one that is left out gets on the list."""
+"""Which Python packages setup.py lists and so installs, and how to add one that is left out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 
 def not_built(package: SourcePackage, module: str) -> Finding | None:
-    """Say why no build installs a module whose file the package has; None if one does, or if that is not known."""
+    """Return why no build installs a module whose file exists; None if a build does, or if not known."""
     setup, names = package.setup, package.packages
     if setup is None or names is None or module == package.name:
         return None
@@ -34,7 +34,7 @@ def not_built(package: SourcePackage, module: str) -> Finding | None:
 
 
 def _beside_setup(setup: SetupScript, module: str) -> Finding | None:
-    """Say that setup.py does not install a module that lies beside it; None if it does, or if that is not known."""
+    """Return that setup.py does not install a module next to it; None if it does, or if that is not known."""
     alone = setup.keywords.get("py_modules", [])
     if alone is UNKNOWN or not isinstance(alone, (list, tuple)) or module in alone:
         return None
@@ -47,10 +47,10 @@ def _beside_setup(setup: SetupScript, module: str) -> Finding | None:
 
 
 def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding:
-    """Say that setup.py does not install a Python package, and how it does."""
+    """Return that setup.py does not install a Python package, and how to change that."""
     names = package.packages or []
     folder = folder_of(package, name).relative_to(package.folder).as_posix()
-    # With its name written out, setuptools installs a folder without __init__.py, too.
+    # A package that is listed by name is installed even without an __init__.py.
     if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
         return Finding(
             "init-file-missing",
@@ -58,8 +58,8 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
             package.shown(f"{folder}/__init__.py"),
             f"touch {package.shown(folder)}/__init__.py, and build again",
         )
-    inner = (one for one in package.sources.values() if one.name.startswith(f"{name}."))
-    below = {one.name if one.is_package else one.name.rpartition(".")[0] for one in inner}
+    inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
+    below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}
     written = _with(setup, [name, *sorted(below - {name, *names})])
     fix = f"write {name!r} into the list of packages in setup.py"
     if not names:
@@ -84,7 +84,7 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
 
 
 def _with(setup: SetupScript, names: list[str]) -> str:
-    """Return what setup() is given as `packages`, with some names more; empty if it is not written there."""
+    """Return the `packages` of setup() with more names; empty if it is neither a list nor a call."""
     given = [
         node.value for node in setup.source.nodes if isinstance(node, ast.keyword) and node.arg == "packages"
     ]
@@ -92,33 +92,35 @@ def _with(setup: SetupScript, names: list[str]) -> str:
         case [ast.List(elts=[*known])]:
             return ast.unparse(ast.List([*known, *map(ast.Constant, names)], ast.Load()))
         case [ast.Call(func=func, args=args, keywords=[*keywords])]:
-            kept = [new for one in keywords if (new := _taking(one, names))]
+            kept = [new for keyword in keywords if (new := _taking(keyword, names))]
             return ast.unparse(ast.Call(func, args, kept))
     return ""
 
 
 def _taking(keyword: ast.keyword, names: list[str]) -> ast.keyword | None:
-    """Return what find_packages() is given, so that it leaves out none of some names; None if nothing of it is left."""
+    """Return a keyword argument of find_packages(), changed to find some names; None if nothing is left."""
     if not isinstance(keyword.value, (ast.List, ast.Tuple)) or keyword.arg not in ("include", "exclude"):
         return keyword
     patterns = keyword.value.elts
     if keyword.arg == "include":
         patterns = [*patterns, *map(ast.Constant, names)]
     else:
-        texts = {one: str(getattr(one, "value", "")) for one in patterns}
-        patterns = [one for one in patterns if not any(fnmatchcase(name, texts[one]) for name in names)]
+        texts = {pattern: str(getattr(pattern, "value", "")) for pattern in patterns}
+        patterns = [
+            pattern for pattern in patterns if not any(fnmatchcase(name, texts[pattern]) for name in names)
+        ]
     return ast.keyword(keyword.arg, ast.List(patterns, ast.Load())) if patterns else None
 
 
 def needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
-    """Yield the Python packages whose modules lie there: the one that all have, and those that entry points and imports name."""
+    """Yield the Python packages to install: that of the package's name, those of entry points and imports."""
     inner = package.folder / package.name
     if inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
         yield package.name
     modules = [point.module for point in setup.entry_points or ()]
     for source in package.sources.values():
-        for one in source.imports:
-            modules.append(one.target.rpartition(".")[0] if one.is_from else one.target)
+        for imported in source.imports:
+            modules.append(imported.target.rpartition(".")[0] if imported.is_from else imported.target)
     for named in modules:
         name, _, module = named.rpartition(".")
         folder = folder_of(package, name)
@@ -129,7 +131,7 @@ def needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]
 
 
 def folder_of(package: SourcePackage, name: str) -> Path:
-    """Return the folder from which setup.py takes a Python package."""
+    """Return the folder in which setup.py looks for a Python package."""
     mapping = package.package_dirs
     if name in mapping:
         return package.folder / mapping[name]

@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources.spelling import is_near_miss
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
 _PYTHON_LINE = "write <export><build_type>ament_python</build_type></export> in package.xml"
-# What rclpy brings along, and what a launch file needs: hardly anybody declares these, and nothing is missed.
+# What rclpy depends on, and what a launch file needs: hardly anybody declares these, and nothing breaks.
 _BROUGHT_ALONG = frozenset(
     ("rcl_interfaces", "builtin_interfaces", "unique_identifier_msgs", "launch", "launch_ros")
 )
@@ -34,16 +34,16 @@ def manifest_faults(
 
     Args:
         package: a package that is meant for ROS.
-        workspace_names: of the packages of its workspace.
-        plain: of those that are not for ROS: a package.xml may declare them, and need not.
+        workspace_names: the names of all packages in its workspace.
+        plain: the names of those that are not for ROS: package.xml may declare them, but need not.
     """
     shown = package.shown("package.xml")
-    if not package.has("package.xml") and (other := renamed_manifest(package)):
+    if not package.has("package.xml") and (misnamed := renamed_manifest(package)):
         yield Finding(
             "manifest-invalid",
-            f"The manifest is called {other} but must be called package.xml, so colcon does not treat this as a ROS package.",
-            package.shown(other),
-            f"mv {package.shown(other)} {shown}",
+            f"The manifest is called {misnamed} but must be called package.xml, so colcon does not treat this as a ROS package.",
+            package.shown(misnamed),
+            f"mv {package.shown(misnamed)} {shown}",
         )
         return
     if not package.has("package.xml"):
@@ -67,7 +67,7 @@ def manifest_faults(
 
 
 def no_manifest(package: SourcePackage) -> Finding:
-    """Say that a package that is meant for ROS has no package.xml."""
+    """Return a finding that a package for ROS has no package.xml."""
     return Finding(
         "manifest-invalid",
         f"The package {package.name} has no package.xml, so colcon and ROS do not treat it as a ROS package.",
@@ -77,12 +77,12 @@ def no_manifest(package: SourcePackage) -> Finding:
 
 
 def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
-    """Yield packages that depend on each other, or one on itself: colcon finds no order to build them in."""
-    needs = {package.name: [one.name for one in _needed(package)] for package in packages}
+    """Yield a circle of packages that depend on each other: colcon finds no order to build them in."""
+    needs = {package.name: [dependency.name for dependency in _needed(package)] for package in packages}
     try:
         TopologicalSorter(needs).prepare()
     except CycleError as error:
-        circle: list[str] = error.args[1]  # each is needed by the next one
+        circle: list[str] = error.args[1]  # the next package needs each of them
         edges = [*itertools.pairwise(circle)]
         by_name = {package.name: package for package in packages}
         wanted, user = next((edge for edge in edges if not _uses(by_name[edge[1]], edge[0])), edges[0])
@@ -97,17 +97,17 @@ def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
         )
 
 
-def _uses(package: SourcePackage, other: str) -> bool:
-    """Return whether a file of a package names another package."""
+def _uses(package: SourcePackage, name: str) -> bool:
+    """Return whether a file of a package mentions another package."""
     texts = [source.text for source in package.sources.values()]
     texts += [read_text(path) for path in package.launch_files]
-    return any(re.search(rf"\b{re.escape(other)}\b", text) for text in texts)
+    return any(re.search(rf"\b{re.escape(name)}\b", text) for text in texts)
 
 
 def _needed(package: SourcePackage) -> list[Any]:
     manifest = package.manifest
     kinds = ("buildtool_depends", "build_depends", "build_export_depends", "exec_depends", "test_depends")
-    return [one for kind in kinds for one in getattr(manifest, kind, ())]
+    return [dependency for kind in kinds for dependency in getattr(manifest, kind, ())]
 
 
 def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
@@ -142,7 +142,11 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         )
     elif kind == "ament_cmake" and not package.has("setup.py") and (file := _python_alone(package)):
         name = package.name
-        needs = dict.fromkeys(one.name for one in package.manifest.exec_depends) if package.manifest else {}
+        needs = (
+            dict.fromkeys(dependency.name for dependency in package.manifest.exec_depends)
+            if package.manifest
+            else {}
+        )
         create = f"ros2 pkg create {name} --build-type ament_python"
         create += f" --dependencies {' '.join(needs)}" if needs else ""
         folder = package.shown("").rstrip("/")
@@ -155,7 +159,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
 
 
 def _python_alone(package: SourcePackage) -> str:
-    """Return a node's file of a CMake package that has nothing to compile, and does not install it; empty if there is none."""
+    """Return a Python file that a CMake package, with nothing to compile, does not install; empty if none."""
     compiled = [
         path
         for ending in ("cpp", "c", "cc", "msg", "srv", "action")
@@ -184,7 +188,9 @@ def _dependency_faults(
     manifest = package.manifest
     runtime = [*manifest.build_depends, *manifest.exec_depends, *manifest.build_export_depends]
     declared = [
-        *dict.fromkeys(one.name for one in [*runtime, *manifest.test_depends, *manifest.buildtool_depends])
+        *dict.fromkeys(
+            dependency.name for dependency in [*runtime, *manifest.test_depends, *manifest.buildtool_depends]
+        )
     ]
     known = PACKAGES | set(workspace_names)
     for name in declared:
@@ -199,7 +205,9 @@ def _dependency_faults(
                 f"remove the line with {name}",
                 (name,),
             )
-        elif wanted := next((one for one in sorted(known) if is_near_miss(name, one)), None):
+        elif wanted := next(
+            (candidate for candidate in sorted(known) if is_near_miss(name, candidate)), None
+        ):
             yield Finding(
                 "dependency-unknown",
                 f"package.xml declares {name}, but there is no such package; the name is {wanted}.",
@@ -215,19 +223,19 @@ def _undeclared(package: SourcePackage, declared: set[str], known: Collection[st
     for source in package.sources.values():
         if re.search(r"(^|/)tests?/", source.shown):
             continue
-        for one in source.imports:
-            name = one.target.partition(".")[0]
-            if name in told | declared | _BROUGHT_ALONG or name == package.name or one.is_guarded:
+        for imported in source.imports:
+            name = imported.target.partition(".")[0]
+            if name in told | declared | _BROUGHT_ALONG or name == package.name or imported.is_guarded:
                 continue
             is_interface = name.endswith(("_msgs", "_srvs", "_interfaces")) and name not in package.sources
             if name in known or (is_interface and not meant(name)):
                 told.add(name)
                 if difflib.get_close_matches(name, [d for d in declared if d not in known], n=1, cutoff=0.85):
-                    continue  # it is declared, and misspelt; that is told already
+                    continue  # it is declared but misspelt, which is reported already
                 yield Finding(
                     "dependency-undeclared",
                     f"{source.shown} imports {name}, but package.xml does not declare it: it may be missing on another machine, and colcon may build in the wrong order.",
-                    source.at(one.line),
+                    source.at(imported.line),
                     f"add <depend>{name}</depend> to package.xml",
                     (name,),
                 )

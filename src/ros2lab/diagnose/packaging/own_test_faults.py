@@ -1,4 +1,4 @@
-"""What keeps the tests of a package from being run."""
+"""Faults that keep the tests of a package from being run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _FIXTURE = re.compile(
 
 
 def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
-    """Yield files that pytest does not look into, tests that colcon does not give to pytest, and missing fixtures."""
+    """Yield files that pytest does not collect, tests that colcon runs without it, and missing fixtures."""
     paths = [path for name in ("test", "tests") for path in sorted((package.folder / name).glob("*.py"))]
     sources = [package.read(path, path.stem) for path in paths]
     looked_into = [
@@ -59,17 +59,17 @@ def _not_looked_into(source: PythonSource) -> Iterator[Finding]:
 
 
 def _checks(source: PythonSource) -> list[str]:
-    """Return the functions of a file that are tests by their names, or that assert something."""
+    """Return the names of the functions that are named as tests or assert something."""
     functions = [n for n in source.nodes if isinstance(n, ast.FunctionDef)]
     return [
-        one.name
-        for one in functions
-        if one.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(one))
+        function.name
+        for function in functions
+        if function.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(function))
     ]
 
 
 def _called_otherwise(source: PythonSource) -> Iterator[Finding]:
-    """Yield functions that assert something and that pytest passes over, in a file in which it finds no test."""
+    """Yield a function that asserts something but that pytest ignores, in a file without any test."""
     names = _checks(source)
     if names and not any(name.startswith("test") for name in names):
         cause = f"pytest runs only functions named test_..., so {names[0]}() is never run."
@@ -82,7 +82,7 @@ def _called_otherwise(source: PythonSource) -> Iterator[Finding]:
 
 
 def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Function) -> Iterator[Finding]:
-    """Yield that setup.py does not name pytest: then colcon takes unittest, which finds no function of pytest's."""
+    """Yield that setup.py does not name pytest: colcon then runs unittest, which finds no test functions."""
     setup = package.setup
     if setup is None or "pytest" in setup.source.text + read_text(package.folder / "setup.cfg"):
         return
@@ -90,7 +90,7 @@ def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Fun
     above = next(
         (name for name in ("install_requires", "packages", *setup.lines) if name in setup.lines), None
     )
-    if above is None:  # all stands in setup.cfg
+    if above is None:  # setup.cfg holds everything
         fix = "write [options.extras_require] at the end of setup.cfg, with test = pytest below it, then build again"
         yield Finding("tests-not-run", cause, package.shown("setup.cfg"), fix)
         return
@@ -99,17 +99,24 @@ def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Fun
 
 
 def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str]) -> Iterator[Finding]:
-    """Yield what a test asks for in its parentheses and nobody makes."""
-    marks = [ast.unparse(one) for one in test.decorator_list]
+    """Yield the parameters of a test for which there is no fixture."""
+    marks = [ast.unparse(decorator) for decorator in test.decorator_list]
     if not all(mark.startswith("pytest.mark.") for mark in marks):
         return
     named = set(re.findall(r"\w+", " ".join(mark for mark in marks if "parametrize" in mark)))
-    functions = [one for one in source.tree.body if isinstance(one, ast.FunctionDef)]
-    for name in (one.arg for one in test.args.args):
+    functions = [function for function in source.tree.body if isinstance(function, ast.FunctionDef)]
+    for name in (argument.arg for argument in test.args.args):
         if name in own | named | _built_in():
             continue
-        same = next((one for one in functions if one.name == name), None)
-        makes = next((one for one in functions if one.name.endswith(f"_{name}") and not one.args.args), None)
+        same = next((function for function in functions if function.name == name), None)
+        makes = next(
+            (
+                function
+                for function in functions
+                if function.name.endswith(f"_{name}") and not function.args.args
+            ),
+            None,
+        )
         if same:
             fix = f"write @pytest.fixture above `def {name}` on line {same.lineno}, and import pytest at the top"
         elif makes:
@@ -123,14 +130,14 @@ def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str])
 def _fixtures(source: PythonSource) -> Iterator[Function]:
     for node in source.nodes:
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and any(
-            "fixture" in ast.unparse(one) for one in node.decorator_list
+            "fixture" in ast.unparse(decorator) for decorator in node.decorator_list
         ):
             yield node
 
 
 @lru_cache(maxsize=1)
 def _built_in() -> frozenset[str]:
-    """Return the names of the fixtures that pytest itself has, read from its sources."""
+    """Return the names of pytest's own fixtures, read from its sources."""
     folder = interfaces.folder_of("_pytest")
     texts = (read_text(path) for path in (folder.glob("*.py") if folder else ()))
     return frozenset({"request", *(name for text in texts for name in _FIXTURE.findall(text))})

@@ -1,4 +1,4 @@
-"""What is wrong with a package's setup.py, its setup.cfg, and the files that they name."""
+"""Faults in a package's setup.py, its setup.cfg and the files that they name."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from ros2lab.diagnose.sources.spelling import is_near_miss
 def packaging_faults(
     package: SourcePackage, *, is_for_ros: bool = True, is_as_meant: bool = False
 ) -> Iterator[Finding]:
-    """Yield what is wrong with how a Python package is put together.
+    """Yield what is wrong with the packaging of a Python package.
 
     Args:
         package: the package.
         is_for_ros: whether ROS has to find it and its executables, too.
-        is_as_meant: whether what is given under a wrong name is taken as it was meant, once that name is told.
+        is_as_meant: whether a misspelt keyword argument of setup() counts as the right one, once reported.
     """
     setup = package.setup
     if setup is None or (package.kind == "cmake" and not is_for_ros):
@@ -68,7 +68,7 @@ def packaging_faults(
 
 
 def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
-    """Yield a pyproject.toml with a table [project], beside which setuptools takes no executable from setup.py."""
+    """Yield a pyproject.toml whose [project] table makes setuptools ignore the entry points of setup.py."""
     text = read_text(package.folder / "pyproject.toml")
     table = read_toml(text).get("project")
     if not isinstance(table, dict) or "entry_points" not in setup.lines:
@@ -120,7 +120,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             )
             continue
         if name != package.name and package.name in names:
-            left = [one for one in names if folder_of(package, one).is_dir()]
+            left = [listed for listed in names if folder_of(package, listed).is_dir()]
             cause = f"setup.py installs the Python package {name}, but there is no folder {name} next to setup.py."
             yield Finding("package-folder-missing", cause, place, f"write packages={left!r}")
             continue
@@ -140,13 +140,13 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
 def _missing_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     for file in (file for _, files in setup.data_files for file in files):
         path = package.folder / file
-        # What is only called otherwise is told of its shape.
+        # A file that only has a slightly different name is reported by `shape_faults`.
         if not path.exists() and (lies_elsewhere(package, file) or not like(path)):
             yield _missing_file(package, setup, file)
 
 
 def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
-    """Yield what is not installed where ROS looks for it."""
+    """Yield files that are not installed where ROS looks for them."""
     place = at(setup.source.shown, setup.line("data_files"))
     if not setup.are_data_files_known:
         return
@@ -158,7 +158,7 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             f"add ('{INDEX}', ['resource/{package.name}']) to data_files",
         )
     installed = {file for _, files in setup.data_files for file in files}
-    # By its name `ros2 launch` finds the one that is installed, and not its copy.
+    # `ros2 launch` finds a file by its name, so a copy of an installed one need not be installed.
     found = {Path(file).name for file in installed}
     for path in package.likely_files:
         relative = path.relative_to(package.folder).as_posix()
@@ -180,9 +180,9 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
 
 
 def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Finding:
-    """Say that a file is to be installed and is not there."""
+    """Return a finding that a file to be installed does not exist."""
     is_marker = file == f"resource/{package.name}"
-    # The package's own name stands on other lines, too.
+    # The name of the package is on other lines, too.
     word = "resource/" if is_marker else file.rpartition("/")[2]
     line = _line_with(setup.source, word, setup.line("data_files")) or setup.line("data_files")
     place = at(setup.source.shown, line)
@@ -198,10 +198,10 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
 
 
 def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
-    """Say that a file is not installed: by a pattern with a slip in it, or by no line at all."""
+    """Return why a file is not installed: a pattern is misspelt, or no line of setup.py names it."""
     relative, meant = path.relative_to(package.folder).as_posix(), f"*{''.join(path.suffixes)}"
     for pattern in _patterns(setup.source):
-        # In other capitals it is the file that is called wrongly.
+        # If only the case differs, the name of the file is wrong.
         if pattern.lower() != meant.lower() and is_near_miss(pattern, meant):
             cause = f"The pattern {pattern!r} in setup.py matches no file, so {relative} is not installed."
             place = at(setup.source.shown, _line_with(setup.source, pattern, 1))
@@ -219,7 +219,7 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
 
 
 def _patterns(source: PythonSource) -> Iterator[str]:
-    """Yield the last part of each text with a star."""
+    """Yield the last path component of each string with a star."""
     for node in source.nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and "*" in node.value:
             yield node.value.rpartition("/")[2]
@@ -244,7 +244,7 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     lost = "the executables go into bin, where `ros2 run` does not look"
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
     if fault is not None:
-        return  # it is told of its form
+        return  # `_cfg_form` reports it
     if not package.has("setup.cfg"):
         yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, fix)
         return
@@ -253,7 +253,7 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
         value = config.get(section, key, fallback=None)
         if value is None and config.has_option(section, dashed):
             if package.root and (package.root / "install" / package.name / wanted).is_dir():
-                continue  # this setuptools only warns, and installs there nevertheless
+                continue  # this release of setuptools only warns, and installs there all the same
             yield Finding(
                 "setup-cfg-dashes",
                 f"setup.cfg has {dashed}, but setuptools needs {key}, with an underscore.",

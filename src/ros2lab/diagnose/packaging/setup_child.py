@@ -1,6 +1,6 @@
-"""Ask setuptools itself, in a process of its own, which of the values that setup() is given it takes.
+"""Ask setuptools, in a separate process, which arguments of setup() it accepts.
 
-Only plain values travel here: no code of a student's is run.
+Only plain values are passed: no student code is run.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 
 
 def refusals(given: Mapping[str, Any]) -> dict[str, tuple[str, Any]]:
-    """Return what setuptools says of each value that it refuses, and the value that it takes instead of it, or None.
+    """Return for each argument that setuptools rejects its message, and a value that it accepts or None.
 
-    Of an option that it does not know, what it says is empty, and the value is all that it knows.
+    For an unknown keyword the message is empty, and the value is the list of all known keywords.
     """
     found: dict[str, tuple[str, Any]] = {}
     for name, value in given.items():
@@ -29,7 +29,7 @@ def refusals(given: Mapping[str, Any]) -> dict[str, tuple[str, Any]]:
 
 
 def _taken(name: str, value: Any, said: str) -> Iterator[Any]:
-    """Yield the forms of a value that setuptools takes."""
+    """Yield other forms of a value that setuptools accepts."""
     match value:
         case [only]:
             forms = [only]
@@ -43,7 +43,7 @@ def _taken(name: str, value: Any, said: str) -> Iterator[Any]:
 
 
 def _refusal(name: str, value: Any) -> str | None:
-    """Return what setuptools says of a value; empty if it does not know what it is for, None if it takes it."""
+    """Return why setuptools rejects a value; empty for an unknown keyword, None if it accepts the value."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:
@@ -53,11 +53,11 @@ def _refusal(name: str, value: Any) -> str | None:
             distribution.get_command_obj("build_py").ensure_finalized()
         except Exception as error:
             return str(error) or type(error).__name__
-    for one in said:
-        if str(one.message).startswith("Unknown distribution option"):
+    for warning in said:
+        if str(warning.message).startswith("Unknown distribution option"):
             return ""
-        if "should be a list" in str(one.message):
-            return str(one.message)
+        if "should be a list" in str(warning.message):
+            return str(warning.message)
     return None
 
 
@@ -68,10 +68,10 @@ def _distribution(given: Mapping[str, Any]) -> Any:
 
 
 def _known() -> list[str]:
-    """Return the names of all options."""
+    """Return the names of all keywords of setup()."""
     plain = _distribution({})
     names = {*vars(plain), *vars(plain.metadata)}
-    names |= {one.name for one in entry_points(group="distutils.setup_keywords")}
+    names |= {entry_point.name for entry_point in entry_points(group="distutils.setup_keywords")}
     return sorted(name for name in names if name[0] != "_")
 
 

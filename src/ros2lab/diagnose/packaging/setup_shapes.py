@@ -1,4 +1,4 @@
-"""The shapes of what setup() is given: names that it does not know, and values of another form than it wants."""
+"""The arguments of setup(): unknown keywords, and values of the wrong form."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN, is_known
 
-_LONGEST = 60.0  # s that setuptools may take on a busy machine; it takes less than one
+_LONGEST = 60.0  # s that setuptools may take on a busy machine; usually it takes less than 1 s
 _VERSION = re.compile(r"\d+(?:\.\d+)*")
 
-# What earlier releases of setuptools took, and what colcon or pytest may still read.
+# Keywords that earlier releases of setuptools accepted, and that colcon or pytest may still read.
 _FORMER = frozenset(
     ("tests_require", "test_suite", "test_loader", "use_2to3", "convert_2to3_doctests", "features")
 )
-# What has rules of its own here, or is what `ros2 pkg create` writes: setuptools need not be asked.
+# Keywords with rules of their own here, or with what `ros2 pkg create` writes: no need to ask setuptools.
 _TOLD = frozenset(("name", "packages", "data_files", "entry_points", "console_scripts", "gui_scripts"))
 _TEXTS = frozenset(
     ("maintainer", "maintainer_email", "author", "author_email", "description", "license", "url")
@@ -43,7 +43,7 @@ _AS_CREATED: dict[str, Any] = {
 
 
 def shape_faults(package: SourcePackage, setup: SetupScript, *, is_for_ros: bool) -> Iterator[Finding]:
-    """Yield what setup() is given in another form than it takes, or than ROS needs."""
+    """Yield the arguments of setup() whose form is not what setuptools accepts or ROS needs."""
     if is_for_ros:
         yield from _names(package, setup)
     yield from _keywords(setup)
@@ -104,7 +104,7 @@ def _keywords(setup: SetupScript) -> Iterator[Finding]:
             yield Finding("setup-value", cause, at(setup.source.shown, line), fix)
     for keyword, (said, better) in _refused(repr(asked)).items() if asked else ():
         if said:
-            # What is about the value itself, and not about a line of setuptools, helps.
+            # A message helps only if it is about the value itself, and not about the code of setuptools.
             is_clear = keyword in said or repr(asked[keyword]) in said
             why = f": {said.partition(chr(10))[0].rstrip('.:')}" if is_clear else ""
             cause = f"setuptools rejects {keyword}={asked[keyword]!r}{why}"
@@ -121,13 +121,13 @@ _GROUPS = ("console_scripts", "gui_scripts")
 
 
 def _asked(setup: SetupScript) -> dict[str, Any]:
-    """Return what setup() is given that setuptools is asked about."""
+    """Return the arguments of setup() to ask setuptools about."""
     given = {keyword: setup.keywords.get(keyword) for keyword in setup.lines if keyword not in _GROUPS}
     return {key: value for key, value in given.items() if not _is_usual(key, value) and is_known(value)}
 
 
 def as_meant(package: SourcePackage, setup: SetupScript) -> tuple[SourcePackage, SetupScript]:
-    """Return a package whose setup() is given under the right name what it is given under one that is not known."""
+    """Return a package as if the misspelt keywords of its setup() were spelt correctly."""
     asked = _asked(setup)
     refused = _refused(repr(asked)) if asked else {}
     known = {
@@ -149,7 +149,7 @@ def as_meant(package: SourcePackage, setup: SetupScript) -> tuple[SourcePackage,
 
 
 def _is_usual(keyword: str, value: Any) -> bool:
-    """Return whether a value is known to be taken, or told of elsewhere."""
+    """Return whether a value is known to be accepted, or is checked elsewhere."""
     is_text = isinstance(value, str) and (
         keyword in _TEXTS or (keyword == "version" and _VERSION.fullmatch(value))
     )
@@ -158,14 +158,14 @@ def _is_usual(keyword: str, value: Any) -> bool:
 
 @functools.lru_cache(maxsize=64)
 def _refused(given: str) -> Mapping[str, tuple[str, Any]]:
-    """Return what setuptools says of the values that it refuses; see `setup_child.refusals`."""
+    """Return the arguments that setuptools rejects, and why; see `setup_child.refusals`."""
     try:
         said = subprocess.run(
             [
                 sys.executable,
                 "-I",
                 setup_child.__file__,
-            ],  # nothing of the student's stands for what it imports
+            ],  # isolated, so that no student file shadows what it imports
             input=given,
             capture_output=True,
             text=True,
@@ -226,7 +226,7 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
 
 
 def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iterator[Finding]:
-    for file in (one for one in files if isinstance(one, str) and one):
+    for file in (item for item in files if isinstance(item, str) and item):
         path = package.folder / file
         if path.is_dir():
             cause = f"data_files names the folder {file}, but only files can be installed"
@@ -247,8 +247,8 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
 
 
 def like(path: Any) -> str:
-    """Return the name of a file that lies where another one is looked for, and is called nearly so; empty if none does."""
-    there = [one.name for one in path.parent.iterdir() if one.is_file()] if path.parent.is_dir() else []
+    """Return the name of a file in the same folder with a similar name; empty if there is none."""
+    there = [file.name for file in path.parent.iterdir() if file.is_file()] if path.parent.is_dir() else []
     stem = path.name.partition(".")[0].lower()
     plain = stem.replace("_", "").replace("-", "")
     same = [
@@ -259,7 +259,7 @@ def like(path: Any) -> str:
 
 
 def manifest_line(package: SourcePackage, word: str) -> int | None:
-    """Return the line of a package.xml in which a word is a tag, or what stands in one."""
+    """Return the line of package.xml in which a word is a tag or its content; None if there is none."""
     lines = read_text(package.folder / "package.xml").splitlines()
     pattern = rf">\s*{re.escape(word)}\s*<|<{re.escape(word)}\b"
     return next((number for number, line in enumerate(lines, 1) if re.search(pattern, line)), None)

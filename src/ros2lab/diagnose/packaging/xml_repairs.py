@@ -1,4 +1,4 @@
-"""A manifest that cannot be read: changes of one sign, or of one tag, are tried until catkin_pkg takes it."""
+"""Repair an invalid manifest: try changes of one character or one tag until catkin_pkg accepts it."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from itertools import islice
 
 from ros2lab.manifest_words import NOT_TAKEN
 
-_MOST = 20_000  # characters of a manifest that is looked at
-_MOST_READ = 30_000_000  # characters in all that are read to try: fifty lines of a usual manifest are less
+_MOST = 20_000  # characters of the longest manifest to repair
+_MOST_READ = 30_000_000  # characters to parse in all attempts; fifty lines of a usual manifest need fewer
 _SIGNS = ("/", '"', "<", ">")
-# What a sign is written as where it is none of XML's own.
+# How a character with a meaning in XML is written as plain text.
 _WRITTEN = {"&": "&amp;", "<": "&lt;"}
 
 
 def repaired(text: str) -> tuple[int, str] | None:
-    """Return a line's number, and what to do there for the manifest to be read; None if no small change does it.
+    """Return the number of a line and how to repair it; None if no small change makes the manifest valid.
 
     Args:
-        text: the manifest, which catkin_pkg does not take.
+        text: the manifest, which catkin_pkg rejects.
     """
     line = _line_of_fault(text)
-    # What a document type declares may be a thousand times as long as its text; no package needs one.
+    # What a document type declares may expand a thousandfold, and no package needs one.
     if line is None or not 0 < len(text) <= _MOST or "<!DOCTYPE" in text:
         return None
     begin = text.find("<?xml ")
@@ -35,7 +35,7 @@ def repaired(text: str) -> tuple[int, str] | None:
             f"move this line to the very beginning of the file: nothing may come before {declaration}",
         )
     lines = text.split("\n")
-    # What is seen late was made before, and most often near.
+    # A fault is noticed after the place where it was made, mostly shortly after.
     numbers = range(min(line, len(lines)) - 1, -1, -1)
     changes = ((number, changed) for number in numbers for changed in _changes(lines[number]))
     for number, changed in islice(changes, _MOST_READ // len(text)):
@@ -53,7 +53,7 @@ def _line_of_fault(text: str) -> int | None:
 
 
 def _changes(line: str) -> Iterator[str]:
-    """Yield a line with one sign written out, added, or taken away, and with the tag closed that it opens."""
+    """Yield a line with one character escaped, added or removed, or with the tag closed that it opens."""
     for match in re.finditer(r"<!--(.*?)-->", line):
         said = re.sub(r"-{2,}", "-", match[1]).strip(" -")
         yield f"{line[: match.start()]}<!-- {said} -->{line[match.end() :]}"
@@ -61,14 +61,14 @@ def _changes(line: str) -> Iterator[str]:
         yield line[: match.start()] + _WRITTEN[match[0]] + line[match.end() :]
     if opened := re.search(r"<(\w+)[^>/]*>[^<]*$", line):
         yield f"{line.rstrip()}</{opened[1]}>"
-    for match in re.finditer(r"(.)(?=\1)", line):  # what was typed twice
+    for match in re.finditer(r"(.)(?=\1)", line):  # a character typed twice
         yield line[: match.start()] + line[match.end() :]
     for place in range(len(line) + 1):
         yield from (line[:place] + sign + line[place:] for sign in _SIGNS)
 
 
 def _is_read(text: str) -> bool:
-    # Late, as in `package`: few manifests need a repair.
+    # A late import, as in `package`: few manifests need a repair.
     from catkin_pkg.package import InvalidPackage, parse_package_string
 
     try:
