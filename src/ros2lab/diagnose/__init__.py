@@ -1,6 +1,6 @@
-"""From an error, or from a fault that nobody reports, to its cause and its fix.
+"""Explain errors, and faults that no tool reports: what causes them and how to fix them.
 
-Nothing of the student's is imported or run: files are parsed, and texts are read.
+No student code is imported or run: files are parsed, and texts are read.
 Only launch files are loaded, by launch itself, in a process that can only read and compute.
 """
 
@@ -24,17 +24,17 @@ __all__ = ["Finding", "diagnose", "of_graph", "of_text", "of_workspace"]
 
 
 def diagnose(source: Path | str, environ: Mapping[str, str] | None = None) -> list[Finding]:
-    """Explain what is wrong, the likeliest cause first; an empty list if nothing is.
+    """Return what is wrong, the likeliest cause first; an empty list if nothing is.
 
     Args:
-        source: a workspace's folder as a `Path`, or an error's text as a `str`.
-        environ: the variables of the terminal in which a workspace is used; None does not judge them.
+        source: a workspace folder as a `Path`, or the text of an error as a `str`.
+        environ: the environment of the terminal in which a workspace is used; None skips checking it.
     """
     return of_workspace(source, environ) if isinstance(source, Path) else of_text(source)
 
 
 def _followed(find: Callable[_Given, list[Finding]]) -> Callable[_Given, list[Finding]]:
-    """Let a function say so where it fails at code, which may be too entangled for it."""
+    """Make a function that fails return a single finding that says so."""
 
     @functools.wraps(find)
     def followed(*given: _Given.args, **named: _Given.kwargs) -> list[Finding]:
@@ -52,7 +52,7 @@ def _followed(find: Callable[_Given, list[Finding]]) -> Callable[_Given, list[Fi
 
 @_followed
 def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[Finding]:
-    """Look at a workspace's sources, at what was installed of them, and at a terminal's variables.
+    """Check a workspace's sources, what was installed from them, and a terminal's environment.
 
     Raises:
         NotADirectoryError: if there is no such folder.
@@ -72,7 +72,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
             f"There is no folder {path}; give the workspace folder, the one that contains src."
         )
     look = Look(path, environ, loads=True)
-    # Where launch itself stops, everything is believed that a type checker says of the statement.
+    # Where launch itself fails, trust everything that a type checker says about the statement.
     stopped = [finding.place for finding in look.findings if finding.code == SAID and finding.place]
     named = [line for place in stopped for line in statement_around(place, look)]
     checked = [*guarded(type_faults, look, look.findings, named), *guarded(called_at_once, look)]
@@ -92,13 +92,13 @@ def of_text(
     *,
     loads: bool = True,
 ) -> list[Finding]:
-    """Explain what a failed command or a failed cell has printed.
+    """Explain what a failed command or cell printed.
 
     Args:
-        text: what it has printed.
-        workspace: where the cause is looked for; None takes the one to which the files named in the text belong.
-        sources: texts of files that are on no disk, such as the cells of a notebook, by the names in the text.
-        loads: whether launch itself may load launch files, which are programs.
+        text: what it printed.
+        workspace: where to look for the cause; None takes the workspace of the files named in the text.
+        sources: texts of files that are not on disk, such as notebook cells, by their names in the text.
+        loads: whether launch may load launch files, which runs their code.
     """
     from ros2lab.diagnose.explaining.explanation import explain
 
@@ -107,7 +107,7 @@ def of_text(
 
 
 def of_graph(node: Node | LabSession) -> list[Finding]:
-    """Look at the running nodes: topics nearly alike, types and qualities of service that differ, equal names."""
+    """Check the running nodes: similar topics, types and qualities of service that differ, equal names."""
     from ros2lab.diagnose.nodes.graph import graph_findings
 
     return graph_findings(node if hasattr(node, "get_topic_names_and_types") else node.node)

@@ -1,7 +1,7 @@
-"""Confine a process to reading and computing, so that what it is to look at can do no harm, whatever it is.
+"""Confine a process to reading and computing, so that code it loads can do no harm.
 
-Linux then refuses, to all of its threads and for good, what starts a program, changes or removes a file, reaches
-another process or a network, or takes more than is granted. No privilege and no package is needed.
+From then on Linux refuses all of its threads to start a program, to change or remove a file, to reach another
+process or a network, or to exceed its limits. This needs no privilege and no package.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import signal
 import struct
 
 X86_64 = 0xC000003E
-# What reads, computes, waits and ends, by the number that each call has on x86-64 (syscall_64.tbl of Linux).
+# System calls that read, compute, wait or exit, with their numbers on x86-64 (syscall_64.tbl of Linux).
 HARMLESS = {
     "read": 0, "write": 1, "close": 3, "stat": 4, "fstat": 5, "lstat": 6, "poll": 7, "lseek": 8, "mmap": 9,
     "mprotect": 10, "munmap": 11, "brk": 12, "rt_sigaction": 13, "rt_sigprocmask": 14, "rt_sigreturn": 15,
@@ -31,11 +31,11 @@ HARMLESS = {
 _OPEN, _OPENAT, _IOCTL, _FCNTL, _CLONE, _CLONE3, _SECCOMP = 2, 257, 16, 72, 56, 435, 317
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 _IS_THREAD = 0x10000  # CLONE_THREAD
-_FIONBIO = 0x5421  # by which Python lets a socket not block
-_F_SETFL = 4  # whatever comes after it locks, or signals others
+_FIONBIO = 0x5421  # with which Python makes a socket non-blocking
+_F_SETFL = 4  # the commands after it lock files or signal other processes
 _EPERM, _ENOSYS = 1, 38
 
-# Instructions of a filter, and what it may return (seccomp(2), bpf of Linux).
+# The instructions of a filter, and what it may return (seccomp(2) and bpf of Linux).
 _LOAD, _EQUAL, _ABOVE, _HAS, _RETURN = 0x20, 0x15, 0x25, 0x45, 0x06
 _ALLOW, _REFUSE, _KILL = 0x7FFF0000, 0x00050000, 0x80000000
 _NO_NEW_PRIVILEGES, _SIGNAL_OF_PARENT = 38, 1  # of prctl
@@ -43,15 +43,15 @@ _SET_FILTER, _OF_ALL_THREADS = 1, 1
 
 
 def confine(*, memory_bytes: int, cpu_s: int, written_bytes: int) -> None:
-    """Confine this process, which then ends with its parent at the latest.
+    """Confine this process, and end it when its parent ends.
 
     Args:
-        memory_bytes: that it may have.
-        cpu_s: seconds of CPU time that it may use.
-        written_bytes: that it may write into each file that is open already.
+        memory_bytes: how much memory it may use.
+        cpu_s: how many seconds of CPU time it may use.
+        written_bytes: how much it may write to each file that is already open.
 
     Raises:
-        OSError: if this machine cannot do so; nothing of the kind may be run then.
+        OSError: if this machine cannot confine it; untrusted code must not be run then.
     """
     for limit, wanted in (
         (resource.RLIMIT_AS, memory_bytes),
@@ -84,7 +84,7 @@ def _filter() -> bytes:
     program += _only(_IOCTL, 1, (_EQUAL, 0, 1, _FIONBIO))
     program += _only(_FCNTL, 1, (_ABOVE, 1, 0, _F_SETFL))
     program += _only(_CLONE, 0, (_HAS, 0, 1, _IS_THREAD))
-    # There is an older call for what this one does.
+    # glibc falls back to clone, which is checked above.
     program += [
         (_EQUAL, 0, 1, _CLONE3),
         (_RETURN, 0, 0, _REFUSE | _ENOSYS),
@@ -94,7 +94,7 @@ def _filter() -> bytes:
 
 
 def _only(number: int, argument: int, test: tuple[int, int, int, int]) -> list[tuple[int, int, int, int]]:
-    """Return the instructions by which a call is allowed unless a test of one of its arguments leads past that."""
+    """Return the instructions that allow a call unless the test of an argument jumps to the refusal."""
     return [
         (_EQUAL, 0, 4, number),
         (_LOAD, 0, 0, 16 + 8 * argument),

@@ -1,4 +1,4 @@
-"""What a diagnosis says, and in which order."""
+"""The findings of a diagnosis, and their order."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-UNKNOWN = "unknown"  # the code of an error that is quoted and not explained
-SAID = "passed-on"  # of one that a tool or Python explains itself
+UNKNOWN = "unknown"  # the code of an error that is quoted but not explained
+SAID = "passed-on"  # the code of an error that a tool or Python explains itself
 
 
 @dataclass(frozen=True)
@@ -15,11 +15,11 @@ class Finding:
     """One thing that is wrong.
 
     Attributes:
-        code: what it is, as a name that never changes, such as `int-in-float`.
-        cause: one sentence that a beginner understands.
-        place: file and line, as `src/pk/setup.py:12`; empty if it has none.
-        fix: what to type or change; empty if that is not known.
-        about: the names of what it is about, for who looks for a package, an executable, a file or a topic.
+        code: the kind of fault, as a name that never changes, such as `int-in-float`.
+        cause: what is wrong, in a sentence that a beginner understands.
+        place: the file and line, such as `src/pk/setup.py:12`; empty if there is none.
+        fix: what to type or change; empty if not known.
+        about: the names of the packages, executables, files or topics that it is about.
     """
 
     code: str
@@ -30,7 +30,7 @@ class Finding:
 
 
 # In the order in which they stop a student: what keeps colcon from building at all comes first, what only
-# surprises comes last. Within a stage the order in which things were found holds.
+# surprises comes last. Within a stage, findings stay in the order in which they were found.
 STAGES: tuple[tuple[str, ...], ...] = (
     ("setuptools-too-new", "package-duplicate", "dependency-circle", "not-writable"),
     ("package-passed-over", "package-outside"),
@@ -126,44 +126,44 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
     ("typed-wrong", "not-running", "command-not-found", "shutdown-twice", "name-twice"),
     ("name-missing", "attribute-unknown", "python-error", SAID, UNKNOWN),
-    ("axis",),  # right, if what moves is no robot on the ground
+    ("axis",),  # correct for anything but a robot on the ground
 )
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
 
 
 def ranked(findings: Iterable[Finding]) -> list[Finding]:
-    """Put the likeliest first, and say each thing once."""
+    """Return the findings without duplicates, the likeliest cause first."""
     return sorted(dict.fromkeys(findings), key=lambda finding: _STAGE_OF[finding.code])
 
 
 def stops_build(finding: Finding) -> bool:
-    """Return whether colcon cannot build the package because of it."""
+    """Return whether a finding keeps colcon from building the package."""
     return _STAGE_OF[finding.code] <= _STAGE_OF["data-file-missing"]
 
 
 def stops_node(finding: Finding) -> bool:
-    """Return whether a line with it fails where it runs."""
+    """Return whether a line with this finding fails when it runs."""
     return _STAGE_OF[finding.code] < _STAGE_OF["message-compared"]
 
 
 def is_about_life(finding: Finding) -> bool:
-    """Return whether it is about when and by whom something is called."""
+    """Return whether a finding is about when, or from where, something is called."""
     return _STAGE_OF[finding.code] == _STAGE_OF["callback-waits"]
 
 
 def at(shown: str, line: int | None) -> str:
-    """Return a place as it is shown."""
+    """Return a place such as `src/pk/setup.py:12`, or the file alone if there is no line."""
     return f"{shown}:{line}" if line else shown
 
 
 def not_read(shown: str, line: int | None, problem: str) -> Finding:
-    """Say of a file that it is too large to be read here; ROS may read it."""
+    """Say that a file is too large to be read here, although ROS may read it."""
     fix = "keep only what is needed, with little nesting: nobody writes this much by hand"
     return Finding(UNKNOWN, f"{shown} is not read here: {problem}.", at(shown, line), fix)
 
 
 def shown_path(path: Path, root: Path | None) -> str:
-    """Return a path as it is shown: from the workspace on, where it lies in it."""
+    """Return a path as it is shown: relative to the workspace if it is inside it."""
     if root is not None and path.is_relative_to(root):
         return str(path.relative_to(root))
     return str(path)

@@ -1,4 +1,4 @@
-"""Look at a whole workspace: its sources, what was installed of them, and a terminal's environment."""
+"""Check a whole workspace: its sources, what was installed from them, and a terminal's environment."""
 
 from __future__ import annotations
 
@@ -48,24 +48,33 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 
 
 def workspace_around(folder: Path) -> Path | None:
-    """Return the workspace in or above a folder: the nearest one with a `src`, else one with a package.
+    """Return the workspace in or above a folder: the nearest one with a `src`, else the nearest package.
 
-    Above the student's folder nothing is looked for: what lies there is not the student's.
+    None if there is none. Nothing above the student's own folder is searched.
     """
     folders = [folder, *folder.parents]
-    homes = [number for number, one in enumerate(folders) if (one / course.MARKER).is_file()]
+    homes = [number for number, candidate in enumerate(folders) if (candidate / course.MARKER).is_file()]
     if homes:
         del folders[homes[0] + 1 :]
-    for one in folders:
-        if (one / "src").is_dir() and not (one / "package.xml").is_file() and one.name != "src":
-            return one
+    for candidate in folders:
+        if (
+            (candidate / "src").is_dir()
+            and not (candidate / "package.xml").is_file()
+            and candidate.name != "src"
+        ):
+            return candidate
     return next(
-        (one for one in folders if (one / "package.xml").is_file() or (one / "setup.py").is_file()), None
+        (
+            candidate
+            for candidate in folders
+            if (candidate / "package.xml").is_file() or (candidate / "setup.py").is_file()
+        ),
+        None,
     )
 
 
 def seen_of(root: Path) -> str:
-    """Say what is looked at in a workspace."""
+    """Return which files of a workspace are checked, in words."""
     look = Look(root.absolute(), loads=True)
     if not look.packages:
         return "a workspace in which colcon sees no package"
@@ -81,12 +90,12 @@ def seen_of(root: Path) -> str:
 
 
 class Look:
-    """What can be seen of a workspace without running its programs.
+    """What can be learnt about a workspace without running its programs.
 
     Args:
-        root: the workspace's folder, or a package's.
-        environ: the variables of the terminal in which it is used; None leaves them out.
-        loads: whether launch loads its launch files, in a process of its own; else they are only read.
+        root: the folder of the workspace or of a package.
+        environ: the environment of the terminal in which it is used; None skips checking it.
+        loads: whether launch loads the launch files, in a separate process; otherwise they are only parsed.
     """
 
     def __init__(self, root: Path, environ: Mapping[str, str] | None = None, *, loads: bool = False) -> None:
@@ -101,13 +110,13 @@ class Look:
 
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
-        plain = {one.name for one in self.packages if not self._is_for_ros(one)}
+        plain = {package.name for package in self.packages if not self._is_for_ros(package)}
         yield from guarded(_duplicates, self.packages)
         yield from guarded(dependency_circle, self.packages)
         yield from guarded(taken_packages, self.packages)
         yield from guarded(layout_faults, self.root, self.packages, self.passed_over)
         started = [*guarded(self._started_faults)]
-        told = {(one.code, one.place) for one in started}
+        told = {(finding.code, finding.place) for finding in started}
         for package in self.packages:
             is_plain = package.name in plain
             if not is_plain:
@@ -116,7 +125,7 @@ class Look:
             yield from source_faults(self.sources(package), _mains(package))
             yield from guarded(self._shadowed, package)
             of_files = guarded(self._file_faults, package)
-            yield from (one for one in of_files if (one.code, one.place) not in told)
+            yield from (finding for finding in of_files if (finding.code, finding.place) not in told)
             yield from guarded(install_faults, self.root, package)
         yield from guarded(self._faults_of_launch_files, by_name)
         yield from guarded(self._topic_faults)
@@ -130,13 +139,13 @@ class Look:
         """Yield what is wrong with a package's parameter files."""
         launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
         names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
-        started = [one for file in self.launch_files for one in started_in(file, self._with_sources)]
+        started = [node for file in self.launch_files for node in started_in(file, self._with_sources)]
         moved = {
             name
-            for one in started
-            if one.package is package
-            for name, (source, _) in one.sources.node_names().items()
-            if source.name == one.module and (one.name != name or one.namespace)
+            for node in started
+            if node.package is package
+            for name, (source, _) in node.sources.node_names().items()
+            if source.name == node.module and (node.name != name or node.namespace)
         }
         return file_faults(package, self.sources(package), names, moved)
 
@@ -158,22 +167,22 @@ class Look:
         return is_for_ros(package, {node.package for file in self.launch_files for node in file.nodes})
 
     def _shadowed(self, package: SourcePackage) -> Iterator[Finding]:
-        """Yield what stands for a module of others, each once."""
+        """Yield files and names that shadow an imported module or type, each once."""
         own = self.sources(package).sources
-        # The folder of setup.py is searched first where it is run, and its packages where they are installed.
+        # Python searches the folder of setup.py when it runs that, and the packages once they are installed.
         every = [*own.values(), *([package.setup.source] if package.setup else [])]
         found = (
             fault
             for source in every
             for fault in (*shadow_faults(source, package.folder, own), *hidden_types(source))
         )
-        yield from {one.cause: one for one in found}.values()
+        yield from {fault.cause: fault for fault in found}.values()
 
     def _remapped(self) -> set[str]:
-        """Return the topics that launch files give other names."""
-        started = (one for file in self.launch_files for one in started_in(file, self._with_sources))
+        """Return the topics that launch files rename."""
+        started = (node for file in self.launch_files for node in started_in(file, self._with_sources))
         ends = [end for node in started for end in node.ends]
-        # A launch file may give a node another name, and with it each topic that begins with its name.
+        # A launch file that renames a node also renames each topic that begins with the node's name.
         below = {end.name for end, plain, _ in ends if end.is_private and plain != f"/{end.name}"}
         return below.union(*(node.remapped for file in self.launch_files for node in file.nodes))
 
@@ -195,12 +204,12 @@ class Look:
 
     @property
     def launch_paths(self) -> list[Path]:
-        """Where they are, in the same order."""
+        """The paths of the launch files, in the same order as `launch_files`."""
         return [path for package in self.packages for path in package.launch_files]
 
     @cached_property
     def launched(self) -> dict[tuple[str, str], Started]:
-        """How launch starts each executable, by package and name; where several files do, the one that starts most."""
+        """How launch starts each executable, by package and name; the file with the most nodes wins."""
         files = sorted(
             (file for file in self.launch_files if file.is_loaded), key=lambda file: -len(file.nodes)
         )
@@ -215,7 +224,7 @@ class Look:
 
     @cached_property
     def executables(self) -> Mapping[str, Collection[str] | None]:
-        """The executables of each package, None where they are not known."""
+        """The executables of each package; None for a package whose executables are not known."""
         found: dict[str, Collection[str] | None] = {}
         for package in self.packages:
             points = package.setup.entry_points if package.setup else None
@@ -230,7 +239,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
 
     Args:
         sources: the files.
-        mains: the functions that are run, such as `pk.talk.main`; None takes every `main`.
+        mains: the functions that executables call, such as `pk.talk.main`; None takes every `main`.
     """
     for source in sources.sources.values():
         yield from guarded(_syntax_faults, source)
@@ -258,7 +267,7 @@ def _syntax_faults(source: PythonSource) -> Iterator[Finding]:
 
 
 def text_faults(source: PythonSource) -> list[Finding]:
-    """List what is wrong with one Python file, or one cell, that stands alone."""
+    """Return what is wrong with a single Python file or notebook cell."""
     sources = NodeSources({source.name: source})
     of_topics = guarded(lambda: topic_faults(ends_of(sources)))
     return ranked([*source_faults(sources, []), *of_topics])
@@ -272,7 +281,7 @@ def _mains(package: SourcePackage) -> list[str] | None:
 
 def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:
     all_folders = {package.folder for package in packages}
-    # What lies in a package colcon does not see.
+    # colcon does not look inside packages.
     seen = [package for package in packages if not all_folders.intersection(package.folder.parents)]
     counts = Counter(package.name for package in seen)
     for name, count in counts.items():

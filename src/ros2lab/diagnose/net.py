@@ -1,6 +1,6 @@
-"""A net below the rules: one that fails at somebody's code costs what it would have found, and nothing else.
+"""A safety net for the rules: a rule that fails loses its own findings, and nothing else.
 
-In the tests it is taken away, for such a failure is a fault of ours that must be seen.
+The tests remove it, because such a failure is a bug of ours that must be noticed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Concatenate, ParamSpec
 
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 
-STRICT = "ROS2LAB_STRICT"  # the variable that takes the net away
+STRICT = "ROS2LAB_STRICT"  # the environment variable that removes the net
 ENTANGLED = "This code is too entangled to follow: a class or a value leads through hundreds of others."
 _TOO_LONG = "This code cannot be followed: a name in it is longer than that of any file or folder."
 
@@ -21,13 +21,13 @@ _Given = ParamSpec("_Given")
 
 
 class Unjudged(Finding):
-    """What is said instead of the findings of a rule that has failed: of the code it says nothing."""
+    """A finding instead of those of a rule that failed: it says nothing about the code."""
 
 
 def guarded(
     rule: Callable[_Given, Iterable[Finding]], *given: _Given.args, **named: _Given.kwargs
 ) -> Iterator[Finding]:
-    """Yield what a rule finds; where it fails, one that says so."""
+    """Yield what a rule finds; if the rule fails, a finding that says so."""
     try:
         yield from rule(*given, **named)
     except Exception as error:
@@ -40,7 +40,7 @@ def changed(
     *given: _Given.args,
     **named: _Given.kwargs,
 ) -> Finding:
-    """Return a finding as something changes it; as it is, where that fails."""
+    """Return the finding that a function makes of another one; the original if the function fails."""
     try:
         return change(finding, *given, **named)
     except Exception as error:
@@ -49,10 +49,10 @@ def changed(
 
 
 def unjudged(error: Exception) -> Unjudged:
-    """Return what is said where a rule has failed.
+    """Return a finding that says that a rule failed.
 
     Raises:
-        Exception: the error itself, if it is a fault of ours and the net was taken away.
+        Exception: the error itself, if it is a bug of ours and the net was removed.
     """
     is_fault = is_ours(error)
     if is_fault and os.environ.get(STRICT):
@@ -62,13 +62,13 @@ def unjudged(error: Exception) -> Unjudged:
 
 
 def is_ours(error: Exception) -> bool:
-    """Return whether a failure is a fault of ours, and not of code that nobody can follow."""
+    """Return whether a failure is a bug of ours, and not due to code that is too entangled to follow."""
     is_too_long = isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG
     return not is_too_long and not isinstance(error, (RecursionError, MemoryError))
 
 
 def why(error: Exception) -> str:
-    """Return in a sentence why a rule has failed."""
+    """Return a sentence that says why a rule failed."""
     if not is_ours(error):
         return _TOO_LONG if isinstance(error, OSError) else ENTANGLED
     place = error.__traceback__
