@@ -18,18 +18,19 @@ def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
         for owner, inside, node in sources.scoped(source)
         if isinstance(node, ast.Call) and len(node.args) > 1
         for function, takes in [_called(sources, source, owner, node)]
-        if function not in (None, inside) and not any(isinstance(one, ast.Starred) for one in node.args)
+        if function not in (None, inside)
+        and not any(isinstance(argument, ast.Starred) for argument in node.args)
     ]
     # Who calls it both ways, as in `plan(start, goal)` and `plan(goal, start)`, means both.
     both = {
         id(function)
         for _, node, function, takes in calls
-        if sum(_name_of(one) == name for one, name in zip(node.args, takes, strict=False)) > 1
+        if sum(_name_of(argument) == name for argument, name in zip(node.args, takes, strict=False)) > 1
     }
     for source, node, function, takes in calls:
         right = _in_order(takes, node.args)
         if right is not None and function is not None and id(function) not in both:
-            new = ", ".join([*map(ast.unparse, right), *(ast.unparse(one) for one in node.keywords)])
+            new = ", ".join([*map(ast.unparse, right), *(ast.unparse(keyword) for keyword in node.keywords)])
             cause = f"{function.name}() takes {', '.join(takes)} in this order, but `{ast.unparse(node)}` passes them in another."
             yield Finding(
                 "argument-order", cause, source.at(node), f"write `{ast.unparse(node.func)}({new})`"
@@ -44,19 +45,19 @@ def _called(
         function = sources.method(owner, call.func.attr)
         is_static = function is not None and bool(function.decorator_list)
         return (None if is_static else function), [
-            one.arg for one in parameters(function)[1:]
+            parameter.arg for parameter in parameters(function)[1:]
         ] if function else []
     name = sources.resolve(source, call.func) or ""
     if name in sources.classes:
         function = sources.method(sources.classes[name], "__init__")
-        return function, [one.arg for one in parameters(function)[1:]] if function else []
+        return function, [parameter.arg for parameter in parameters(function)[1:]] if function else []
     function = sources.functions.get(name, (source, None))[1]
-    return function, [one.arg for one in parameters(function)] if function else []
+    return function, [parameter.arg for parameter in parameters(function)] if function else []
 
 
 def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
     """Return arguments in the order of the parameters of their names; None if they are, or if that is not sure."""
-    names = [_name_of(one) for one in given]
+    names = [_name_of(argument) for argument in given]
     for first, name in enumerate(names[: len(takes)]):
         second = takes.index(name) if name in takes else first
         if second in (first, *range(len(given), len(takes))) or names[second] == takes[second]:

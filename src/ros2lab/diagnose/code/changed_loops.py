@@ -127,7 +127,7 @@ def _heads(statement: ast.stmt) -> Iterator[ast.AST]:
         node = nodes.pop()
         yield node
         if not isinstance(node, (ast.FunctionDef, ast.Lambda, ast.ClassDef, ast.AsyncFunctionDef)):
-            nodes += [one for one in ast.iter_child_nodes(node) if id(one) not in blocks]  # type: ignore[misc]
+            nodes += [child for child in ast.iter_child_nodes(node) if id(child) not in blocks]  # type: ignore[misc]
 
 
 def _bodies(statement: ast.AST) -> Iterator[tuple[bool, list[ast.stmt]]]:
@@ -135,8 +135,8 @@ def _bodies(statement: ast.AST) -> Iterator[tuple[bool, list[ast.stmt]]]:
     if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
         return
     is_loop = isinstance(statement, (ast.For, ast.While, ast.AsyncFor))
-    for part in ("body", "orelse", "finalbody"):
-        if body := getattr(statement, part, None):
+    for field in ("body", "orelse", "finalbody"):
+        if body := getattr(statement, field, None):
             yield is_loop, body
     for inner in (*getattr(statement, "handlers", ()), *getattr(statement, "cases", ())):
         yield is_loop, inner.body

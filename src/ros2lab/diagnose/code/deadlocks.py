@@ -100,7 +100,7 @@ def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
         for owner, _function, call in sources.scoped(source):
             if not isinstance(call, ast.Call) or not _is_of_ros(source, call):
                 continue
-            for given in (*call.args, *(one.value for one in call.keywords)):
+            for given in (*call.args, *(keyword.value for keyword in call.keywords)):
                 name = given.attr if is_self_attribute(given) else ""
                 function = sources.method(owner, name) if owner and name else None
                 function = function or _plain(source, given)
@@ -116,7 +116,10 @@ def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
 
 def _plain(source: PythonSource, given: ast.expr) -> Function | None:
     functions = (n for n in source.nodes if isinstance(n, Function))
-    return next((one for one in functions if isinstance(given, ast.Name) and one.name == given.id), None)
+    return next(
+        (function for function in functions if isinstance(given, ast.Name) and function.name == given.id),
+        None,
+    )
 
 
 def _is_of_ros(source: PythonSource, call: ast.Call) -> bool:
@@ -160,7 +163,10 @@ def _calls_in(statement: ast.stmt) -> list[ast.Call]:
 
 def _argument(call: ast.Call, place: int, name: str) -> ast.expr | None:
     """Return what a call gives a parameter, by its place or by its name."""
-    given = [*call.args[place : place + 1], *(one.value for one in call.keywords if one.arg == name)]
+    given = [
+        *call.args[place : place + 1],
+        *(keyword.value for keyword in call.keywords if keyword.arg == name),
+    ]
     return given[0] if given else None
 
 
@@ -182,9 +188,11 @@ def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> 
     source, function, first = callback.source, callback.function, waits[0]
     text = ast.unparse(first.node.test if isinstance(first.node, ast.While) else first.node)
     cause = f"{function.name}() is called by the executor, and `{text}` in it waits for an answer that the executor cannot receive until {function.name}() has returned."
-    block = next((one for one in _blocks(function) if first.statement in one), function.body)
-    is_whole = block is function.body and not any(isinstance(one.future, ast.Constant) for one in waits)
-    if all(isinstance(one.future, ast.Constant) for one in waits):
+    block = next(
+        (statements for statements in _blocks(function) if first.statement in statements), function.body
+    )
+    is_whole = block is function.body and not any(isinstance(wait.future, ast.Constant) for wait in waits)
+    if all(isinstance(wait.future, ast.Constant) for wait in waits):
         fix = f"remove `{text}`: rclpy calls the callbacks it waits for once {function.name}() has returned"
     elif callback.owes and callback.may_be_async:
         fix = _awaited(callback, waits)
@@ -212,17 +220,17 @@ def _later(source: PythonSource, function: Function, first: _Wait) -> str:
 
 def _rows(source: PythonSource, function: Function, rest: Sequence[ast.stmt]) -> list[str]:
     """Return statements in which the first one waits no more, and the others come when the answer has come."""
-    waits = {one.statement: one for one in _waits(source, function)}
-    found = [n for n, one in enumerate(rest) if one in waits]
+    waits = {wait.statement: wait for wait in _waits(source, function)}
+    found = [n for n, statement in enumerate(rest) if statement in waits]
     if not found:
-        return [row for one in rest for row in ast.unparse(one).splitlines()]
-    before, wait, after = rest[: found[0]], waits[rest[found[0]]], rest[found[0] + 1 :]
-    rows = [row for one in before for row in ast.unparse(one).splitlines()]
-    name = ast.unparse(wait.future) if isinstance(wait.future, ast.Name) else "future"
+        return [row for statement in rest for row in ast.unparse(statement).splitlines()]
+    before, first, after = rest[: found[0]], waits[rest[found[0]]], rest[found[0] + 1 :]
+    rows = [row for statement in before for row in ast.unparse(statement).splitlines()]
+    name = ast.unparse(first.future) if isinstance(first.future, ast.Name) else "future"
     called = f"when_{name}_is_done"
-    inner = [*wait.with_answer(f"{name}.result()").splitlines(), *_rows(source, function, after)] or ["pass"]
-    if ast.unparse(wait.asked) != name:
-        rows.append(f"{name} = {ast.unparse(wait.asked)}")
+    inner = [*first.with_answer(f"{name}.result()").splitlines(), *_rows(source, function, after)] or ["pass"]
+    if ast.unparse(first.asked) != name:
+        rows.append(f"{name} = {ast.unparse(first.asked)}")
     return [
         *rows,
         f"def {called}({name}):",
@@ -236,29 +244,34 @@ def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
     lines = callback.source.text.splitlines()
     head = lines[callback.function.lineno - 1].strip()
     edits = [] if head.startswith("async ") else [f"`async {head}` on line {callback.function.lineno}"]
-    for one in waits:
-        awaited = f"await {ast.unparse(one.asked)}"
-        written = one.with_answer(awaited) or awaited
-        last = one.statement.end_lineno or one.statement.lineno
-        edits.append(f"`{written}` on {_range(one.statement.lineno, last)}")
+    for wait in waits:
+        awaited = f"await {ast.unparse(wait.asked)}"
+        written = wait.with_answer(awaited) or awaited
+        last = wait.statement.end_lineno or wait.statement.lineno
+        edits.append(f"`{written}` on {_range(wait.statement.lineno, last)}")
     return f"write {', '.join(edits)}{_grouped(callback, waits)}"
 
 
 def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> str:
     """Say how another thread takes in the answer: a client in a group of its own, and an executor of several threads."""
     edits = []
-    for one in (one for one in waits if one.future is not None and not isinstance(one.future, ast.Constant)):
-        last = one.statement.end_lineno or one.statement.lineno
-        name = ast.unparse(one.future) if isinstance(one.future, ast.Name) else "future"
-        made = "" if isinstance(one.future, ast.Name) else f"{name} = {ast.unparse(one.asked)}`, and `"
+    for wait in (
+        wait for wait in waits if wait.future is not None and not isinstance(wait.future, ast.Constant)
+    ):
+        last = wait.statement.end_lineno or wait.statement.lineno
+        name = ast.unparse(wait.future) if isinstance(wait.future, ast.Name) else "future"
+        made = "" if isinstance(wait.future, ast.Name) else f"{name} = {ast.unparse(wait.asked)}`, and `"
         edits.append(
-            f"`{made}while not {name}.done(): time.sleep(0.01)` in {_range(one.statement.lineno, last)}"
+            f"`{made}while not {name}.done(): time.sleep(0.01)` in {_range(wait.statement.lineno, last)}"
         )
     if edits and "time" not in callback.source.names:
         edits[-1] += ", with `import time` at the top"
-    homes = [callback.source, *(one for one in sources.sources.values() if one is not callback.source)]
+    homes = [
+        callback.source,
+        *(source for source in sources.sources.values() if source is not callback.source),
+    ]
     calls = ((home, n) for home in homes for n in home.nodes if isinstance(n, ast.Call) and n.args)
-    for home, spin in [one for one in calls if one[0].resolve(one[1].func) == "rclpy.spin"][:1]:
+    for home, spin in [pair for pair in calls if pair[0].resolve(pair[1].func) == "rclpy.spin"][:1]:
         node, where = ast.unparse(spin.args[0]), "" if home is callback.source else f" of {home.shown}"
         edits.append(
             f"`executor = MultiThreadedExecutor()`, `executor.add_node({node})` and `executor.spin()` on line {spin.lineno}{where}, "
@@ -273,16 +286,18 @@ def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
     assigned = {
         ast.unparse(n.targets[0]): n.value for n in own_nodes(callback.function) if isinstance(n, ast.Assign)
     }
-    asked = [one.client or _client_of(assigned.get(ast.unparse(one.asked))) for one in waits]
+    asked = [wait.client or _client_of(assigned.get(ast.unparse(wait.asked))) for wait in waits]
     made = list(
-        dict.fromkeys(clients[text] for one in asked if one and (text := ast.unparse(one)) in clients)
+        dict.fromkeys(
+            clients[text] for client in asked if client and (text := ast.unparse(client)) in clients
+        )
     )
     rows = []
-    for one in made:
-        call = copy.deepcopy(one)
+    for assignment in made:
+        call = copy.deepcopy(assignment)
         group = ast.keyword("callback_group", ast.parse("MutuallyExclusiveCallbackGroup()", mode="eval").body)
         call.value.keywords.append(group)  # type: ignore[attr-defined]
-        rows.append(f"`{ast.unparse(call)}` on line {one.lineno}")
+        rows.append(f"`{ast.unparse(call)}` on line {assignment.lineno}")
     more = f", and {' and '.join(rows)}" if rows else ", and give the client a callback group of its own"
     return f"{more}, with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
 

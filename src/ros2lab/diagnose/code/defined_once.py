@@ -48,11 +48,11 @@ def _given(function: Function) -> Iterator[tuple[str, ast.expr]]:
     """Yield the parameters of a function that have a default, with it."""
     places = [*function.args.posonlyargs, *function.args.args]
     defaults = function.args.defaults
-    for one, default in zip(places[len(places) - len(defaults) :], defaults, strict=True):
-        yield one.arg, default
-    for one, also in zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True):
-        if also is not None:
-            yield one.arg, also
+    for parameter, default in zip(places[len(places) - len(defaults) :], defaults, strict=True):
+        yield parameter.arg, default
+    for parameter, keyword_default in zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True):
+        if keyword_default is not None:
+            yield parameter.arg, keyword_default
 
 
 def _changing(source: PythonSource, value: ast.expr) -> ast.Call | None:
@@ -76,10 +76,10 @@ def _changed(owner: NodeClass | None, function: Function, name: str) -> int:
     """Return the line that changes a default in place, here or where the object keeps it; 0 if none does."""
     nodes = own_nodes(function)
     stored = [n for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
-    if name in (one.id for one in stored):
+    if name in (store.id for store in stored):
         return 0  # it may have become another one
     # A dict or a list that is filled by keys is how a cache is written.
-    if line := _line_of_change([one for one in nodes if not isinstance(one, ast.Subscript)], name):
+    if line := _line_of_change([node for node in nodes if not isinstance(node, ast.Subscript)], name):
         return line
     kept = [
         target
@@ -90,9 +90,9 @@ def _changed(owner: NodeClass | None, function: Function, name: str) -> int:
     ]
     if owner is None or len(kept) != 1:
         return 0
-    others = [node for method in owner.functions for node in walk(method)]
-    is_one = [dotted(n) for n in others if isinstance(getattr(n, "ctx", None), ast.Store)].count(kept[0]) == 1
-    return _line_of_change(others, kept[0]) if is_one else 0
+    found = [node for method in owner.functions for node in walk(method)]
+    is_sole = [dotted(n) for n in found if isinstance(getattr(n, "ctx", None), ast.Store)].count(kept[0]) == 1
+    return _line_of_change(found, kept[0]) if is_sole else 0
 
 
 def _line_of_change(nodes: Iterable[ast.AST], name: str) -> int:
@@ -109,8 +109,11 @@ def _line_of_change(nodes: Iterable[ast.AST], name: str) -> int:
 
 def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> Iterator[Finding]:
     """Yield a field of a class whose value was computed with the class, where each object reads it as its own."""
-    decorators = [one.func if isinstance(one, ast.Call) else one for one in definition.decorator_list]
-    is_data = any((source.resolve(one) or "") == "dataclasses.dataclass" for one in decorators)
+    decorators = [
+        decorator.func if isinstance(decorator, ast.Call) else decorator
+        for decorator in definition.decorator_list
+    ]
+    is_data = any((source.resolve(decorator) or "") == "dataclasses.dataclass" for decorator in decorators)
     for statement in definition.body:
         if not isinstance(statement, (ast.Assign, ast.AnnAssign)) or statement.value is None:
             continue
@@ -136,7 +139,7 @@ def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef
 def _is_read(definition: ast.ClassDef, name: str) -> bool:
     """Return whether the objects of a class read a field, and none of them makes it itself."""
     found = [n for n in walk(definition) if isinstance(n, ast.Attribute) and dotted(n) == f"self.{name}"]
-    return bool(found) and all(isinstance(one.ctx, ast.Load) for one in found)
+    return bool(found) and all(isinstance(attribute.ctx, ast.Load) for attribute in found)
 
 
 def _is_made_often(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> bool:
@@ -144,8 +147,8 @@ def _is_made_often(sources: NodeSources, source: PythonSource, definition: ast.C
     wanted = f"{source.name}.{definition.name}"
     calls = [
         node
-        for other in sources.sources.values()
-        for node in other.nodes
-        if isinstance(node, ast.Call) and sources.resolve(other, node.func) == wanted
+        for caller in sources.sources.values()
+        for node in caller.nodes
+        if isinstance(node, ast.Call) and sources.resolve(caller, node.func) == wanted
     ]
     return len(calls) > 1

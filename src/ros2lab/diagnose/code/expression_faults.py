@@ -108,7 +108,7 @@ def _is_taken_apart(source: PythonSource, node: ast.AST) -> bool:
     else:
         around = [n for n in source.nodes if isinstance(n, ast.FunctionDef) and node in own_nodes(n)]
         calls = [n for n in source.nodes if isinstance(n, ast.Call)]
-        last = {one.name for one in around}
+        last = {function.name for function in around}
         names = {ast.unparse(n) for n in calls if getattr(n.func, "attr", getattr(n.func, "id", "")) in last}
         if not names and not any(isinstance(n, ast.Call) for n in children(node)):
             return True  # some library may call it, and want a tuple
@@ -182,7 +182,7 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
     for left, operator, right in zip(
         [node.left, *node.comparators], node.ops, node.comparators, strict=False
     ):
-        for one, other in ((left, right), (right, left)):
+        for side, other in ((left, right), (right, left)):
             texts = [
                 n.value
                 for n in (other, *children(other))
@@ -199,24 +199,24 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                     "literal-comparison",
                     f"`{ast.unparse(node)}` asks whether both are the same object, which is never true of a received string.",
                     source.at(node),
-                    f"write {ast.unparse(one)} {sign} {ast.unparse(other)}",
+                    f"write {ast.unparse(side)} {sign} {ast.unparse(other)}",
                 )
-            elif isinstance(one, ast.Attribute) and one.attr in _CHANGES_CASE and texts:
+            elif isinstance(side, ast.Attribute) and side.attr in _CHANGES_CASE and texts:
                 yield Finding(
                     "no-effect",
-                    f"`{ast.unparse(one)}` names the method {one.attr} without calling it, so it never equals a string.",
+                    f"`{ast.unparse(side)}` names the method {side.attr} without calling it, so it never equals a string.",
                     source.at(node),
-                    f"write {ast.unparse(one)}()",
+                    f"write {ast.unparse(side)}()",
                 )
             elif (
-                isinstance(one, ast.Call)
-                and isinstance(one.func, ast.Attribute)
-                and one.func.attr in _CHANGES_CASE
+                isinstance(side, ast.Call)
+                and isinstance(side.func, ast.Attribute)
+                and side.func.attr in _CHANGES_CASE
             ):
-                change = _CHANGES_CASE[one.func.attr]
-                for text in texts if isinstance(operator, (ast.Eq, ast.In)) and not one.args else ():
+                change = _CHANGES_CASE[side.func.attr]
+                for text in texts if isinstance(operator, (ast.Eq, ast.In)) and not side.args else ():
                     if text != change(text):
-                        cause = f"`{ast.unparse(one)}` never equals {text!r}, because of {one.func.attr}()."
+                        cause = f"`{ast.unparse(side)}` never equals {text!r}, because of {side.func.attr}()."
                         yield Finding(
                             "no-effect",
                             cause,
@@ -230,13 +230,13 @@ def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
         case [
             ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]),
             *_,
-            ast.Constant(value=str(text)) as other,
+            ast.Constant(value=str(text)) as constant,
         ] if text:
             yield Finding(
                 "text-as-condition",
-                f"`{ast.unparse(test)}` does not compare {ast.unparse(other)}: a string by itself is always true.",
+                f"`{ast.unparse(test)}` does not compare {ast.unparse(constant)}: a string by itself is always true.",
                 source.at(test),
-                f"write {ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(other)})",
+                f"write {ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(constant)})",
             )
 
 
@@ -246,9 +246,11 @@ def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
         (ast.NotEq, "always", "and") if isinstance(test.op, ast.Or) else (ast.Eq, "never", "or")
     )
     pairs = [
-        (ast.unparse(one.left), one.comparators[0])
-        for one in test.values
-        if isinstance(one, ast.Compare) and len(one.ops) == 1 and isinstance(one.ops[0], wanted)
+        (ast.unparse(comparison.left), comparison.comparators[0])
+        for comparison in test.values
+        if isinstance(comparison, ast.Compare)
+        and len(comparison.ops) == 1
+        and isinstance(comparison.ops[0], wanted)
     ]
     values = [value.value for _, value in pairs if isinstance(value, ast.Constant)]
     if (
@@ -272,15 +274,15 @@ def chain_faults(source: PythonSource) -> Iterator[Finding]:
                 rest = rest[0].orelse
             undone = [
                 n
-                for n, one in enumerate(chain[:-1])
-                if _stored(one.body) & _stored(rest) and not _leaves(one.body)
+                for n, statement in enumerate(chain[:-1])
+                if _stored(statement.body) & _stored(rest) and not _leaves(statement.body)
             ]
             if not undone:
                 continue
             first = chain[undone[0]]
             name = min(_stored(first.body) & _stored(rest))
             cause = f"Even when `{ast.unparse(first.test)}` is true, the if on line {last.lineno} is checked too, and its else sets {name} again."
-            *others, end = (str(one.lineno) for one in chain[undone[0] + 1 :])
+            *others, end = (str(statement.lineno) for statement in chain[undone[0] + 1 :])
             where = f" on lines {', '.join(others)} and {end}" if others else ""
             yield Finding(
                 "replaced", cause, source.at(chain[undone[0] + 1]), f"write elif instead of if{where}"
@@ -309,7 +311,12 @@ def _leaves(body: list[ast.stmt]) -> bool:
 
 
 def _stored(body: list[ast.stmt]) -> set[str]:
-    return {ast.unparse(target) for one in body if isinstance(one, ast.Assign) for target in one.targets}
+    return {
+        ast.unparse(target)
+        for statement in body
+        if isinstance(statement, ast.Assign)
+        for target in statement.targets
+    }
 
 
 def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:

@@ -56,11 +56,15 @@ def _bound_late(source: PythonSource) -> Iterator[Finding]:
         names = {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
         calls = (n for n in ast.walk(loop) if isinstance(n, ast.Call))
         made = [n for n in calls if getattr(n.func, "attr", "").startswith("create_")]
-        for given in (one for call in made for one in (*call.args, *(k.value for k in call.keywords))):
+        for given in (
+            argument for call in made for argument in (*call.args, *(k.value for k in call.keywords))
+        ):
             if not isinstance(given, ast.Lambda):
                 continue
             asked = {n.id for n in ast.walk(given.body) if isinstance(n, ast.Name)}
-            late = sorted(asked & names - {one.arg for one in (*given.args.args, *given.args.kwonlyargs)})
+            late = sorted(
+                asked & names - {parameter.arg for parameter in (*given.args.args, *given.args.kwonlyargs)}
+            )
             if late:
                 takes = [*filter(None, [ast.unparse(given.args)]), *(f"{name}={name}" for name in late)]
                 cause = f"This lambda looks up {late[0]} only when it is called, after the loop has ended, so every lambda gets the last {late[0]}."
@@ -117,7 +121,7 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
                 continue
             name = sources.value(source, node.args[0] if node.args else None)
             before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
-            stems = [one.name.rpartition(".")[2] for one in (before[0], source)]
+            stems = [file.name.rpartition(".")[2] for file in (before[0], source)]
             # Two that may take each other's place have a name that is neither's, or add a word to it, as in driver_sim.
             if before[0] is not source and name in stems and not _is_variant(*stems):
                 # The one whose file has another name was copied.
@@ -133,7 +137,7 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
 
 def _is_variant(stem: str, other: str) -> bool:
     """Return whether one name says all that another one says, and a word more."""
-    words, others = (set(re.findall("[A-Za-z]+", one)) for one in (stem, other))
+    words, others = (set(re.findall("[A-Za-z]+", name)) for name in (stem, other))
     return words < others or others < words
 
 
@@ -171,7 +175,9 @@ def _never_true(source: PythonSource) -> Iterator[Finding]:
         while _is_elif(chain[-1]):
             chain.append(chain[-1].orelse[0])  # type: ignore[arg-type]
         for number, later in enumerate(chain):
-            taken = next((one for one in chain[:number] if _takes_all(one.test, later.test)), None)
+            taken = next(
+                (earlier for earlier in chain[:number] if _takes_all(earlier.test, later.test)), None
+            )
             if taken:
                 cause = f"Whenever `{ast.unparse(later.test)}` is true, so is `{ast.unparse(taken.test)}` on line {taken.lineno}, so this is never reached."
                 fix = f"check `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` after it"
@@ -186,12 +192,18 @@ def _takes_all(before: ast.expr, after: ast.expr) -> bool:
     """Return whether a comparison with a number holds wherever another one of the same value does."""
     match before, after:
         case (
-            ast.Compare(left=one, ops=[sign], comparators=[ast.Constant(value=int() | float() as limit)]),
-            ast.Compare(left=two, ops=[other], comparators=[ast.Constant(value=int() | float() as number)]),
-        ) if ast.unparse(one) == ast.unparse(two):
-            is_up = isinstance(sign, (ast.Gt, ast.GtE)) and isinstance(other, (ast.Gt, ast.GtE))
-            is_down = isinstance(sign, (ast.Lt, ast.LtE)) and isinstance(other, (ast.Lt, ast.LtE))
-            is_strict = isinstance(sign, (ast.Gt, ast.Lt)) and isinstance(other, (ast.GtE, ast.LtE))
+            ast.Compare(
+                left=earlier_value, ops=[sign], comparators=[ast.Constant(value=int() | float() as limit)]
+            ),
+            ast.Compare(
+                left=later_value,
+                ops=[later_sign],
+                comparators=[ast.Constant(value=int() | float() as number)],
+            ),
+        ) if ast.unparse(earlier_value) == ast.unparse(later_value):
+            is_up = isinstance(sign, (ast.Gt, ast.GtE)) and isinstance(later_sign, (ast.Gt, ast.GtE))
+            is_down = isinstance(sign, (ast.Lt, ast.LtE)) and isinstance(later_sign, (ast.Lt, ast.LtE))
+            is_strict = isinstance(sign, (ast.Gt, ast.Lt)) and isinstance(later_sign, (ast.GtE, ast.LtE))
             if limit == number:
                 return (is_up or is_down) and not is_strict
             return (is_up and limit < number) or (is_down and limit > number)
@@ -231,7 +243,7 @@ def _goes_on(name: str) -> bool:
 
 def _called(source: PythonSource, statement: ast.stmt) -> str:
     if isinstance(statement, (ast.Try, ast.With)):
-        inner = [_called(source, one) for one in statement.body]
+        inner = [_called(source, inner_statement) for inner_statement in statement.body]
         return next(filter(_goes_on, inner), "")
     value = getattr(statement, "value", None)
     if not isinstance(statement, (ast.Expr, ast.Assign)) or not isinstance(value, ast.Call):
@@ -243,7 +255,7 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
     """Yield a handler that hides each error of a callback."""
     for node in own_nodes(function):
         if not isinstance(node, ast.ExceptHandler) or not all(
-            isinstance(one, (ast.Pass, ast.Return)) for one in node.body
+            isinstance(statement, (ast.Pass, ast.Return)) for statement in node.body
         ):
             continue
         if node.type is None or getattr(node.type, "id", "") in ("Exception", "BaseException"):
@@ -259,7 +271,9 @@ def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
     calls = {getattr(node.func, "attr", "") for node in own_nodes(function) if isinstance(node, ast.Call)}
     if calls & {"cancel", "destroy_timer", "destroy_subscription"}:
         return  # it ends what calls it, so it is called once
-    guards = {id(n) for one in own_nodes(function) if isinstance(one, (ast.If, ast.Try)) for n in walk(one)}
+    guards = {
+        id(n) for guard in own_nodes(function) if isinstance(guard, (ast.If, ast.Try)) for n in walk(guard)
+    }
     for node in own_nodes(function):
         method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
         if method in ("create_publisher", "create_subscription") and id(node) not in guards:

@@ -28,9 +28,9 @@ def hidden_names(sources: NodeSources) -> Iterator[Finding]:
 
 def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
     nodes = own_nodes(function)
-    taken = {one.arg for one in nodes if isinstance(one, ast.arg)}
-    taken |= {name for one in nodes if isinstance(one, (ast.Global, ast.Nonlocal)) for name in one.names}
-    taken |= {getattr(one, "name", None) or "" for one in nodes if not isinstance(one, ast.expr)}
+    taken = {n.arg for n in nodes if isinstance(n, ast.arg)}
+    taken |= {name for n in nodes if isinstance(n, (ast.Global, ast.Nonlocal)) for name in n.names}
+    taken |= {getattr(n, "name", None) or "" for n in nodes if not isinstance(n, ast.expr)}
     taken |= {
         a.asname or a.name for n in nodes if isinstance(n, (ast.Import, ast.ImportFrom)) for a in n.names
     }
@@ -47,15 +47,15 @@ def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
     for node in nodes:
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id in outer.keys() - taken:
             stores.setdefault(node.id, []).append(node)
-    loops = [one for one in nodes if isinstance(one, _LOOPS)]
+    loops = [n for n in nodes if isinstance(n, _LOOPS)]
     for name, there in stores.items():
         used = _used(nodes, name)
         made = _first_statement(function, there)
-        before = [one for one in used if made is not None and _comes_before(one, made, loops)]
+        before = [use for use in used if made is not None and _comes_before(use, made, loops)]
         if before:
             cause = f"{name} is {outer[name]}, but this function makes a variable of that name (line {there[0].lineno}), so {name} has no value here yet."
         else:
-            before = [one for one in used if _is_value_called(nodes, there, one)]
+            before = [use for use in used if _is_value_called(nodes, there, use)]
             cause = f"{name} is {outer[name]}, but line {there[0].lineno} makes a variable of that name, which cannot be called."
         if before:
             yield Finding("name-hidden", cause, source.at(before[0]), fix_of(name, function.name))
@@ -64,9 +64,9 @@ def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
 def known_names(source: PythonSource) -> dict[str, str]:
     """Return what a file may call or ask for something: Python's own, and what it imports or defines at its top."""
     found = {name: "one of Python's built-in functions" for name in dir(builtins) if name[:1].islower()}
-    found |= {one.local: "an imported name" for one in source.imports}
-    defined = [one for one in source.tree.body if isinstance(one, FUNCTIONS)]
-    return found | {one.name: "a function of this file" for one in defined}
+    found |= {imported.local: "an imported name" for imported in source.imports}
+    defined = [statement for statement in source.tree.body if isinstance(statement, FUNCTIONS)]
+    return found | {function.name: "a function of this file" for function in defined}
 
 
 def fix_of(name: str, function: str) -> str:
@@ -88,10 +88,10 @@ def _used(nodes: tuple[ast.AST, ...], name: str) -> list[ast.AST]:
 
 def _first_statement(function: Function, stores: list[ast.Name]) -> ast.stmt | None:
     """Return the statement that gives a variable its first value; None if there may be several such."""
-    first = min(stores, key=lambda one: (one.lineno, one.col_offset))
+    first = min(stores, key=lambda store: (store.lineno, store.col_offset))
     kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign, *_LOOPS, ast.With)
     around = [n for n in own_nodes(function) if isinstance(n, kinds) and first in walk(n)]
-    return max(around, key=lambda one: one.lineno, default=None)
+    return max(around, key=lambda statement: statement.lineno, default=None)
 
 
 def _comes_before(used: ast.AST, made: ast.stmt, loops: Sequence[ast.stmt]) -> bool:
@@ -109,5 +109,5 @@ def _comes_before(used: ast.AST, made: ast.stmt, loops: Sequence[ast.stmt]) -> b
 def _is_value_called(nodes: tuple[ast.AST, ...], stores: list[ast.Name], used: ast.AST) -> bool:
     """Return whether a variable is called that is never given anything that can be called."""
     values = [n.value for n in nodes if isinstance(n, ast.Assign) and any(t in stores for t in n.targets)]
-    is_all = len(values) == len(stores) and all(isinstance(one, _VALUES) for one in values)
-    return isinstance(used, ast.Call) and is_all and used.lineno > min(one.lineno for one in stores)
+    is_all = len(values) == len(stores) and all(isinstance(value, _VALUES) for value in values)
+    return isinstance(used, ast.Call) and is_all and used.lineno > min(store.lineno for store in stores)

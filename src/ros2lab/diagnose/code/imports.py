@@ -31,9 +31,9 @@ ROS_1 = {
 
 def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[str]) -> Iterator[Finding]:
     """Yield an import that a file or folder beside it takes for itself, as `random.py` takes `import random`."""
-    for one in source.imports:
-        module, _, name = one.target.rpartition(".") if one.is_from else (one.target, "", "")
-        top = (module or one.target).partition(".")[0]
+    for imported in source.imports:
+        module, _, name = imported.target.rpartition(".") if imported.is_from else (imported.target, "", "")
+        top = (module or imported.target).partition(".")[0]
         own = next(
             (p for p in (folder / f"{top}.py", folder / top) if p.is_file() or (p / "__init__.py").is_file()),
             None,
@@ -42,34 +42,36 @@ def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[st
         if (
             own is None
             or not is_other
-            or (module or one.target) in own_modules
+            or (module or imported.target) in own_modules
             or (name and own.is_file() and _binds(own, name))
         ):
             continue
         yield Finding(
             "name-shadowed",
             f"{own.name}, next to this file, has the same name as the module {top} and may be imported instead of it.",
-            source.at(one.line),
+            source.at(imported.line),
             f"rename {own.name}, for example to my_{own.name}, and update whatever imports it",
         )
 
 
 def hidden_types(source: PythonSource) -> Iterator[Finding]:
     """Yield a class or function of a file that has the name of a message type which it imports above."""
-    imported = {
-        one.local: one for one in source.imports if one.is_from and interfaces.is_interface(one.target)
+    message_types = {
+        imported.local: imported
+        for imported in source.imports
+        if imported.is_from and interfaces.is_interface(imported.target)
     }
     for node in source.tree.body:
         if not isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
             continue
-        one = imported.get(node.name)
-        if one is None or one.line > node.lineno:
+        imported = message_types.get(node.name)
+        if imported is None or imported.line > node.lineno:
             continue
         what = "class" if isinstance(node, ast.ClassDef) else "function"
         better = f"{node.name}Node" if what == "class" else f"{node.name}_node"
         yield Finding(
             "name-shadowed",
-            f"The {what} {node.name} has the same name as the message type imported on line {one.line}, so from here on {node.name} means the {what}, not the message.",
+            f"The {what} {node.name} has the same name as the message type imported on line {imported.line}, so from here on {node.name} means the {what}, not the message.",
             source.at(node),
             f"rename the {what} to {better}, here and where it is {'used' if what == 'class' else 'called'}",
             (node.name,),
@@ -83,30 +85,30 @@ def _binds(file: Path, name: str) -> bool:
 def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:
     """Yield what is wrong with the imports of one of some files, and the names that nothing binds."""
     own_modules = sources.sources
-    for one in source.imports:
-        if one.is_guarded:
+    for imported in source.imports:
+        if imported.is_guarded:
             continue
-        top = one.target.partition(".")[0]
+        top = imported.target.partition(".")[0]
         if top in ("rospy", "roslib", "roslaunch"):
             yield Finding(
                 "ros1-import",
                 f"{top} belongs to ROS 1; in ROS 2 it is {ROS_1[top]}.",
-                source.at(one.line),
+                source.at(imported.line),
                 f"import {ROS_1[top]}, and write the node as a subclass of rclpy.node.Node",
             )
-        elif top in interfaces.PACKAGES and one.is_from:
-            yield from _wrong_home(source, one)
-        elif one.is_from and top in own_modules:
-            yield from _own_module(source, one, own_modules)
-        elif whole := _bare_sibling(source, one, own_modules):
+        elif top in interfaces.PACKAGES and imported.is_from:
+            yield from _wrong_home(source, imported)
+        elif imported.is_from and top in own_modules:
+            yield from _own_module(source, imported, own_modules)
+        elif whole := _bare_sibling(source, imported, own_modules):
             yield bare_import(
-                whole, whole.removeprefix(f"{source.name.rpartition('.')[0]}."), source.at(one.line)
+                whole, whole.removeprefix(f"{source.name.rpartition('.')[0]}."), source.at(imported.line)
             )
         elif top not in own_modules and (wanted := interfaces.meant(top) or _own_package(top, own_modules)):
             yield Finding(
                 "module-missing",
                 f"There is no Python package {top}. Did you mean {wanted}?",
-                source.at(one.line),
+                source.at(imported.line),
                 f"write {wanted}",
             )
     for name, node in undefined_names(source):
@@ -121,9 +123,9 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
         yield _undefined(source, name, node)
 
 
-def _bare_sibling(source: PythonSource, one: Import, own_modules: Collection[str]) -> str:
+def _bare_sibling(source: PythonSource, imported: Import, own_modules: Collection[str]) -> str:
     """Return the module of a file's own package that it imports without the package's name, as a script does; or nothing."""
-    module = one.target.rpartition(".")[0] if one.is_from else one.target
+    module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
     package = source.name.rpartition(".")[0]
     whole, top = f"{package}.{module}", module.partition(".")[0]
     is_elsewhere = top in own_modules or top in sys.stdlib_module_names or interfaces.is_installed(top)
@@ -146,19 +148,23 @@ def _own_package(name: str, own_modules: Collection[str]) -> str | None:
     """Return the package of one's own of which a name is a misspelling."""
     if name in sys.stdlib_module_names or interfaces.is_installed(name):
         return None
-    return next((one for one in own_modules if "." not in one and is_near_miss(name, one)), None)
+    return next((module for module in own_modules if "." not in module and is_near_miss(name, module)), None)
 
 
 def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
     cause, place = f"{name} is used here but never imported or defined.", source.at(node)
-    if alias := next((one for one in source.imports if one.target == name and one.local != name), None):
+    if alias := next(
+        (imported for imported in source.imports if imported.target == name and imported.local != name), None
+    ):
         cause = f"{name} is imported as {alias.local}, so there is no {name} here."
         return Finding("name-undefined", cause, place, f"write `import {name}` on line {alias.line}")
-    if homes := interfaces.homes_for(name, [one.target for one in source.imports]):
+    if homes := interfaces.homes_for(name, [imported.target for imported in source.imports]):
         return Finding("name-undefined", cause, place, f"write `from {homes[0]} import {name}` at the top")
     here = _bound(source)[0]
     known = sorted(here | set(dir(builtins)))
-    meant = _FOREIGN.get(name.lower()) or next((one for one in known if one.lower() == name.lower()), None)
+    meant = _FOREIGN.get(name.lower()) or next(
+        (candidate for candidate in known if candidate.lower() == name.lower()), None
+    )
     if meant:
         return Finding(
             "name-undefined", f"Python has no {name}; in Python it is {meant}.", place, f"write {meant}"
@@ -174,7 +180,7 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
         if not new.endswith(":"):  # its parameters stand in several lines
             fix = f"write `{name}=None` as the last parameter of {function.name}() (line {function.lineno})"
     else:
-        is_called = any(isinstance(one, ast.Call) and one.func is node for one in source.nodes)
+        is_called = any(isinstance(call, ast.Call) and call.func is node for call in source.nodes)
         fix = (
             f"write the object that {name} belongs to, and a dot, before it"
             if is_called
@@ -191,13 +197,13 @@ def _hands_on(source: PythonSource, name: str, used: ast.AST) -> Function | None
     )
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
     around = [n for n in source.nodes if isinstance(n, kinds) and used in walk(n)]
-    function = max(around, key=lambda one: one.lineno, default=None) if is_handed else None
+    function = max(around, key=lambda definition: definition.lineno, default=None) if is_handed else None
     is_short = function and function.body[0].lineno > function.lineno and not function.args.kwarg
     return function if is_short else None
 
 
-def _wrong_home(source: PythonSource, one: Import) -> Iterator[Finding]:
-    module, _, name = one.target.rpartition(".")
+def _wrong_home(source: PythonSource, imported: Import) -> Iterator[Finding]:
+    module, _, name = imported.target.rpartition(".")
     names = interfaces.names_in(module)
     if name == "*" or names is None or name in names:
         return
@@ -208,28 +214,28 @@ def _wrong_home(source: PythonSource, one: Import) -> Iterator[Finding]:
         "import-wrong",
         f"{name} is not in {module}"
         + (f"; it is in {homes[0]}." if homes else f".{f' Did you mean {close}?' if close else ''}"),
-        source.at(one.line),
+        source.at(imported.line),
         f"write `from {homes[0] if homes else module} import {name if homes or not close else close}`",
     )
 
 
-def _own_module(source: PythonSource, one: Import, own_modules: Collection[str]) -> Iterator[Finding]:
-    module = one.target.rpartition(".")[0]
+def _own_module(source: PythonSource, imported: Import, own_modules: Collection[str]) -> Iterator[Finding]:
+    module = imported.target.rpartition(".")[0]
     if module.endswith((".msg", ".srv", ".action")) and module not in own_modules:
         kind = module.rpartition(".")[2]
         yield Finding(
             "module-missing",
             f"{module} would hold this package's own messages, but a package of type ament_python cannot generate them from its .{kind} files.",
-            source.at(one.line),
+            source.at(imported.line),
             f"put the .{kind} files into a separate ament_cmake package, with rosidl_generate_interfaces in CMakeLists.txt, and import from that",
         )
         return
-    if module not in own_modules and one.target not in own_modules:
+    if module not in own_modules and imported.target not in own_modules:
         close = nearest(module, own_modules)
         yield Finding(
             "module-missing",
             f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
-            source.at(one.line),
+            source.at(imported.line),
             f"write {close} instead of {module}" if close else "fix the name, or create the file",
         )
 
@@ -241,7 +247,7 @@ def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
     What a class binds is known in its body, and not in its methods.
     """
     used = {node.id for node in source.nodes if isinstance(node, ast.Name)}
-    if any(one.local == "*" for one in source.imports) or used & {"exec", "globals"}:
+    if any(imported.local == "*" for imported in source.imports) or used & {"exec", "globals"}:
         return  # what these bind is known only when they run
     names, of_classes = _bound(source)
     known = names | set(dir(builtins)) | _MODULE_NAMES
@@ -269,7 +275,7 @@ def _placed(parent: ast.AST, is_in_body: bool = False) -> Iterator[tuple[ast.AST
 
 def _bound(source: PythonSource) -> tuple[set[str], set[str]]:
     """Return the names that a file binds, and those that the bodies of its classes bind."""
-    names = {one.local for one in source.imports}
+    names = {imported.local for imported in source.imports}
     of_classes: set[str] = set()
     for node, is_in_body in _placed(source.tree):
         match node:
@@ -287,5 +293,5 @@ def _bound(source: PythonSource) -> tuple[set[str], set[str]]:
                 names.add(node.rest)
             case ast.Global() | ast.Nonlocal():
                 names.update(node.names)
-        names.update(one.name for one in getattr(node, "type_params", ()))
+        names.update(parameter.name for parameter in getattr(node, "type_params", ()))
     return names, of_classes

@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources.static_value import dotted
 
 _FILE, _LINES, _LINE, _PARTS = "file", "lines", "line", "parts"  # what an expression may hold
 _ITEM = {_FILE: _LINE, _LINES: _LINE}
-_SAME = {one: one for one in (_FILE, _LINES, _LINE, _PARTS)}
+_SAME = {kind: kind for kind in (_FILE, _LINES, _LINE, _PARTS)}
 # What functions and methods make of what they are given, or belong to.
 _OF_FUNCTIONS = {
     **dict.fromkeys(("list", "sorted", "tuple", "reversed"), dict.fromkeys(_ITEM, _LINES)),
@@ -106,8 +106,10 @@ class _Reader:
     def _of_call(self, call: ast.Call, depth: int) -> str:
         match call.func, call.args:
             case ast.Name(id="open"), [*given]:
-                mode = [*given[1:2], *(one.value for one in call.keywords if one.arg == "mode")]
-                is_text = all(isinstance(one, ast.Constant) and "b" not in str(one.value) for one in mode)
+                mode = [*given[1:2], *(keyword.value for keyword in call.keywords if keyword.arg == "mode")]
+                is_text = all(
+                    isinstance(argument, ast.Constant) and "b" not in str(argument.value) for argument in mode
+                )
                 return _FILE if is_text else ""
             case ast.Name(id=name), [held] if name in _OF_FUNCTIONS:
                 return _OF_FUNCTIONS[name].get(self.kind(held, depth), "")
@@ -131,20 +133,20 @@ class _Reader:
             return ""
         inner = _Reader(self._sources, found[0], self._owner, found[1])
         returned = [
-            one for one in own_nodes(found[1]) if isinstance(one, (ast.Return, ast.Yield, ast.YieldFrom))
+            node for node in own_nodes(found[1]) if isinstance(node, (ast.Return, ast.Yield, ast.YieldFrom))
         ]
-        kinds = {inner.kind(one.value, depth) if isinstance(one, ast.Return) else "" for one in returned}
+        kinds = {inner.kind(node.value, depth) if isinstance(node, ast.Return) else "" for node in returned}
         return kinds.pop() if len(kinds) == 1 else ""
 
     def _of_name(self, name: str, depth: int) -> str:
         """Return what a variable holds, if all that it is given is of one kind."""
         nodes = own_nodes(self._function or self._source.tree)
-        if any(isinstance(one, ast.arg) and one.arg == name for one in nodes):
+        if any(isinstance(n, ast.arg) and n.arg == name for n in nodes):
             return ""
         stores = [
             n for n in nodes if isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)
         ]
-        found = [self._given(nodes, one, depth) for one in stores]
+        found = [self._given(nodes, store, depth) for store in stores]
         return found[0] if found and len(set(found)) == 1 else ""
 
     def _given(self, nodes: tuple[ast.AST, ...], store: ast.Name, depth: int) -> str:

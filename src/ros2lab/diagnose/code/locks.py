@@ -84,7 +84,7 @@ class _Held:
         """Return whether something takes the lock, and waits for it as long as it takes."""
         match node:
             case ast.With(items=items):
-                return self.lock in [ast.unparse(one.context_expr) for one in items]
+                return self.lock in [ast.unparse(item.context_expr) for item in items]
             case ast.Call(func=ast.Attribute(attr="acquire", value=held), args=[], keywords=[]):
                 return ast.unparse(held) == self.lock
         return False

@@ -64,9 +64,11 @@ def _walked_twice(sources: NodeSources, source: PythonSource, function: Function
             case _:
                 continue
         loads = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name and n not in stores]
-        if [one.id for one in stores].count(name) != 1 or not all(_is_all(function, one) for one in loads):
+        if [store.id for store in stores].count(name) != 1 or not all(
+            _is_all(function, load) for load in loads
+        ):
             continue
-        loads.sort(key=lambda one: (one.lineno, one.col_offset))
+        loads.sort(key=lambda load: (load.lineno, load.col_offset))
         first = loads[0] if loads else None
         if first is None:
             continue
@@ -102,7 +104,7 @@ def _is_once(sources: NodeSources, source: PythonSource, value: ast.expr) -> boo
     if name in sources.functions:
         function = sources.functions[name][1]
         is_made = not function.decorator_list and isinstance(function, ast.FunctionDef)
-        return is_made and any(isinstance(one, (ast.Yield, ast.YieldFrom)) for one in own_nodes(function))
+        return is_made and any(isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function))
     return name in _MAKERS and not (name == "iter" and len(value.args) > 1)
 
 
@@ -114,7 +116,9 @@ def _is_all(function: Function, load: ast.AST) -> bool:
                 return not _leaves(body)
             case ast.comprehension(iter=given) if given is load:
                 return any(
-                    node in one.generators for one in walk(function) if isinstance(one, _COMPREHENSIONS)
+                    node in comprehension.generators
+                    for comprehension in walk(function)
+                    if isinstance(comprehension, _COMPREHENSIONS)
                 )
             case ast.Call(func=ast.Name(id=name), args=[given]) if given is load and name in _TAKERS:
                 return True

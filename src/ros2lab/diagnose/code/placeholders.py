@@ -21,7 +21,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
     is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
     for node in source.nodes if not is_formatted else ():
         if isinstance(node, ast.JoinedStr):
-            texts = [one.value for one in node.values if isinstance(one, ast.Constant)]
+            texts = [value.value for value in node.values if isinstance(value, ast.Constant)]
             for name in _known(source, "".join(map(str, texts))):
                 cause = f"In an f-string, doubled braces mean literal braces, so {{{name}}} is shown as it is and no value is filled in."
                 fix = f"write {{{name}}} instead of {{{{{name}}}}}"

@@ -254,7 +254,10 @@ def _result_lost(
     else:
         function = uses.sources.functions.get(uses.sources.resolve(source, called) or "", (source, None))[1]
     if function is not None and _only_computes(function):
-        target = next((ast.unparse(one) for one in value.args if dotted(one)), f"self.{function.name}_result")
+        target = next(
+            (ast.unparse(argument) for argument in value.args if dotted(argument)),
+            f"self.{function.name}_result",
+        )
     elif isinstance(called, ast.Attribute) and called.attr in _TEXT_METHODS and dotted(called.value):
         target = ast.unparse(called.value)
         if "." not in target or is_self_attribute(called):
@@ -293,7 +296,7 @@ def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: F
 def return_in_place(function: Function) -> str:
     """Return how a function gives back what it only prints; empty if it prints nothing last."""
     printed = shown_last(function.body)
-    returns = [f"`return {ast.unparse(one.args[0])}` on line {one.lineno}" for one in printed]
+    returns = [f"`return {ast.unparse(call.args[0])}` on line {call.lineno}" for call in printed]
     joined = f"{', '.join(returns[:-1])}, and {returns[-1]}" if len(returns) > 1 else "".join(returns)
     return f"write return instead of print: {joined}" if printed else ""
 
@@ -305,9 +308,9 @@ def shown_last(body: list[ast.stmt]) -> list[ast.Call]:
             not isinstance(value, (ast.Starred, ast.JoinedStr))
         ):
             return [call]
-        case ast.If(body=then, orelse=other):
+        case ast.If(body=then, orelse=otherwise):
             shown = shown_last(then)
-            return shown and (shown + shown_last(other) if other else shown)
+            return shown and (shown + shown_last(otherwise) if otherwise else shown)
     return []
 
 

@@ -71,10 +71,16 @@ def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
     later = [node for method in owner.functions if method.name != "__init__" for node in walk(method)]
     bound = {dotted(target) or "" for node in later for target in _targets(node)}
     for method in owner.functions:
-        kept_ones = [one for one in _remembered(own_nodes(method)) if _is_read(later, one.holder)]
+        candidates = [
+            candidate for candidate in _remembered(own_nodes(method)) if _is_read(later, candidate.holder)
+        ]
         if id(method) in uses.callbacks:
-            kept_ones += [one for one in _additions(own_nodes(method)) if _goes_on(one.holder, bound, later)]
-        for kept in kept_ones:
+            candidates += [
+                candidate
+                for candidate in _additions(own_nodes(method))
+                if _goes_on(candidate.holder, bound, later)
+            ]
+        for kept in candidates:
             name = dotted(kept.given) or ""
             changed = _first_change(later, name)
             if changed is None or name in bound or name == kept.holder or not _is_object(uses, owner, name):
@@ -89,7 +95,7 @@ def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
 
 def _goes_on(holder: str, bound: Iterable[str], later: Iterable[ast.AST]) -> bool:
     """Return whether an attribute holds what was added before, too: nothing makes it anew or empties it."""
-    is_anew = any(one.startswith("self.") and f"{holder}.".startswith(f"{one}.") for one in bound)
+    is_anew = any(name.startswith("self.") and f"{holder}.".startswith(f"{name}.") for name in bound)
     return not is_anew and not _first_change(later, holder, _EMPTIES)
 
 
@@ -124,21 +130,23 @@ def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
 def _repeated(source: PythonSource, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:
     """Yield a list that has one list, or one message, several times, where a part of that is set later."""
     match node.value:
-        case ast.BinOp(left=ast.List(elts=[one]), op=ast.Mult(), right=count):
-            each = f"[{ast.unparse(one)} for _ in range({ast.unparse(count)})]"
-        case ast.Call(func=ast.Attribute(value=ast.Name(id="dict"), attr="fromkeys"), args=[keys, one]):
-            each = f"{{key: {ast.unparse(one)} for key in {ast.unparse(keys)}}}"
+        case ast.BinOp(left=ast.List(elts=[item]), op=ast.Mult(), right=count):
+            comprehension = f"[{ast.unparse(item)} for _ in range({ast.unparse(count)})]"
+        case ast.Call(func=ast.Attribute(value=ast.Name(id="dict"), attr="fromkeys"), args=[keys, item]):
+            comprehension = f"{{key: {ast.unparse(item)} for key in {ast.unparse(keys)}}}"
         case _:
             return
-    is_list = isinstance(one, ast.BinOp) and isinstance(one.op, ast.Mult) and isinstance(one.left, ast.List)
+    is_list = (
+        isinstance(item, ast.BinOp) and isinstance(item.op, ast.Mult) and isinstance(item.left, ast.List)
+    )
     is_object = (
-        is_list or isinstance(one, _LITERALS) or (isinstance(one, ast.Call) and _is_class(source, one))
+        is_list or isinstance(item, _LITERALS) or (isinstance(item, ast.Call) and _is_class(source, item))
     )
     for target in _targets(node):
         name = dotted(target)
         if is_object and name and (changed := _change_below(source.nodes, name)):
-            cause = f"{name} holds the same object {ast.unparse(one)} several times, so {_line(changed)} changes all of them."
-            yield Finding("one-object", cause, source.at(node), f"write {name} = {each}")
+            cause = f"{name} holds the same object {ast.unparse(item)} several times, so {_line(changed)} changes all of them."
+            yield Finding("one-object", cause, source.at(node), f"write {name} = {comprehension}")
 
 
 def _additions(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
@@ -213,7 +221,11 @@ def _targets(node: ast.AST) -> list[ast.expr]:
     """Return what a statement gives another value."""
     match node:
         case ast.Assign(targets=targets):
-            return [part for one in targets for part in (one.elts if isinstance(one, ast.Tuple) else [one])]
+            return [
+                element
+                for expression in targets
+                for element in (expression.elts if isinstance(expression, ast.Tuple) else [expression])
+            ]
         case ast.AnnAssign(target=target) | ast.For(target=target) | ast.NamedExpr(target=target):
             return [target]
     return []

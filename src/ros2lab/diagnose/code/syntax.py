@@ -64,7 +64,7 @@ def explained(
     if not repairs:
         return Finding(code, f"{what}: {_said(fault)}.", place, _fix(fault, source))
     first, *more = repairs
-    steps = [_step(first), *(f"on line {one.line} {_step(one)}" for one in more)]
+    steps = [_step(first), *(f"on line {repair.line} {_step(repair)}" for repair in more)]
     cause = f"{what}: {first.why}."
     return Finding(code, cause, f"{place.rpartition(':')[0]}:{first.line}", "; ".join(steps))
 
@@ -160,7 +160,7 @@ def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator
                 above, f"{lines[above - 1]} pass", f"there is nothing below `{lines[above - 1].strip()}`"
             )
         yield Repair(place, " " * deeper + code, why)
-    depths = {len(one) - len(one.lstrip()) for one in lines[: place - 1] if one.strip()}
+    depths = {len(earlier) - len(earlier.lstrip()) for earlier in lines[: place - 1] if earlier.strip()}
     now = len(line) - len(line.lstrip())
     for depth in sorted(depths, key=lambda depth: abs(depth - now)):
         why = f"`{code[:_SHOWN]}` begins with {now} spaces, but the lines it belongs with begin with {depth}"

@@ -31,7 +31,9 @@ def unit_faults(sources: NodeSources) -> Iterator[Finding]:
             continue
         times = _Times(sources, source)
         # What is added to a time or taken from it may be as short as it likes.
-        operands = {id(one) for n in source.nodes if isinstance(n, ast.BinOp) for one in (n.left, n.right)}
+        operands = {
+            id(operand) for n in source.nodes if isinstance(n, ast.BinOp) for operand in (n.left, n.right)
+        }
         for node in source.nodes:
             match node:
                 case ast.Compare(left=left, ops=[_], comparators=[right]):
@@ -53,7 +55,7 @@ class _Times:
         sides = [(unit, side) for side in (left, right) if (unit := self.unit(side)) is not None]
         if not sides:
             return
-        fine, side = min(sides, key=lambda one: one[0])
+        fine, side = min(sides, key=lambda pair: pair[0])
         other = right if side is left else left
         coarse = max(unit for unit, _ in sides) if len(sides) == 2 else _S
         value = self._number(other)
@@ -76,7 +78,7 @@ class _Times:
         """Yield a Duration of so few nanoseconds that no node could keep to it."""
         if not (self._source.resolve(call.func) or "").endswith(".Duration"):
             return
-        given = {one.arg: one.value for one in call.keywords}
+        given = {keyword.arg: keyword.value for keyword in call.keywords}
         value = self._number(given.get("nanoseconds"))
         if len(given) == 1 and value and 1 < value < _TOO_SHORT / _NS:  # one is the least that there is
             cause = f"{ast.unparse(call)} lasts only {value:g} nanoseconds, which is over before anything can happen."
@@ -125,8 +127,8 @@ class _Times:
         return float(value) if is_number else None
 
 
-def _is_same(one: float, other: float) -> bool:
-    return abs(one / other - 1) < 1e-6
+def _is_same(first: float, second: float) -> bool:
+    return abs(first / second - 1) < 1e-6
 
 
 def _in_parentheses(text: str) -> str:

@@ -20,9 +20,9 @@ def burst_faults(sources: NodeSources) -> Iterator[Finding]:
         bursts = _bursts(sources, end.creation) if end.is_publisher and end.name else []
         for other in ends if bursts else ():
             depth = _depth(sources, other.creation)
-            count, function = max(bursts, key=lambda one: one[0])
-            is_one = other.name == end.name and not other.is_publisher
-            if is_one and depth is not None and 0 < depth < count and _reads_all(sources, other.creation):
+            count, function = max(bursts, key=lambda burst: burst[0])
+            is_reader = other.name == end.name and not other.is_publisher
+            if is_reader and depth is not None and 0 < depth < count and _reads_all(sources, other.creation):
                 where = _depth_node(other.creation)
                 cause = f"{function.name}() publishes {count} messages on {end.name} at once, but this queue holds only {depth}: each new message pushes out an unread one."
                 fix = f"give both ends of {end.name} a depth of {max(10, count)}, such as {max(10, count)} instead of {ast.unparse(where)}"
@@ -37,13 +37,13 @@ def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Functio
         if function.name == "__init__":
             continue  # nobody listens yet
         nodes = own_nodes(function)
-        pauses = any(getattr(one, "attr", "") in ("sleep", "wait", "spin_once") for one in nodes)
+        pauses = any(getattr(node, "attr", "") in ("sleep", "wait", "spin_once") for node in nodes)
         calls = [
-            one
-            for one in nodes
-            if isinstance(one, ast.Call) and dotted(one.func) == f"{kept}.publish" and not pauses
+            node
+            for node in nodes
+            if isinstance(node, ast.Call) and dotted(node.func) == f"{kept}.publish" and not pauses
         ]
-        count = sum(_times(sources, creation, function, one) for one in calls)
+        count = sum(_times(sources, creation, function, call) for call in calls)
         if count > 1:
             found.append((count, function))
     return found
@@ -71,7 +71,7 @@ def _times(sources: NodeSources, creation: Creation, function: Function, call: a
             return 0
         if isinstance(node, (ast.For, ast.AsyncFor)):
             turns = _turns(sources, creation, node)
-            leaves = any(isinstance(one, (ast.Break, ast.Return, ast.Continue)) for one in walk(node))
+            leaves = any(isinstance(inner, (ast.Break, ast.Return, ast.Continue)) for inner in walk(node))
             count *= 0 if leaves else turns
     return count
 
@@ -93,7 +93,7 @@ def _depth_node(creation: Creation) -> ast.expr:
     """Return what says how many messages are kept."""
     given = (creation.arguments or {}).get("qos_profile", creation.call)
     if isinstance(given, ast.Call):
-        return next((one.value for one in given.keywords if one.arg == "depth"), given)
+        return next((keyword.value for keyword in given.keywords if keyword.arg == "depth"), given)
     return given
 
 
@@ -102,12 +102,12 @@ def _depth(sources: NodeSources, creation: Creation) -> int | None:
     given = (creation.arguments or {}).get("qos_profile")
     written = sources.written(creation.source, given)
     if isinstance(written, ast.Call):
-        given_ones = {one.arg: one.value for one in written.keywords}
+        keywords = {keyword.arg: keyword.value for keyword in written.keywords}
         if not (sources.resolve(creation.source, written.func) or "").endswith(".QoSProfile"):
             return None
-        if "KEEP_ALL" in ast.dump(written) or None in given_ones:
+        if "KEEP_ALL" in ast.dump(written) or None in keywords:
             return None
-        written = given_ones.get("depth")
+        written = keywords.get("depth")
     value = sources.value(creation.source, written)
     return value if value is not UNKNOWN and isinstance(value, int) and not isinstance(value, bool) else None
 

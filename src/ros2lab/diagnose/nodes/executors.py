@@ -15,53 +15,59 @@ _FOR_A_WHILE = frozenset(("rclpy.spin_once", "rclpy.spin_until_future_complete")
 
 def two_executors(entrance: Entrance) -> Iterator[Finding]:
     """Yield what takes a node from the executor to which it was added and which is to spin it."""
-    added = [one for one in entrance.calls if one.short == "add_node" and one.call.args]
-    for one in added:
-        executor = _executor(one)
+    additions = [reached for reached in entrance.calls if reached.short == "add_node" and reached.call.args]
+    for added in additions:
+        executor = _executor(added)
         if executor not in _spun(entrance):
             continue
-        for other in added:
-            is_same = other.function is one.function and _node(other) == _node(one)
-            if is_same and executor != _executor(other) and other.call.lineno > one.call.lineno:
-                cause = f"A node can be in only one executor: this line takes {_node(one)} away from {executor}, which then calls none of its callbacks."
-                fix = f"remove `{ast.unparse(other.call)}`, or add another node there"
-                yield Finding("not-spinning", cause, other.source.at(other.call), fix)
+        for later in additions:
+            is_same = later.function is added.function and _node(later) == _node(added)
+            if is_same and executor != _executor(later) and later.call.lineno > added.call.lineno:
+                cause = f"A node can be in only one executor: this line takes {_node(added)} away from {executor}, which then calls none of its callbacks."
+                fix = f"remove `{ast.unparse(later.call)}`, or add another node there"
+                yield Finding("not-spinning", cause, later.source.at(later.call), fix)
         for turn in entrance.calls:
             if (
                 turn.name in _FOR_A_WHILE
                 and _has_no_executor(turn.call)
-                and _comes_after(entrance, one, turn)
+                and _comes_after(entrance, added, turn)
             ):
-                yield _taken_away(one, turn, entrance)
+                yield _taken_away(added, turn, entrance)
 
 
 def several_threads(entrance: Entrance) -> Iterator[Finding]:
     """Yield a thread that spins the executor of rclpy while another one does: it cannot be in two of them."""
-    threads = [one for one in entrance.calls if one.short == "Thread" and _spins_in_thread(one)]
-    others = [
-        one for one in entrance.calls if one.name.startswith("rclpy.spin") and _has_no_executor(one.call)
+    threads = [
+        reached for reached in entrance.calls if reached.short == "Thread" and _spins_in_thread(reached)
     ]
-    for one in threads[:1]:
-        makers = _made(entrance, one)
-        is_repeated = one.is_repeated or len(makers) > 1 or any(_is_in_loop(entrance, n) for n in makers)
+    others = [
+        reached
+        for reached in entrance.calls
+        if reached.name.startswith("rclpy.spin") and _has_no_executor(reached.call)
+    ]
+    for thread in threads[:1]:
+        makers = _made(entrance, thread)
+        is_repeated = thread.is_repeated or len(makers) > 1 or any(_is_in_loop(entrance, n) for n in makers)
         if is_repeated or len(threads) > 1 or others:
             where = "" if is_repeated else f" while line {(threads[1:] or others)[0].call.lineno} does, too"
             yield Finding(
                 "not-spinning",
                 f"Several threads spin nodes with rclpy.spin(){where}, but all of these use one executor, which only one thread can spin.",
-                one.source.at(one.call),
+                thread.source.at(thread.call),
                 "add all nodes to one executor instead, and spin that in one place: executor = MultiThreadedExecutor(); executor.add_node(node) for each; executor.spin()",
             )
 
 
-def _spins_in_thread(one: Call) -> bool:
-    given = [*one.call.args, *(keyword.value for keyword in one.call.keywords)]
-    return any(one.source.resolve(value) == "rclpy.spin" for value in given)
+def _spins_in_thread(thread: Call) -> bool:
+    given = [*thread.call.args, *(keyword.value for keyword in thread.call.keywords)]
+    return any(thread.source.resolve(value) == "rclpy.spin" for value in given)
 
 
-def _made(entrance: Entrance, one: Call) -> list[ast.Call]:
+def _made(entrance: Entrance, reached: Call) -> list[ast.Call]:
     """Return the calls that make objects of the class in which a call is reached."""
-    names = _names(one.function, entrance) - {"__init__"} if one.function.name == "__init__" else set()
+    names = (
+        _names(reached.function, entrance) - {"__init__"} if reached.function.name == "__init__" else set()
+    )
     nodes = (n for function in entrance.functions for n in walk(function))
     return [n for n in nodes if isinstance(n, ast.Call) and getattr(n.func, "id", "") in names]
 
@@ -92,13 +98,13 @@ def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
 
 def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
     """Return whether a spin is reached after a node was added, and of the same node as far as can be told."""
-    made = [one for one in entrance.calls if entrance.makes_node(one)]
+    made = [reached for reached in entrance.calls if entrance.makes_node(reached)]
     node = ast.unparse(turn.call.args[0])
     if node not in _nodes(added) and len(made) != 1:
         return False
     early = _called(n for n in walk(added.function) if getattr(n, "lineno", 0) < added.call.lineno)
     if added.function.name == "__init__" and node == _node(added) == "self" and turn.source is added.source:
-        given = {getattr(arg, "attr", "") for one in entrance.calls for arg in one.call.args}
+        given = {getattr(arg, "attr", "") for reached in entrance.calls for arg in reached.call.args}
         return turn.function.name not in early | given  # what is given to somebody is called while they spin
     if turn.function is added.function:
         return turn.call.lineno > added.call.lineno
@@ -108,8 +114,8 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
     while new := [
         f for f in entrance.functions if _names(f, entrance) & names and f.name not in seen | {"main"}
     ]:
-        seen |= {one.name for one in new}
-        names = names.union(*(_called(own_nodes(one)) for one in new))
+        seen |= {function.name for function in new}
+        names = names.union(*(_called(own_nodes(function)) for function in new))
         if turn.function in new:
             return True
     return False
@@ -118,7 +124,7 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
 def _called(nodes: Iterable[ast.AST]) -> set[str]:
     """Return the last names of what is called."""
     calls = [n.func for n in nodes if isinstance(n, ast.Call)]
-    return {str(getattr(one, "attr", getattr(one, "id", ""))) for one in calls}
+    return {str(getattr(function, "attr", getattr(function, "id", ""))) for function in calls}
 
 
 def _names(function: ast.AST, entrance: Entrance) -> set[str]:
@@ -127,27 +133,32 @@ def _names(function: ast.AST, entrance: Entrance) -> set[str]:
     if name != "__init__":
         return {name}
     classes = entrance.sources.classes.values()
-    return {one.definition.name for one in classes if one.methods.get("__init__") is function}
+    return {owner.definition.name for owner in classes if owner.methods.get("__init__") is function}
 
 
 def _has_no_executor(call: ast.Call) -> bool:
     places = 3 if ast.unparse(call.func).endswith("complete") else 2
-    return bool(call.args) and len(call.args) < places and all(one.arg != "executor" for one in call.keywords)
+    return (
+        bool(call.args)
+        and len(call.args) < places
+        and all(keyword.arg != "executor" for keyword in call.keywords)
+    )
 
 
 def _spun(entrance: Entrance) -> set[str]:
     """Return what a program spins: by a call, or by a thread."""
-    nodes = (n for one in entrance.functions for n in walk(one))
+    nodes = (n for function in entrance.functions for n in walk(function))
     spins = (n for n in nodes if isinstance(n, ast.Attribute) and n.attr.startswith("spin"))
-    return {ast.unparse(one.value) for one in spins}
+    return {ast.unparse(spin.value) for spin in spins}
 
 
 def _begun_before(entrance: Entrance, added: Call) -> bool:
     """Return whether a thread spins the executor: then nobody else may."""
     wanted = f"{_executor(added)}.spin"
-    calls = (one.call for one in entrance.calls if one.short == "Thread")
+    calls = (reached.call for reached in entrance.calls if reached.short == "Thread")
     return any(
-        wanted in map(ast.unparse, [*call.args, *(one.value for one in call.keywords)]) for call in calls
+        wanted in map(ast.unparse, [*call.args, *(keyword.value for keyword in call.keywords)])
+        for call in calls
     )
 
 
@@ -160,7 +171,10 @@ def _nodes(added: Call) -> set[str]:
     loops = (
         n for n in walk(added.function) if isinstance(n, ast.For) and ast.unparse(n.target) == _node(added)
     )
-    return {_node(added), *(ast.unparse(one) for loop in loops for one in getattr(loop.iter, "elts", ()))}
+    return {
+        _node(added),
+        *(ast.unparse(element) for loop in loops for element in getattr(loop.iter, "elts", ())),
+    }
 
 
 def _node(added: Call) -> str:

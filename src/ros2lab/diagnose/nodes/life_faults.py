@@ -23,7 +23,8 @@ from ros2lab.diagnose.sources.static_value import dotted
 
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
 _TRANSITIONS = frozenset(
-    f"on_{one}" for one in ("configure", "activate", "deactivate", "cleanup", "shutdown", "error")
+    f"on_{transition}"
+    for transition in ("configure", "activate", "deactivate", "cleanup", "shutdown", "error")
 )
 _THREADED = frozenset(
     ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
@@ -37,7 +38,9 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
         sources: the package's files.
         mains: the functions that its executables call, such as `pk.talk:main`; None takes every `main`.
     """
-    for name in mains if mains is not None else [one for one in sources.functions if one.endswith(".main")]:
+    for name in (
+        mains if mains is not None else [main for main in sources.functions if main.endswith(".main")]
+    ):
         if name in sources.functions:
             entrance = Entrance(sources, name)
             yield from entrance_faults(entrance)
@@ -46,8 +49,8 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
     for source in sources.sources.values():
         yield from _spin_not_called(source)
     yield from _callback_faults(sources)
-    for one in filter(sources.is_managed, sources.nodes):
-        yield from _transition_faults(one)
+    for owner in filter(sources.is_managed, sources.nodes):
+        yield from _transition_faults(owner)
 
 
 def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
@@ -77,7 +80,7 @@ def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
         if has_managed and name in ("on_activate", "on_deactivate") and name not in called:
             does = name.removeprefix("on_")
             cause = f"{name}() overrides the method that would {does} this node's lifecycle publishers, so their state does not change."
-            given = ", ".join(one.arg for one in parameters(method)[1:]) or "state"
+            given = ", ".join(parameter.arg for parameter in parameters(method)[1:]) or "state"
             yield Finding(
                 "transition-wrong",
                 cause,
@@ -94,9 +97,9 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
     running: list[tuple[PythonSource, Function, NodeClass | None, str]] = []
     for creation, function in sources.callbacks():
         running.append((creation.source, function, creation.owner, f"the callback {function.name}"))
-    for one in sources.nodes:
-        if "__init__" in one.methods:
-            running.append((one.source, one.methods["__init__"], one, "the constructor"))
+    for node_class in sources.nodes:
+        if "__init__" in node_class.methods:
+            running.append((node_class.source, node_class.methods["__init__"], node_class, "the constructor"))
     seen: set[int] = set()
     for source, function, owner, what in running:
         if id(function) in seen:
@@ -129,8 +132,8 @@ def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -
     """Yield what only the loop of asyncio can run, where rclpy runs a callback."""
     if "asyncio.run" in source.text or _uses_threads(source):
         return
-    for one in functions:
-        for node in own_nodes(one):
+    for function in functions:
+        for node in own_nodes(function):
             called = node.value if isinstance(node, ast.Await) else None
             name = source.resolve(called.func) or "" if isinstance(called, ast.Call) else ""
             if name.startswith("asyncio."):
@@ -147,18 +150,18 @@ def _sent_early(sources: NodeSources) -> Iterator[Finding]:
     waits = re.compile(r"subscription_count|TRANSIENT_LOCAL|sleep\(")
     if any(waits.search(source.text) for source in sources.sources.values()):
         return
-    bases = {base for one in sources.classes.values() for base in one.bases}
-    for one in sources.nodes:
-        made = one.methods.get("__init__")
-        if made is None or sources.is_managed(one) or one.name in bases:
+    bases = {base for derived in sources.classes.values() for base in derived.bases}
+    for owner in sources.nodes:
+        made = owner.methods.get("__init__")
+        if made is None or sources.is_managed(owner) or owner.name in bases:
             continue
-        uses = Counter(node.attr for node in walk(one.definition) if is_self_attribute(node))
-        once = [method for method in _called_by(sources, one, made) if uses[method.name] == 1]
+        uses = Counter(node.attr for node in walk(owner.definition) if is_self_attribute(node))
+        once = [method for method in _called_by(sources, owner, made) if uses[method.name] == 1]
         early = {id(node) for function in (made, *once) for node in own_nodes(function)}
-        sent = [n for n in walk(one.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
+        sent = [n for n in walk(owner.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
         if sent and all(id(node) in early for node in sent):
             fix = "publish in a method, and call it with a timer: create_timer(1.0, self.that_method)"
-            yield _early(one.source, sent[0], "in the constructor", fix)
+            yield _early(owner.source, sent[0], "in the constructor", fix)
     for creation in sources.creations:
         if creation.method == "create_publisher" and creation.owner is None and creation.function:
             yield from _sent_at_once(creation.source, creation.function, creation.call)
@@ -169,8 +172,8 @@ def _sent_at_once(source: PythonSource, function: Function, made: ast.Call) -> I
     kept = [n for n in own_nodes(function) if isinstance(n, ast.Assign) and n.value is made]
     name = ast.unparse(kept[0].targets[0]) if kept else ""
     sent = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.publish"]
-    others = (n for n in own_nodes(function) if isinstance(n, (ast.For, ast.While, ast.Lambda)))
-    later = {id(node) for other in others for node in walk(other)}
+    blocks = (n for n in own_nodes(function) if isinstance(n, (ast.For, ast.While, ast.Lambda)))
+    later = {id(node) for block in blocks for node in walk(block)}
     at_once = {id(n) for n in own_nodes(function)} - later
     if not name or not sent or not all(id(n) in at_once for n in sent):
         return
@@ -193,14 +196,14 @@ def _is_publish(function: ast.expr) -> bool:
 
 def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
     """Yield timers that a callback makes each time anew, where none is ever cancelled, and no condition asks for one."""
-    words = {getattr(node, "attr", "") for one in sources.sources.values() for node in one.nodes}
+    words = {getattr(node, "attr", "") for file in sources.sources.values() for node in file.nodes}
     if words & {"cancel", "destroy_timer"}:
         return
-    for one in functions:
-        tests = [ast.unparse(node.test) for node in own_nodes(one) if isinstance(node, ast.If)]
+    for function in functions:
+        tests = [ast.unparse(node.test) for node in own_nodes(function) if isinstance(node, ast.If)]
         if any(re.search(r"timer|None|\bnot\b", test) for test in tests):
             continue
-        for node in own_nodes(one):
+        for node in own_nodes(function):
             if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer":
                 yield Finding(
                     "timer-in-callback",
@@ -213,8 +216,8 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
 def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
     """Yield a spin where rclpy itself is at work already or not yet, and what stops a callback for long."""
     is_free = what == "the constructor" or _uses_threads(source)
-    for one in functions:
-        for node in own_nodes(one):
+    for function in functions:
+        for node in own_nodes(function):
             name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
             seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
             if name == "rclpy.spin":
@@ -248,8 +251,8 @@ def _waits_for_another(
     """Yield a loop that waits for an attribute which only another callback can set, and which is not called meanwhile."""
     if owner is None or _uses_threads(source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
-    for one in functions:
-        for loop in (node for node in own_nodes(one) if isinstance(node, ast.While)):
+    for function in functions:
+        for loop in (node for node in own_nodes(function) if isinstance(node, ast.While)):
             asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
             inside = {n.attr for n in walk(loop) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
             calls = [n for n in walk(loop) if isinstance(n, ast.Call)]
@@ -291,8 +294,8 @@ def _loops(source: PythonSource, functions: list[Function], what: str) -> Iterat
     may_wait = what != "the constructor" and _uses_threads(source)
     if may_wait or isinstance(functions[0], ast.AsyncFunctionDef):
         return
-    for one in functions:
-        for node in own_nodes(one):
+    for function in functions:
+        for node in own_nodes(function):
             if isinstance(node, ast.While) and _is_endless(source, node):
                 yield Finding(
                     "endless-loop",
@@ -340,8 +343,8 @@ def _rates(sources: NodeSources) -> Iterator[Finding]:
         ]
         if (
             made
-            and "rclpy" in {one.target.partition(".")[0] for one in source.imports}
-            and not any(_uses_threads(other) for other in sources.sources.values())
+            and "rclpy" in {imported.target.partition(".")[0] for imported in source.imports}
+            and not any(_uses_threads(file) for file in sources.sources.values())
         ):
             yield Finding(
                 "rate-without-thread",

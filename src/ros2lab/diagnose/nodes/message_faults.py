@@ -74,7 +74,7 @@ def _first_field(message: str) -> tuple[str, Kind]:
     """Return the first field of a message that is no message itself, such as `linear.x`, and its kind."""
     fields = (interfaces.fields_of(message) or {}).items()
     name, field = next(
-        one for one in [*fields, ("", "")] if one[0] != "header"
+        entry for entry in [*fields, ("", "")] if entry[0] != "header"
     )  # which is not about the value
     kind = field_kind(field)
     if not interfaces.fields_of(kind):
@@ -99,9 +99,9 @@ def _assignment_faults(scope: Scope, node: ast.Assign | ast.AnnAssign) -> Iterat
         pairs = [(target, node.value)]
         if isinstance(target, (ast.Tuple, ast.List)) and isinstance(node.value, (ast.Tuple, ast.List)):
             pairs = list(zip(target.elts, node.value.elts, strict=False))
-        for one, value in pairs:
-            if isinstance(one, ast.Attribute) and value is not None:
-                yield from _value_faults(scope, scope.kind(one.value), one.attr, value, one)
+        for element, value in pairs:
+            if isinstance(element, ast.Attribute) and value is not None:
+                yield from _value_faults(scope, scope.kind(element.value), element.attr, value, element)
 
 
 def _constructor_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
@@ -201,7 +201,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             "message-field",
             f"{short} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
-            f"write {' or '.join(f'{one}.{name}' for one in inner)} instead of {name}"
+            f"write {' or '.join(f'{field}.{name}' for field in inner)} instead of {name}"
             if inner
             else f"write one of: {', '.join(fields)}"
             if fields
@@ -213,22 +213,29 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
 def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[Finding]:
     """Yield a message that is compared with a text or a number, to which it is never equal."""
     if isinstance(node, ast.Match):
-        patterns = [one.pattern for one in node.cases]
-        patterns += [inner for one in patterns if isinstance(one, ast.MatchOr) for inner in one.patterns]
-        values = [node.subject, *(one.value for one in patterns if isinstance(one, ast.MatchValue))]
-    elif all(isinstance(one, (ast.Eq, ast.NotEq, ast.In, ast.NotIn)) for one in node.ops):
+        patterns = [branch.pattern for branch in node.cases]
+        patterns += [
+            inner for pattern in patterns if isinstance(pattern, ast.MatchOr) for inner in pattern.patterns
+        ]
+        values = [
+            node.subject,
+            *(pattern.value for pattern in patterns if isinstance(pattern, ast.MatchValue)),
+        ]
+    elif all(isinstance(operator, (ast.Eq, ast.NotEq, ast.In, ast.NotIn)) for operator in node.ops):
         values = [node.left]
-        for one in node.comparators:
-            values += one.elts if isinstance(one, (ast.Tuple, ast.List, ast.Set)) else [one]
+        for comparator in node.comparators:
+            values += (
+                comparator.elts if isinstance(comparator, (ast.Tuple, ast.List, ast.Set)) else [comparator]
+            )
     else:
         return
-    messages = [one for one in values if interfaces.fields_of(scope.kind(one))]
-    others = [kind for one in values if (kind := scope.kind(one)) in PLAIN]
-    if messages and others:
+    messages = [value for value in values if interfaces.fields_of(scope.kind(value))]
+    plain = [kind for value in values if (kind := scope.kind(value)) in PLAIN]
+    if messages and plain:
         text, kind = ast.unparse(messages[0]), str(scope.kind(messages[0]))
         yield Finding(
             "message-compared",
-            f"`{text}` is {_described(kind)}, which never equals {_described(str(others[0]))}.",
+            f"`{text}` is {_described(kind)}, which never equals {_described(str(plain[0]))}.",
             scope.source.at(messages[0]),
             f"compare {text}.{_first_field(kind)[0]}",
             (kind,),
@@ -245,23 +252,23 @@ def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
             pairs = [(left, [right]), (right, [left])]
         elif isinstance(operator, (ast.In, ast.NotIn)) and isinstance(right, (ast.Tuple, ast.List, ast.Set)):
             pairs = [(left, right.elts)]
-        for field, others in pairs:
+        for field, values in pairs:
             is_field = isinstance(field, ast.Attribute) and interfaces.fields_of(scope.kind(field.value))
             equals = _EQUALS.get(scope.kind(field) or "") if is_field else None
-            kinds = [scope.kind(one) for one in others]
+            kinds = [scope.kind(value) for value in values]
             if equals and kinds and all(kind in PLAIN and kind not in equals for kind in kinds):
                 wanted = str(scope.kind(field))
                 holds = "never" if isinstance(operator, (ast.Eq, ast.In)) else "always"
-                cause = f"`{ast.unparse(field)}` holds {_described(wanted)}, but {ast.unparse(others[0])} is {_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
-                fix = _asked_rightly(field, wanted, holds == "never", others)
+                cause = f"`{ast.unparse(field)}` holds {_described(wanted)}, but {ast.unparse(values[0])} is {_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
+                fix = _asked_rightly(field, wanted, holds == "never", values)
                 yield Finding("never-equal", cause, scope.source.at(node), fix)
                 break
 
 
-def _asked_rightly(field: ast.expr, wanted: str, is_equal: bool, others: list[ast.expr]) -> str:
+def _asked_rightly(field: ast.expr, wanted: str, is_equal: bool, values: list[ast.expr]) -> str:
     """Say how a field is compared with a value of its own kind."""
-    text, value = ast.unparse(field), getattr(others[0], "value", None)
-    if len(others) > 1 or not isinstance(others[0], ast.Constant):
+    text, value = ast.unparse(field), getattr(values[0], "value", None)
+    if len(values) > 1 or not isinstance(values[0], ast.Constant):
         return f"compare {text} with {_described(wanted)}"
     written, sign = str(value).strip(), "==" if is_equal else "!="
     if wanted == "bool":
@@ -309,7 +316,7 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
     if not (isinstance(function, ast.Attribute) and function.attr in LOG_METHODS and node.args):
         return
     loggers = [function.value, *(value for _, value in scope.assigned(function.value) if value is not None)]
-    if not any(ast.unparse(one).endswith("get_logger()") for one in loggers):
+    if not any(ast.unparse(logger).endswith("get_logger()") for logger in loggers):
         return
     kind, value = scope.kind(node.args[0]), ast.unparse(node.args[0])
     if len(node.args) > 1:
@@ -330,6 +337,8 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
 
 def _one_text(values: list[ast.expr]) -> str:
     """Return an f-string of several values."""
-    parts = [one.value if isinstance(one, ast.Constant) else f"{{{ast.unparse(one)}}}" for one in values]
+    parts = [
+        value.value if isinstance(value, ast.Constant) else f"{{{ast.unparse(value)}}}" for value in values
+    ]
     text = " ".join(map(str, parts))
     return f'f"{text}"' if "'" in text else f"f'{text}'"

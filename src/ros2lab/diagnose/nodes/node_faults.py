@@ -37,9 +37,9 @@ _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tupl
 
 def node_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield what is wrong with node classes and with what they create."""
-    for one in sources.nodes:
-        yield from _constructor_faults(sources, one)
-        yield from _member_faults(sources, one)
+    for owner in sources.nodes:
+        yield from _constructor_faults(sources, owner)
+        yield from _member_faults(sources, owner)
     for name, (source, node) in sources.node_names().items():
         if name and not _NODE_NAME.fullmatch(name):
             yield Finding(
@@ -53,15 +53,15 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
             yield from _creation_faults(sources, creation)
 
 
-def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
-    constructor = one.methods.get("__init__")
+def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
+    constructor = owner.methods.get("__init__")
     if constructor is None:
-        misspelt = lost_constructor(sources, one)
-        if misspelt is not None and any(base in NODE_CLASSES for base in one.bases):
+        misspelt = lost_constructor(sources, owner)
+        if misspelt is not None and any(base in NODE_CLASSES for base in owner.bases):
             yield Finding(
                 "super-misspelt",
                 f"The method {misspelt.name} is not the constructor, which is __init__, with two underscores on each side of init.",
-                one.source.at(misspelt),
+                owner.source.at(misspelt),
                 f"write def __init__({ast.unparse(misspelt.args)}):",
             )
         return
@@ -77,7 +77,7 @@ def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Findin
             yield Finding(
                 "super-misspelt",
                 f"`{ast.unparse(node.func)}` is not how the constructor of Node is called.",
-                one.source.at(node),
+                owner.source.at(node),
                 "write super().__init__('node_name')",
             )
             return
@@ -85,28 +85,28 @@ def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Findin
             init_line = node.lineno
             if (
                 not is_super
-                and one.source.resolve(node.func.value)
+                and owner.source.resolve(node.func.value)
                 and getattr(node.args[0] if node.args else None, "id", "") != "self"
             ):
                 given = ", ".join(map(ast.unparse, node.args))
                 yield Finding(
                     "argument-missing",
                     f"`{ast.unparse(node.func)}` is called on the class, so self must be the first argument.",
-                    one.source.at(node),
+                    owner.source.at(node),
                     f"write super().__init__({given})",
                 )
-            if is_super and not node.args and not node.keywords and {*one.bases} <= NODE_CLASSES:
+            if is_super and not node.args and not node.keywords and {*owner.bases} <= NODE_CLASSES:
                 yield Finding(
                     "argument-missing",
                     "super().__init__() is called without the node's name.",
-                    one.source.at(node),
+                    owner.source.at(node),
                     "write super().__init__('node_name')",
                 )
     if init_line is None:
         yield Finding(
             "super-missing",
-            f"The constructor of {one.definition.name} never calls super().__init__(), so there is no node when it is used.",
-            one.source.at(constructor),
+            f"The constructor of {owner.definition.name} never calls super().__init__(), so there is no node when it is used.",
+            owner.source.at(constructor),
             "write super().__init__('node_name') as the first line of __init__",
         )
         return
@@ -114,73 +114,73 @@ def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Findin
     for node in own_nodes(constructor):
         if not is_self_attribute(node) or not isinstance(node.ctx, ast.Load) or node.lineno >= init_line:
             continue
-        if node.attr in inherited and node.attr not in one.attributes:
+        if node.attr in inherited and node.attr not in owner.attributes:
             yield Finding(
                 "super-late",
                 f"`{ast.unparse(node)}` is used before super().__init__() is called.",
-                one.source.at(node),
+                owner.source.at(node),
                 "call super().__init__('node_name') as the first line of __init__",
             )
             return
 
 
-def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
+def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     properties = members_of("rclpy.node", "Node")[1]
-    members = sources.members(one)
-    own = {name for inner in sources.lineage(one)[0] for name in inner.methods}
-    called = {id(node.func) for node in walk(one.definition) if isinstance(node, ast.Call)}
+    members = sources.members(owner)
+    own = {name for inner in sources.lineage(owner)[0] for name in inner.methods}
+    called = {id(node.func) for node in walk(owner.definition) if isinstance(node, ast.Call)}
     told: set[str] = set()
     # What is asked for by its name, as by hasattr(), need not be there.
-    asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
-    taken = taken_attributes(one)
-    hiding = dict(hiding_methods(one, properties))
+    asked = {getattr(n, "value", None) for n in walk(owner.definition) if isinstance(n, ast.Constant)}
+    taken = taken_attributes(owner)
+    hiding = dict(hiding_methods(owner, properties))
     told |= set(hiding)
     yield from hiding.values()
-    for node in walk(one.definition):
+    for node in walk(owner.definition):
         if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
             continue
-        hidden = one.methods.get(node.attr) if isinstance(node.ctx, ast.Store) else None
+        hidden = owner.methods.get(node.attr) if isinstance(node.ctx, ast.Store) else None
         if hidden is not None and not hidden.decorator_list and node.attr not in properties:
             told.add(node.attr)
             yield Finding(
                 "callback-missing",
                 f"self.{node.attr} is assigned here, which hides the method of the same name.",
-                one.source.at(node),
+                owner.source.at(node),
                 f"rename the method, for example to {node.attr}_callback, also where it is passed to ROS",
             )
         if isinstance(node.ctx, ast.Store) and node.attr in taken.keys() - own:
             told.add(node.attr)
             cause, fix = taken[node.attr]
-            yield Finding("node-property", cause, one.source.at(node), fix)
+            yield Finding("node-property", cause, owner.source.at(node), fix)
         elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"
-            yield _no_such_member(one, node, what, members)
+            yield _no_such_member(owner, node, what, members)
 
 
-def _no_such_member(one: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
-    where, fix = _elsewhere(one, node.attr)
-    public = [each for each in members if each[0] != "_" or node.attr[0] == "_"]
-    close = None if where else nearest(node.attr, one.attributes) or nearest(node.attr, public)
+def _no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
+    where, fix = _elsewhere(owner, node.attr)
+    public = [member for member in members if member[0] != "_" or node.attr[0] == "_"]
+    close = None if where else nearest(node.attr, owner.attributes) or nearest(node.attr, public)
     meant = f" Did you mean {close}?" if close else ""
-    cause = f"{one.definition.name} has no {what} {node.attr}{where or '.'}{meant}"
+    cause = f"{owner.definition.name} has no {what} {node.attr}{where or '.'}{meant}"
     fix = f"write self.{close}, or define self.{node.attr} in __init__" if close else fix
-    return Finding("attribute-missing", cause, one.source.at(node), fix)
+    return Finding("attribute-missing", cause, owner.source.at(node), fix)
 
 
-def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
+def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
     """Say where a missing name is defined instead of its class, and what to do about it."""
-    for node in one.source.nodes:
+    for node in owner.source.nodes:
         if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
             continue
-        holder = next((h for h in one.source.nodes if node in getattr(h, "body", [])), None)
+        holder = next((h for h in owner.source.nodes if node in getattr(h, "body", [])), None)
         line = f"line {node.lineno}"
         if isinstance(holder, ast.ClassDef):
             return (
                 f": it belongs to {holder.name} ({line}).",
-                f"move the method {name} into the class {one.definition.name}",
+                f"move the method {name} into the class {owner.definition.name}",
             )
-        if holder is one.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
+        if holder is owner.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
             return (
                 f": {name} is a function outside the class ({line}).",
                 f"write {name} instead of self.{name}",
@@ -192,9 +192,9 @@ def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
         )
         return (
             f": its indentation puts its definition {inside} ({line}).",
-            f"indent def {name} and its body like the other methods of {one.definition.name}",
+            f"indent def {name} and its body like the other methods of {owner.definition.name}",
         )
-    for local in one.methods.values():
+    for local in owner.methods.values():
         set_here = [
             node.end_lineno or node.lineno
             for node in own_nodes(local)
@@ -212,9 +212,9 @@ def _assigned(statement: ast.stmt) -> set[str]:
     kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign)
     return {
         n.id
-        for one in targets
-        if one and isinstance(statement, kinds)
-        for n in ast.walk(one)
+        for target in targets
+        if target and isinstance(statement, kinds)
+        for n in ast.walk(target)
         if isinstance(n, ast.Name)
     }
 
@@ -406,7 +406,7 @@ def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
 
 
 def _parameter_fault(creation: Creation, given: ast.expr, function: Function) -> Iterator[Finding]:
-    names = [one.arg for one in parameters(function)]
+    names = [parameter.arg for parameter in parameters(function)]
     is_static = any(getattr(decorator, "id", "") == "staticmethod" for decorator in function.decorator_list)
     if function.decorator_list and not is_static:
         return
@@ -425,7 +425,7 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
         return
     first = "self" if is_method else ""
     rest = _CALLED_WITH[creation.method]
-    right = ", ".join(part for part in (first, rest) if part)
+    right = ", ".join(text for text in (first, rest) if text)
     has = ", ".join(names) or "nothing"
     called_with = "the message" if rest == "msg" else rest or "nothing"
     yield Finding(

@@ -353,7 +353,7 @@ def _apart(content: Mapping[Any, Any], full: Mapping[str, str], lines: _Lines) -
     keys = [key for key, _ in sections_of(content)]
     for key in keys:
         runs_as = full.get(key.rstrip("/").rpartition("/")[2], "")
-        if runs_as.count("/") > 1 and not any(is_for(one, runs_as) for one in keys):
+        if runs_as.count("/") > 1 and not any(is_for(section, runs_as) for section in keys):
             yield other_name(key, runs_as, lines.shown, lines.at_section(key))
 
 
@@ -402,7 +402,7 @@ def _content_faults(
                     value_fix(name, shown, given, wanted),
                 )
             elif declared and default is UNKNOWN and name not in declared:
-                near = next((one for one in declared if is_near_miss(name, one)), None)
+                near = next((known for known in declared if is_near_miss(name, known)), None)
                 if near:
                     yield Finding(
                         "parameter-name",

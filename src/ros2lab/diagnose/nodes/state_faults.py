@@ -92,14 +92,16 @@ def _computed_once(state: State) -> Iterator[Finding]:
         if not readers or not _is_snapshot(value):
             continue
         used = {dotted(node) or "" for node in walk(value) if isinstance(node, ast.Attribute)}
-        changed = next(((one, by) for one in sorted(used) if (by := state.changes(one))), None)
+        changed = next(
+            ((attribute, by) for attribute in sorted(used) if (by := state.changes(attribute))), None
+        )
         if changed is None or (not _is_text(value) and not _is_shown(readers)):
             continue
-        one, by = changed
+        attribute, by = changed
         line = f"{text} = {ast.unparse(value)}"
         yield Finding(
             "computed-once",
-            f"{text} is computed only once, in __init__, and is not updated when {by}() changes {one}.",
+            f"{text} is computed only once, in __init__, and is not updated when {by}() changes {attribute}.",
             state.at(state.stores[text][0][1]),
             f"write `{line}` as the first line of {readers[0][0].name}()",
         )
@@ -141,17 +143,19 @@ def _never_read(state: State) -> Iterator[Finding]:
         method, node, value = state.stores[f"self.{name}"][-1]
         if method.name == "__init__" or isinstance(value, ast.Call):
             continue
-        near = next((one for one in sorted(own & state.read) if is_near_miss(name, one)), None)
+        near = next(
+            (candidate for candidate in sorted(own & state.read) if is_near_miss(name, candidate)), None
+        )
         if near:
             cause = f"{method.name}() sets self.{name}, which is never read; self.{near} is read instead."
             fix = f"write self.{near} instead of self.{name}"
             yield Finding("never-read", cause, state.at(node), fix)
             continue
-        for target, other in filled(method):
-            initial = state.initial(dotted(other) or "")
+        for target, given in filled(method):
+            initial = state.initial(dotted(given) or "")
             if isinstance(initial, ast.Constant):
-                cause = f"{method.name}() sets self.{name}, which is never read; {target} is set from {ast.unparse(other)}, which is always {initial.value!r}."
-                yield Finding("never-read", cause, state.at(other), f"write {target} = self.{name}")
+                cause = f"{method.name}() sets self.{name}, which is never read; {target} is set from {ast.unparse(given)}, which is always {initial.value!r}."
+                yield Finding("never-read", cause, state.at(given), f"write {target} = self.{name}")
                 break
 
 
@@ -164,15 +168,15 @@ def _never_equal(state: State) -> Iterator[Finding]:
         if not (are_texts and is_known) or name.rpartition(".")[2] in state.uses.stored_of_others:
             continue
         compared = {
-            one.value: one
+            constant.value: constant
             for node in walk(state.owner.definition)
             if isinstance(node, ast.Compare) and dotted(node.left) == name
-            for other in node.comparators
-            for one in walk(other)
-            if isinstance(one, ast.Constant)
+            for comparator in node.comparators
+            for constant in walk(comparator)
+            if isinstance(constant, ast.Constant)
         }
-        known = ", ".join(repr(one) for one in given)
-        unused = [one for one in given if isinstance(one, str) and one not in compared]
+        known = ", ".join(repr(value) for value in given)
+        unused = [value for value in given if isinstance(value, str) and value not in compared]
         for text, node in compared.items():
             if not isinstance(text, str) or text in given:
                 continue
@@ -203,8 +207,8 @@ def _never_passed(state: State) -> Iterator[Finding]:
                 continue
             shut = {
                 id(node)
-                for one in (method.body[number + 1 :] if is_left else statement.body)
-                for node in walk(one)
+                for guarded in (method.body[number + 1 :] if is_left else statement.body)
+                for node in walk(guarded)
             }
             later = [node for _, node, _ in state.later(name)]
             hidden = {ast.unparse(node.func) for node in publishes if id(node) in shut}
@@ -240,12 +244,12 @@ def _holds(test: ast.expr, value: Any) -> bool | None:
             return not value
         case ast.Attribute() if is_self_attribute(test):
             return bool(value)
-        case ast.Compare(left=left, ops=[sign], comparators=[ast.Constant(value=other)]) if is_self_attribute(
-            left
+        case ast.Compare(left=left, ops=[sign], comparators=[ast.Constant(value=constant)]) if (
+            is_self_attribute(left)
         ):
             compares = _COMPARES.get(type(sign))
             try:
-                return bool(compares(value, other)) if compares else None
+                return bool(compares(value, constant)) if compares else None
             except TypeError:
                 return None
     return None
@@ -263,7 +267,7 @@ def _never_called(state: State) -> Iterator[Finding]:
     for name, method in state.owner.methods.items():
         if name in state.read | bare | inherited or name.startswith("__") or method.decorator_list:
             continue
-        takes = [one.arg for one in parameters(method)][1:]
+        takes = [parameter.arg for parameter in parameters(method)][1:]
         why, begun = "", ""
         if _is_callback(state, method, takes):
             why = "it is not passed to any timer, subscription or service"
@@ -278,8 +282,10 @@ def _never_called(state: State) -> Iterator[Finding]:
 def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
     """Return whether a method looks like a callback, and no other one does what it does."""
     own = _publishers(method)
-    others = {one for m in state.owner.methods.values() if m is not method for one in _publishers(m)}
-    made = {one.method for one in state.uses.sources.creations if one.owner is state.owner}
+    others = {
+        publisher for m in state.owner.methods.values() if m is not method for publisher in _publishers(m)
+    }
+    made = {creation.method for creation in state.uses.sources.creations if creation.owner is state.owner}
     # Beside others that do the same it may well be left over.
     is_alone = (
         bool(own - others),
@@ -301,11 +307,11 @@ def _given_to(name: str, takes: int) -> str:
 def _changed_alone(state: State, method: Function) -> str:
     """Return the attribute that only a method changes, and which a callback reads, or beside which they only log."""
     callbacks = state.uses.callbacks
-    own = [one for one in state.owner.methods.values() if id(one) in callbacks]
+    own = [callback for callback in state.owner.methods.values() if id(callback) in callbacks]
     is_idle = bool(own) and all(map(_only_logs, own))
     for text, stores in state.stores.items():
-        readers = [one.name for one, _ in state.loads.get(text, ()) if id(one) in callbacks]
-        is_alone = {one.name for one, *_ in stores} == {"__init__", method.name} and text.count(".") == 1
+        readers = [reader.name for reader, _ in state.loads.get(text, ()) if id(reader) in callbacks]
+        is_alone = {m.name for m, *_ in stores} == {"__init__", method.name} and text.count(".") == 1
         if is_alone and (readers or is_idle):
             return f"{text}, {f'which {readers[0]}() reads' if readers else 'and the callbacks only log'}"
     return ""
@@ -385,8 +391,8 @@ def _never_published(state: State) -> Iterator[Finding]:
 
 def _never_shown(state: State) -> Iterator[Finding]:
     """Yield a node that only logs, all of it at a level that is not shown."""
-    own = [one for one in state.owner.methods.values() if id(one) in state.uses.callbacks]
-    logs = [n for one in own for n in own_nodes(one) if isinstance(n, ast.Call) and is_log(n)]
+    own = [method for method in state.owner.methods.values() if id(method) in state.uses.callbacks]
+    logs = [n for method in own for n in own_nodes(method) if isinstance(n, ast.Call) and is_log(n)]
     is_quiet = all(getattr(log.func, "attr", "") == "debug" for log in logs)
     if logs and is_quiet and all(map(_only_logs, own)) and not state.uses.named["set_level"]:
         cause = "Messages logged with debug() are not shown: a terminal shows only info() and above."
@@ -427,7 +433,7 @@ def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
             case ast.AugAssign(target=ast.Attribute(attr=name) as target) if (
                 is_self_attribute(target) and name in begun
             ):
-                users = {one.name for one, _ in state.loads.get(f"self.{name}", ())} - {method.name}
+                users = {reader.name for reader, _ in state.loads.get(f"self.{name}", ())} - {method.name}
                 if not users - {"__init__"}:
                     yield Finding(
                         "begun-anew",

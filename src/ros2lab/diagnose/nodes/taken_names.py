@@ -25,7 +25,7 @@ def _same_modules(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
     """Yield a Python package that two packages of the workspace install: Python finds the one of the first in its path."""
     first: dict[str, SourcePackage] = {}
     for package in packages:
-        for name in dict.fromkeys(one.partition(".")[0] for one in package.packages or ()):
+        for name in dict.fromkeys(module.partition(".")[0] for module in package.packages or ()):
             other = first.setdefault(name, package)
             if other is not package and other.name != package.name:
                 cause = f"{other.name} and {package.name} both install a Python package {name}: Python finds only one of them, and the other one's modules are missing."
@@ -40,7 +40,7 @@ def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
     """Yield an installed package of the name of one of Python's own modules, which everything then imports instead of it."""
     for package in packages:
         for name in sorted(
-            {one.partition(".")[0] for one in package.packages or ()}
+            {module.partition(".")[0] for module in package.packages or ()}
             & sys.stdlib_module_names - interfaces.PROGRAMS
         ):
             cause = f"The Python package {name} has the same name as a standard-library module; libraries that import that get this one."
@@ -48,9 +48,9 @@ def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
             yield Finding("name-shadowed", cause, package.shown(name), fix)
 
 
-def hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tuple[str, Finding]]:
+def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tuple[str, Finding]]:
     """Yield by its name each method that hides what every node has."""
-    for method in one.methods.values():
+    for method in owner.methods.values():
         if method.name in properties and not method.decorator_list:
             why = f"Every node already has `{method.name}`, which this method hides, so choose another name."
         elif least := _demanded_by_node(method):
@@ -58,14 +58,14 @@ def hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tupl
         else:
             continue
         fix = f"rename it, for example to {method.name}_, also where it is used"
-        yield method.name, Finding("node-property", why, one.source.at(method), fix)
+        yield method.name, Finding("node-property", why, owner.source.at(method), fix)
 
 
-def taken_attributes(one: NodeClass) -> dict[str, tuple[str, str]]:
+def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
     """Return cause and fix, by their names, of attributes that a class sets and that every node has: for rclpy, or for all."""
     members, properties = members_of("rclpy.node", "Node")
     found: dict[str, tuple[str, str]] = {}
-    for node in walk(one.definition):
+    for node in walk(owner.definition):
         match node:
             case ast.Attribute(attr=name, ctx=ast.Store()) if is_self_attribute(node) and name in properties:
                 cause = f"Every node already has `{name}`, which cannot be set, so choose another name."

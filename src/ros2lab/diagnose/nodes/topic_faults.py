@@ -106,8 +106,8 @@ def word_sources(sources: NodeSources) -> list[PythonSource]:
     handed = [
         sources.sources[name]
         for source in asking
-        for one in source.imports
-        for name in (one.target, one.target.rpartition(".")[0])
+        for imported in source.imports
+        for name in (imported.target, imported.target.rpartition(".")[0])
         if name in sources.sources
     ]
     return list(dict.fromkeys([*asking, *handed]))
@@ -159,15 +159,17 @@ def _by_variable(ends: list[End]) -> dict[tuple[Function, str], list[End]]:
 def service_faults(files: Iterable[NodeSources]) -> Iterator[Finding]:
     """Yield a client of a service that no node of the workspace has, where there is one called nearly so."""
     named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
-    for sources, one in ((package, one) for package in files for one in package.creations):
-        given = (one.arguments or {}).get("srv_name")
-        if one.method not in named or not isinstance(given, ast.Constant):
+    for sources, creation in ((package, creation) for package in files for creation in package.creations):
+        given = (creation.arguments or {}).get("srv_name")
+        if creation.method not in named or not isinstance(given, ast.Constant):
             continue
-        if name := _named(str(given.value), one, sources):
-            named[one.method].setdefault(name, one)
+        if name := _named(str(given.value), creation, sources):
+            named[creation.method].setdefault(name, creation)
     servers, clients = named["create_service"], named["create_client"]
     for name in clients.keys() - servers.keys():
-        near = next((one for one in servers.keys() - clients.keys() if is_near_miss(name, one)), None)
+        near = next(
+            (server for server in servers.keys() - clients.keys() if is_near_miss(name, server)), None
+        )
         if near:
             yield Finding(
                 "topic-near-miss",
@@ -199,10 +201,10 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
                 if is_publisher
                 else "it does not receive what is published on"
             )
-            other = f"{who} {wanted!r}" if wanted in others else f"the course's topic is {wanted!r}"
+            contrast = f"{who} {wanted!r}" if wanted in others else f"the course's topic is {wanted!r}"
             yield Finding(
                 "topic-near-miss",
-                f"This node {verb} {topic!r}, but {other}: the names differ.",
+                f"This node {verb} {topic!r}, but {contrast}: the names differ.",
                 there[0].place,
                 f"write {wanted!r} if that is meant (a leading slash may stay)",
                 (topic, wanted),

@@ -38,7 +38,7 @@ def use_faults(sources: NodeSources) -> Iterator[Finding]:
 
 def _never_made(uses: Uses) -> Iterator[Finding]:
     """Yield a node class of a program that makes no object of it, and of no other class of its own."""
-    names = {one.name for one in uses.sources.nodes}
+    names = {node_class.name for node_class in uses.sources.nodes}
     for owner in uses.sources.nodes:
         source, name = owner.source, owner.definition.name
         found = uses.sources.functions.get(f"{source.name}.main")
@@ -71,9 +71,9 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
 def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
     """Yield a variable of a module that one program changes and another one reads: each has a copy of its own."""
     programs = {name for name in sources.sources if f"{name}.main" in sources.functions}
-    imported = [{one.target for one in source.imports} for source in sources.sources.values()]
+    imports = [{imported.target for imported in source.imports} for source in sources.sources.values()]
     if any(
-        sum(any(t == p or t.startswith(f"{p}.") for t in each) for p in programs) > 1 for each in imported
+        sum(any(t == p or t.startswith(f"{p}.") for t in names) for p in programs) > 1 for names in imports
     ):
         return  # one program may run the nodes of the others
     stores: dict[str, dict[str, ast.Attribute]] = {}
@@ -95,7 +95,7 @@ def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
     for variable, by in stores.items():
         for reader in sorted(loads.get(variable, set()) - set(by)):
             name, node = next(iter(by.items()))
-            shown = [sources.sources[one].shown.rpartition("/")[2] for one in (name, reader)]
+            shown = [sources.sources[program].shown.rpartition("/")[2] for program in (name, reader)]
             yield Finding(
                 "never-passed",
                 f"{shown[0]} changes {ast.unparse(node)} and {shown[1]} reads it, but they are two programs, each with its own copy.",
@@ -116,7 +116,10 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             continue
         between = scope.body[scope.body.index(first) + 1 : scope.body.index(statement)]
         if any(
-            name in named(node) for one in between if not isinstance(one, FUNCTIONS) for node in walk(one)
+            name in named(node)
+            for middle in between
+            if not isinstance(middle, FUNCTIONS)
+            for node in walk(middle)
         ):
             continue  # the first one was used before
         given = [creation for creation, function in uses.sources.callbacks() if function is statement]
