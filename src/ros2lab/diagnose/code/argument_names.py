@@ -1,4 +1,4 @@
-"""Arguments in the places of others: told by the names of what is given, against the names of what is taken."""
+"""Arguments in the wrong order, recognised by comparing their names with those of the parameters."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, param
 
 
 def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield calls of the package's own functions of which two arguments have changed places."""
+    """Yield calls of the package's own functions in which two arguments are swapped."""
     calls = [
         (source, node, function, takes)
         for source in sources.sources.values()
@@ -21,7 +21,7 @@ def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
         if function not in (None, inside)
         and not any(isinstance(argument, ast.Starred) for argument in node.args)
     ]
-    # Who calls it both ways, as in `plan(start, goal)` and `plan(goal, start)`, means both.
+    # A function that is also called in order, as `plan(start, goal)`, takes `plan(goal, start)` on purpose.
     both = {
         id(function)
         for _, node, function, takes in calls
@@ -40,7 +40,7 @@ def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
 def _called(
     sources: NodeSources, source: PythonSource, owner: NodeClass | None, call: ast.Call
 ) -> tuple[Function | None, list[str]]:
-    """Return the function of the package that a call means, with the names of what it takes."""
+    """Return the package's function that a call means, and its parameters' names; None if it is unknown."""
     if is_self_attribute(call.func):
         function = sources.method(owner, call.func.attr)
         is_static = function is not None and bool(function.decorator_list)
@@ -56,13 +56,13 @@ def _called(
 
 
 def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
-    """Return arguments in the order of the parameters of their names; None if they are, or if that is not sure."""
+    """Return arguments in the order of the parameters named like them; None if they are, or in doubt."""
     names = [_name_of(argument) for argument in given]
     for first, name in enumerate(names[: len(takes)]):
         second = takes.index(name) if name in takes else first
         if second in (first, *range(len(given), len(takes))) or names[second] == takes[second]:
             continue
-        # The other one may be anything but what belongs here by its name to a third place.
+        # The argument it is swapped with may have any name except that of a third parameter.
         if names[second] in ("", takes[first]) or names[second] not in takes:
             right = list(given)
             right[first], right[second] = right[second], right[first]
@@ -71,7 +71,7 @@ def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
 
 
 def _name_of(node: ast.expr) -> str:
-    """Return what a value is called: its variable, its attribute or its parameter; empty if it has no telling name."""
+    """Return the name of an expression's variable, attribute or ROS parameter; empty if it says nothing."""
     for inner in walk(node):
         if isinstance(inner, ast.Call) and getattr(inner.func, "attr", "") == "get_parameter" and inner.args:
             return str(getattr(inner.args[0], "value", ""))

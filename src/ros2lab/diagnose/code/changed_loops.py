@@ -1,4 +1,4 @@
-"""Collections that are changed while a loop walks over them."""
+"""Collections that are changed while a loop iterates over them."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ros2lab.diagnose.sources.static_value import dotted
 
 _TAKES_OUT = frozenset(("remove", "pop", "popleft", "discard", "popitem", "clear"))
 _ADDS = frozenset(("append", "appendleft", "insert", "extend", "add"))
-_Path = list[tuple[list[ast.stmt], int, bool]]  # blocks, the statement's place in each, whether a loop has it
+_Path = list[tuple[list[ast.stmt], int, bool]]  # (block, index, whether a loop repeats it), outermost first
 
 
 def changed_loops(sources: NodeSources) -> Iterator[Finding]:
-    """Yield loops over a list, a dict or a set out of which their own bodies take something, and which go on."""
+    """Yield loops over a list, a dict or a set whose body changes it and then goes on looping."""
     for source in sources.sources.values():
         for owner, _, loop in sources.scoped(source):
             if isinstance(loop, ast.For):
@@ -24,7 +24,7 @@ def changed_loops(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _walked(loop: ast.For) -> tuple[str, str] | None:
-    """Return the name of what a loop walks over while it may change, and the name of its places in it, if it counts them."""
+    """Return the name of what a loop iterates over, and of its index if it has one; None if unnamed."""
     places = ""
     match loop.iter:
         case ast.Call(func=ast.Name(id="enumerate"), args=[ast.Name() | ast.Attribute() as kept, *_]):
@@ -45,7 +45,7 @@ def _walked(loop: ast.For) -> tuple[str, str] | None:
         case _:
             return None
     name = dotted(kept)
-    return (name, places) if name and name != "self" else None  # a class says itself how it is walked over
+    return (name, places) if name and name != "self" else None  # iterating over self calls its own __iter__
 
 
 def _changes(
@@ -65,7 +65,7 @@ def _changes(
         if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
     ]
     if any(f"{name}.".startswith(f"{dotted(node)}.") for node in bound):
-        return  # what is changed may be another one
+        return  # the name may refer to another collection by then
     for path in _paths(loop.body, []):
         block, index, _ = path[-1]
         statement = block[index]
@@ -75,7 +75,7 @@ def _changes(
         if places and not any(_reads(node, places) for node in walk(changed)):
             continue
         if by in _ADDS and (len(path) > 1 or _leaves(loop.body)):
-            continue  # a list of what is still to do grows, and ends
+            continue  # a conditional addition, as to a list of pending work, comes to an end
         how = f"line {statement.lineno} {'adds to' if by in _ADDS else 'removes items from'} it"
         then = {
             True: "so the loop never ends",
@@ -101,7 +101,7 @@ def _changes(
 def _change(
     sources: NodeSources, owner: NodeClass | None, statement: ast.stmt, name: str
 ) -> tuple[str, ast.AST]:
-    """Return by what a statement changes what a name holds, itself or by a method of the class; empty if it does not."""
+    """Return the method, or `del`, by which a statement changes a collection, and the node; or empty."""
     for node in _heads(statement):
         match node:
             case ast.Call(func=ast.Attribute(value=holder, attr=attr)) if (
@@ -120,7 +120,7 @@ def _change(
 
 
 def _heads(statement: ast.stmt) -> Iterator[ast.AST]:
-    """Yield what a statement does itself, without the statements below it."""
+    """Yield the nodes of a statement itself, without those of the statements nested in it."""
     blocks = [id(inner) for _, body in _bodies(statement) for inner in body]
     nodes = [statement]
     while nodes:
@@ -131,7 +131,7 @@ def _heads(statement: ast.stmt) -> Iterator[ast.AST]:
 
 
 def _bodies(statement: ast.AST) -> Iterator[tuple[bool, list[ast.stmt]]]:
-    """Yield the blocks below a statement, and whether it may run them again and again."""
+    """Yield the blocks nested in a statement, each with whether the statement is a loop."""
     if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
         return
     is_loop = isinstance(statement, (ast.For, ast.While, ast.AsyncFor))
@@ -143,7 +143,7 @@ def _bodies(statement: ast.AST) -> Iterator[tuple[bool, list[ast.stmt]]]:
 
 
 def _paths(body: list[ast.stmt], above: _Path, *, is_loop: bool = False) -> Iterator[_Path]:
-    """Yield every statement of a block and of those below it, with the blocks around it."""
+    """Yield the path to every statement of a block and of the blocks nested in it."""
     for index, statement in enumerate(body):
         path = [*above, (body, index, is_loop)]
         yield path
@@ -152,8 +152,8 @@ def _paths(body: list[ast.stmt], above: _Path, *, is_loop: bool = False) -> Iter
 
 
 def _is_last(path: _Path) -> bool:
-    """Return whether the outer loop is left for good once a statement was run."""
-    is_left = False  # a loop inside, of which nothing more is run
+    """Return whether the outer loop always ends after a statement."""
+    is_left = False  # whether a break or continue has ended the pass of an inner loop
     for depth in range(len(path) - 1, -1, -1):
         block, index, is_loop = path[depth]
         is_inside = any(again for *_, again in path[: depth + 1])
@@ -170,7 +170,7 @@ def _is_last(path: _Path) -> bool:
 
 
 def _leaves(body: list[ast.stmt]) -> bool:
-    """Return whether anything in a loop may end it."""
+    """Return whether a loop's body contains a statement that may end the loop."""
     kinds = (ast.Break, ast.Return, ast.Raise)
     return any(isinstance(node, kinds) for statement in body for node in (statement, *own_nodes(statement)))
 

@@ -1,4 +1,4 @@
-"""Callbacks that wait for an answer, which their executor takes in only when they have returned."""
+"""Callbacks that wait for an answer which their executor can receive only after they have returned."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class _Wait:
     """A statement that waits for an answer.
 
     Attributes:
-        statement: the whole of it.
-        node: what in it waits.
-        future: what the answer comes with; None where that is a call of the client itself, which gives the answer.
+        statement: the whole statement.
+        node: the call or loop in it that waits.
+        future: the future it waits for; None for a blocking call of the client, which returns the answer.
     """
 
     statement: ast.stmt
@@ -32,7 +32,7 @@ class _Wait:
 
     @property
     def client(self) -> ast.expr | None:
-        """The client that is asked, if the statement says so."""
+        """The client that sends the request; None if the statement does not name it."""
         call = self.node if self.future is None else self.future
         return (
             call.func.value if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) else None
@@ -40,7 +40,7 @@ class _Wait:
 
     @property
     def asked(self) -> ast.expr:
-        """What gives a future for the answer."""
+        """The expression that gives the future of the answer."""
         if self.future is not None:
             return self.future
         call = copy.deepcopy(self.node)
@@ -48,7 +48,7 @@ class _Wait:
         return call  # type: ignore[return-value]
 
     def with_answer(self, written: str) -> str:
-        """Return the statement with what gives the answer written anew; nothing where it only waits."""
+        """Return the statement with its blocking call replaced by other code; empty if it only waits."""
         if self.future is not None:
             return ""
         return ast.unparse(self.statement).replace(ast.unparse(self.node), written)
@@ -56,12 +56,12 @@ class _Wait:
 
 @dataclass(frozen=True)
 class _Callback:
-    """A method that an executor calls, or that such a one calls.
+    """A function that an executor calls, or a method that such a function calls.
 
     Attributes:
-        function: which waits.
-        given: the call with which rclpy was given the callback.
-        is_direct: whether it is the callback itself.
+        function: the function or method.
+        given: the call of rclpy that the callback was passed to.
+        is_direct: whether it is the callback itself, not a method that it calls.
     """
 
     source: PythonSource
@@ -72,17 +72,17 @@ class _Callback:
 
     @property
     def owes(self) -> bool:
-        """Whether what has called it waits for what it returns: a service, an action, a change of parameters."""
+        """Whether its caller uses its return value, as for services, actions and parameter callbacks."""
         return returns_value(self.function)
 
     @property
     def may_be_async(self) -> bool:
-        """Whether rclpy awaits it; it asks at once whether parameters may be set."""
+        """Whether rclpy awaits it; a parameter callback has to answer at once."""
         return self.is_direct and not getattr(self.given.func, "attr", "").startswith("add_")
 
 
 def deadlocks(sources: NodeSources) -> Iterator[Finding]:
-    """Yield waits of a callback for what only another turn of the same executor could bring."""
+    """Yield callbacks that wait for something only their own executor could deliver."""
     seen: set[int] = set()
     for callback in _callbacks(sources):
         source, function = callback.source, callback.function
@@ -95,7 +95,7 @@ def deadlocks(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
-    """Yield the functions that rclpy is given to call, and the methods that they call themselves."""
+    """Yield the functions that are passed to rclpy as callbacks, and the methods that these call."""
     for source in sources.sources.values():
         for owner, _function, call in sources.scoped(source):
             if not isinstance(call, ast.Call) or not _is_of_ros(source, call):
@@ -129,14 +129,14 @@ def _is_of_ros(source: PythonSource, call: ast.Call) -> bool:
 
 
 def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
-    """Yield what a function waits for: a loop until an answer is there, or a call that returns only then."""
+    """Yield the waits of a function: loops until a future is done, and calls that block until then."""
     clients = _clients(source)
     for statement in (n for n in own_nodes(function) if isinstance(n, ast.stmt)):
         if isinstance(statement, ast.While) and (future := _looped_for(statement)):
             yield _Wait(statement, statement, future)
         for call in _calls_in(statement):
             name = source.resolve(call.func) or ast.unparse(call.func)
-            # Another node than the one that is spun may be kept just for this.
+            # A node other than self may exist only for this.
             if name in _SPINS and not any(map(is_self_attribute, call.args[:1])):
                 future = _argument(call, 1, "future") if name == _SPINS[0] else None
                 yield _Wait(statement, call, future or ast.Constant(None))
@@ -145,7 +145,7 @@ def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
 
 
 def _looped_for(loop: ast.While) -> ast.expr | None:
-    """Return the future for which a loop waits, as in `while not future.done():`; None if it does not, or awaits."""
+    """Return the future that a loop waits for, as in `while not future.done():`; None if it awaits."""
     asked = (n for n in ast.walk(loop.test) if isinstance(n, ast.Attribute) and n.attr == "done")
     is_until = isinstance(loop.test, (ast.UnaryOp, ast.BoolOp))
     done = next(asked, None) if is_until else None
@@ -154,7 +154,7 @@ def _looped_for(loop: ast.While) -> ast.expr | None:
 
 
 def _calls_in(statement: ast.stmt) -> list[ast.Call]:
-    """Return the calls in a statement itself: in a condition, but in none of the statements below it."""
+    """Return the calls of a statement itself, such as in the condition of an if, but not in nested blocks."""
     if not isinstance(statement, ast.If) and hasattr(statement, "body"):
         return []
     whole = statement.test if isinstance(statement, ast.If) else statement
@@ -162,7 +162,7 @@ def _calls_in(statement: ast.stmt) -> list[ast.Call]:
 
 
 def _argument(call: ast.Call, place: int, name: str) -> ast.expr | None:
-    """Return what a call gives a parameter, by its place or by its name."""
+    """Return the argument for a parameter, by position or by keyword; None if there is none."""
     given = [
         *call.args[place : place + 1],
         *(keyword.value for keyword in call.keywords if keyword.arg == name),
@@ -171,14 +171,14 @@ def _argument(call: ast.Call, place: int, name: str) -> ast.expr | None:
 
 
 def _clients(source: PythonSource) -> dict[str, ast.Assign]:
-    """Return the clients of the nodes of a file, each with the line that makes it."""
+    """Return the assignments that create a file's clients, by the clients' names."""
     found = {}
     for node in source.nodes:
         match node:
             case ast.Assign(targets=[target], value=ast.Call(func=func)) if ast.unparse(func).rpartition(".")[
                 2
             ] in ("create_client", "ActionClient"):
-                # One of another node than the one that is spun.
+                # Clients of other nodes do not count: the executor may not spin them.
                 if not is_self_attribute(getattr(func, "value", None)):
                     found[ast.unparse(target)] = node
     return found
@@ -212,14 +212,14 @@ def _blocks(function: Function) -> Iterator[list[ast.stmt]]:
 
 
 def _later(source: PythonSource, function: Function, first: _Wait) -> str:
-    """Say which lines go into a function of their own, which is called when the answer has come."""
+    """Say how the lines after the wait become a function that is called when the answer arrives."""
     rows = _rows(source, function, function.body[function.body.index(first.statement) :])
     last = function.body[-1].end_lineno or function.body[-1].lineno
     return f"write these lines instead of {_range(first.statement.lineno, last)}:\n{textwrap.indent(chr(10).join(rows), '        ')}"
 
 
 def _rows(source: PythonSource, function: Function, rest: Sequence[ast.stmt]) -> list[str]:
-    """Return statements in which the first one waits no more, and the others come when the answer has come."""
+    """Return the lines of statements, with everything after the first wait moved into a done callback."""
     waits = {wait.statement: wait for wait in _waits(source, function)}
     found = [n for n, statement in enumerate(rest) if statement in waits]
     if not found:
@@ -240,7 +240,7 @@ def _rows(source: PythonSource, function: Function, rest: Sequence[ast.stmt]) ->
 
 
 def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
-    """Say how a callback that owes an answer awaits another one, with a client in a group of its own."""
+    """Say how to await the answer, in an async callback and with a callback group for the client."""
     lines = callback.source.text.splitlines()
     head = lines[callback.function.lineno - 1].strip()
     edits = [] if head.startswith("async ") else [f"`async {head}` on line {callback.function.lineno}"]
@@ -253,7 +253,7 @@ def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
 
 
 def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> str:
-    """Say how another thread takes in the answer: a client in a group of its own, and an executor of several threads."""
+    """Say how to receive the answer in another thread: a multi-threaded executor and a callback group."""
     edits = []
     for wait in (
         wait for wait in waits if wait.future is not None and not isinstance(wait.future, ast.Constant)
@@ -281,7 +281,7 @@ def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSource
 
 
 def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
-    """Say how the clients that are asked are made in a group of their own; with no other callback of the node."""
+    """Say how to give the clients a callback group of their own, without the node's other callbacks."""
     clients = _clients(callback.source)
     assigned = {
         ast.unparse(n.targets[0]): n.value for n in own_nodes(callback.function) if isinstance(n, ast.Assign)

@@ -1,4 +1,4 @@
-"""Values that are computed once, where a function or a class is defined, and were meant for each call or each object."""
+"""Values computed once, when a function or class is defined, but meant to be new for each call or object."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS
 
-# Modules of Python whose functions give another value each time; what begins with a capital is a class.
+# Standard modules whose functions return a new value each time; capitalised names are classes.
 _CHANGING = frozenset(("time", "random", "secrets", "uuid"))
 _STEADY = frozenset(("strptime", "mktime", "strftime", "uuid3", "uuid5", "seed", "get_clock_info"))
 _OF_CLASSES = frozenset(
@@ -24,7 +24,7 @@ _LITERALS = (ast.List, ast.Dict, ast.Set)
 
 
 def defined_once(sources: NodeSources) -> Iterator[Finding]:
-    """Yield defaults and fields of classes that hold for all calls and objects, where each should have its own."""
+    """Yield defaults and class fields that all calls or objects share, but each should have for itself."""
     for source in sources.sources.values():
         for owner, _, node in sources.scoped(source):
             if isinstance(node, FUNCTIONS):
@@ -45,7 +45,7 @@ def _defaults(source: PythonSource, owner: NodeClass | None, function: Function)
 
 
 def _given(function: Function) -> Iterator[tuple[str, ast.expr]]:
-    """Yield the parameters of a function that have a default, with it."""
+    """Yield the names of the parameters that have a default, each with the default."""
     places = [*function.args.posonlyargs, *function.args.args]
     defaults = function.args.defaults
     for parameter, default in zip(places[len(places) - len(defaults) :], defaults, strict=True):
@@ -56,7 +56,7 @@ def _given(function: Function) -> Iterator[tuple[str, ast.expr]]:
 
 
 def _changing(source: PythonSource, value: ast.expr) -> ast.Call | None:
-    """Return the call in an expression that gives another value each time."""
+    """Return the first call in an expression that returns a new value each time; None if there is none."""
     for node in (value, *own_nodes(value)):
         if isinstance(node, ast.Call) and not isinstance(value, ast.Lambda):
             name = source.resolve(node.func) or ""
@@ -73,12 +73,12 @@ def _is_literal(value: ast.expr) -> bool:
 
 
 def _changed(owner: NodeClass | None, function: Function, name: str) -> int:
-    """Return the line that changes a default in place, here or where the object keeps it; 0 if none does."""
+    """Return the line that changes a default in place, in the function or as an attribute; 0 if none does."""
     nodes = own_nodes(function)
     stored = [n for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
     if name in (store.id for store in stored):
-        return 0  # it may have become another one
-    # A dict or a list that is filled by keys is how a cache is written.
+        return 0  # the name may refer to another object by then
+    # Setting items of a dict or a list by key is how a cache works.
     if line := _line_of_change([node for node in nodes if not isinstance(node, ast.Subscript)], name):
         return line
     kept = [
@@ -108,7 +108,7 @@ def _line_of_change(nodes: Iterable[ast.AST], name: str) -> int:
 
 
 def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> Iterator[Finding]:
-    """Yield a field of a class whose value was computed with the class, where each object reads it as its own."""
+    """Yield class fields that are computed once, although each object reads them as its own."""
     decorators = [
         decorator.func if isinstance(decorator, ast.Call) else decorator
         for decorator in definition.decorator_list
@@ -137,13 +137,13 @@ def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef
 
 
 def _is_read(definition: ast.ClassDef, name: str) -> bool:
-    """Return whether the objects of a class read a field, and none of them makes it itself."""
+    """Return whether the methods of a class read an attribute of self and none of them sets it."""
     found = [n for n in walk(definition) if isinstance(n, ast.Attribute) and dotted(n) == f"self.{name}"]
     return bool(found) and all(isinstance(attribute.ctx, ast.Load) for attribute in found)
 
 
 def _is_made_often(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> bool:
-    """Return whether a package makes several objects of a class."""
+    """Return whether a package instantiates a class in more than one place."""
     wanted = f"{source.name}.{definition.name}"
     calls = [
         node

@@ -1,4 +1,4 @@
-"""Expressions that Python takes, and which do something else than was meant."""
+"""Expressions that Python accepts but that do something other than intended."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "title": str.title,
 }
 _SIGN = re.compile(r"[^=!<>+\-*/%&|^]=\s?(?P<sign>\+|-) ?(?=\S)")
-# What nobody calls or takes a part of, on purpose, right where it is written.
+# Literals, which nobody calls or subscripts on purpose.
 _LITERALS = (ast.Tuple, ast.List, ast.Dict, ast.Constant, ast.JoinedStr, ast.Set)
 _NEXT: dict[type[ast.AST], str] = {ast.Call: "a call of", ast.Subscript: "a part of"}
 
 
 def expression_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield statements that do nothing, comparisons that never hold, and texts in which nothing is filled in."""
+    """Yield statements without effect, comparisons never true, and strings with unfilled placeholders."""
     for source in sources.sources.values():
         yield from comma_faults(source)
         yield from path_faults(source)
@@ -46,7 +46,7 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
-    """Yield a small function that is given to ROS, and that names what it should call."""
+    """Yield lambdas passed to ROS that name a function instead of calling it."""
     for given in (*call.args, *(keyword.value for keyword in call.keywords)):
         if isinstance(given, ast.Lambda) and getattr(given.body, "is_function", False):
             text = ast.unparse(given.body)
@@ -57,11 +57,11 @@ def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
 
 
 def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterator[Finding]:
-    """Yield a comma too much at the end of an assignment, which makes a tuple, and one too few, of which Python warns.
+    """Yield trailing commas that turn a value into a tuple, and missing commas, which Python warns about.
 
     Args:
         source: the file.
-        missing: the code for one too few, which may keep the file from being used at all.
+        missing: the finding's code for a missing comma, which may keep the file from running at all.
     """
     lines = {line for line, said in source.warned if "missed a comma" in said}
     for node in source.nodes:
@@ -86,7 +86,7 @@ def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
 
 
 def tuple_by_comma(source: PythonSource, made: ast.expr) -> Finding:
-    """Say that the comma after a value makes a tuple of it."""
+    """Say that the comma after a value turns it into a tuple."""
     line = made.end_lineno or made.lineno
     text = source.text.splitlines()[line - 1].partition("#")[0].strip().removesuffix(",")
     cause = f"The comma at the end turns `{ast.unparse(made).splitlines()[0][1:-2][:60]}` into a tuple."
@@ -96,13 +96,13 @@ def tuple_by_comma(source: PythonSource, made: ast.expr) -> Finding:
 
 
 def is_by_comma(source: PythonSource, value: ast.expr) -> bool:
-    """Return whether a value is a tuple of one element only because of the comma after it: nothing is around the two."""
+    """Return whether a value is a one-element tuple only because of a trailing comma, without parentheses."""
     is_alone = isinstance(value, ast.Tuple) and len(value.elts) == 1
     return is_alone and (ast.get_source_segment(source.text, value) or "").endswith(",")
 
 
 def _is_taken_apart(source: PythonSource, node: ast.AST) -> bool:
-    """Return whether a tuple of one element may be meant: what it is put into, or who calls for it, takes it apart."""
+    """Return whether a one-element tuple may be meant, because its variable or its callers unpack it."""
     if isinstance(node, ast.Assign):
         names = set(map(ast.unparse, node.targets))
     else:
@@ -111,12 +111,12 @@ def _is_taken_apart(source: PythonSource, node: ast.AST) -> bool:
         last = {function.name for function in around}
         names = {ast.unparse(n) for n in calls if getattr(n.func, "attr", getattr(n.func, "id", "")) in last}
         if not names and not any(isinstance(n, ast.Call) for n in children(node)):
-            return True  # some library may call it, and want a tuple
+            return True  # a library may call it and expect a tuple
     return any(not names.isdisjoint(map(ast.unparse, taken)) for taken in map(_apart, source.nodes))
 
 
 def _apart(node: ast.AST) -> Sequence[ast.expr]:
-    """Return what a piece of code takes for a list or a tuple."""
+    """Return the expressions that a node uses as a list or a tuple."""
     match node:
         case (
             ast.Subscript(value=value)
@@ -134,7 +134,7 @@ def _apart(node: ast.AST) -> Sequence[ast.expr]:
 
 
 def path_faults(source: PythonSource) -> Iterator[Finding]:
-    """Yield a part of a joined path that begins with a slash: os.path.join forgets what stands before it."""
+    """Yield parts of a joined path that begin with a slash: os.path.join drops everything before them."""
     for node in source.nodes:
         if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(
             ("path.join", "PathJoinSubstitution")
@@ -163,7 +163,7 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
             cause = f"`{text}` only compares, and its result is not used."
             fix = f"write {ast.unparse(left)} = {ast.unparse(right)}"
             yield Finding("comparison-unused", cause, source.at(value), fix)
-        # `self.subscription`, which tutorials write so that it counts as used, holds something and is no function.
+        # Tutorials write `self.subscription` alone to avoid a warning; it is an attribute, not a function.
         case ast.Attribute() | ast.Name() if text not in source.stored and not (
             source.resolve(value) or ""
         ).startswith(("rclpy.spin", "rclpy.init")):
@@ -266,7 +266,7 @@ def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
 
 
 def chain_faults(source: PythonSource) -> Iterator[Finding]:
-    """Yield ifs one after the other about the same value, of which the last one's else undoes what others did."""
+    """Yield consecutive ifs on the same value where the else of the last undoes what the others did."""
     for block in (getattr(node, name, []) for node in source.nodes for name in ("body", "orelse")):
         for chain in _chains(block if isinstance(block, list) else []):
             last, rest = chain[-1], chain[-1].orelse
@@ -290,7 +290,7 @@ def chain_faults(source: PythonSource) -> Iterator[Finding]:
 
 
 def _chains(block: list[ast.stmt]) -> Iterator[list[ast.If]]:
-    """Yield ifs that follow each other and ask whether the same value equals another one; the last one has an else."""
+    """Yield runs of consecutive ifs that compare the same expression with ==; the last has an else."""
     chain: list[ast.If] = []
     asked = ""
     for statement in block:
@@ -337,7 +337,7 @@ def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
 
 
 def keys_twice(source: PythonSource) -> Iterator[Finding]:
-    """Yield a key that a dictionary is given more than once, with other values."""
+    """Yield dictionary keys that are given more than once, with different values."""
     for node in source.nodes:
         given: dict[object, list[ast.expr]] = {}
         for key, value in zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ():

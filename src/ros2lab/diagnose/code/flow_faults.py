@@ -1,4 +1,4 @@
-"""What is never reached, never read, done in the wrong order, or hidden from sight: nothing of it is an error."""
+"""Code that is never reached, runs in the wrong order or hides errors, none of which Python reports."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _CREATES = (
     "create_client",
     "add_node",
 )
-_LONGEST_PERIOD = 100  # s; who writes more as one number, and no whole minutes, means ms
+_LONGEST_PERIOD = 100  # s; a longer literal that is not a whole number of minutes is probably in ms
 
 
 def flow_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield what is wrong with the course of a package's code, and what no error tells."""
+    """Yield faults in the control flow of a package, and others that raise no error."""
     for source in sources.sources.values():
         for _owner, function, node in sources.scoped(source):
             for block in _blocks(node):
@@ -49,7 +49,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _bound_late(source: PythonSource) -> Iterator[Finding]:
-    """Yield a lambda that a loop hands to ROS, and which asks for the loop's variable when the loop is over."""
+    """Yield lambdas passed to ROS in a loop that look up the loop variable only after the loop has ended."""
     for loop in source.nodes:
         if not isinstance(loop, ast.For):
             continue
@@ -73,7 +73,7 @@ def _bound_late(source: PythonSource) -> Iterator[Finding]:
 
 
 def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
-    """Yield a timer with a period that calls without a pause, or in milliseconds."""
+    """Yield timers whose period is zero or negative, or probably in milliseconds."""
     given = sources.written(creation.source, (creation.arguments or {}).get("timer_period_sec"))
     period = sources.value(creation.source, given)
     if given is not None and isinstance(period, (int, float)) and period <= 0:
@@ -94,7 +94,7 @@ def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
 
 
 def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
-    """Yield a timer whose period is something that is named as a frequency, and is not below one."""
+    """Yield timers whose period is named like a frequency and is at least 1."""
     given = (creation.arguments or {}).get("timer_period_sec")
     text = dotted(given) or ""
     if given is None or not {"hz", "rate", "freq", "frequency"} & set(
@@ -113,7 +113,7 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
 
 
 def _named_alike(sources: NodeSources) -> Iterator[Finding]:
-    """Yield a name that nodes of two files have."""
+    """Yield node names that are used in two files."""
     first: dict[str, tuple[PythonSource, ast.AST]] = {}
     for source in sources.sources.values():
         for owner, function, node in sources.scoped(source):
@@ -122,9 +122,9 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
             name = sources.value(source, node.args[0] if node.args else None)
             before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
             stems = [file.name.rpartition(".")[2] for file in (before[0], source)]
-            # Two that may take each other's place have a name that is neither's, or add a word to it, as in driver_sim.
+            # Interchangeable nodes have neither file's name, or one file adds a word, as in driver_sim.
             if before[0] is not source and name in stems and not _is_variant(*stems):
-                # The one whose file has another name was copied.
+                # The node whose file has a different name was copied.
                 here, place = before if source.name.endswith(f".{name}") else (source, node)
                 stem = here.name.rpartition(".")[2]
                 yield Finding(
@@ -136,7 +136,7 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _is_variant(stem: str, other: str) -> bool:
-    """Return whether one name says all that another one says, and a word more."""
+    """Return whether one name has all the words of the other and at least one more."""
     words, others = (set(re.findall("[A-Za-z]+", name)) for name in (stem, other))
     return words < others or others < words
 
@@ -151,7 +151,7 @@ def _blocks(node: ast.AST) -> Iterator[list[ast.stmt]]:
 def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) -> Iterator[Finding]:
     for before, after in itertools.pairwise(block):
         if isinstance(before, _LEAVES) and not isinstance(after, ast.Pass):
-            # A generator that yields nothing is made so.
+            # An unreachable yield is how an empty generator is written.
             if any(isinstance(n, (ast.Yield, ast.YieldFrom)) for n in ast.walk(after)):
                 continue
             where = (
@@ -168,7 +168,7 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
 
 
 def _never_true(source: PythonSource) -> Iterator[Finding]:
-    """Yield the conditions of an if and its elifs that nothing can meet, for an earlier one has taken it."""
+    """Yield the conditions of an if/elif chain that are never reached because an earlier one covers them."""
     inner = {id(n.orelse[0]) for n in source.nodes if isinstance(n, ast.If) and _is_elif(n)}
     for first in (n for n in source.nodes if isinstance(n, ast.If) and id(n) not in inner):
         chain = [first]
@@ -189,7 +189,7 @@ def _is_elif(node: ast.If) -> bool:
 
 
 def _takes_all(before: ast.expr, after: ast.expr) -> bool:
-    """Return whether a comparison with a number holds wherever another one of the same value does."""
+    """Return whether a comparison with a number is true whenever a later one of the same value is."""
     match before, after:
         case (
             ast.Compare(
@@ -211,7 +211,7 @@ def _takes_all(before: ast.expr, after: ast.expr) -> bool:
 
 
 def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:
-    """Yield what ends a node before it is spun, and what is made for it only afterwards."""
+    """Yield calls that end a node before it spins, and calls that create something only after the spin."""
     names = [_called(source, statement) for statement in block]
     spins = [number for number, name in enumerate(names) if _goes_on(name)]
     if not spins:
@@ -237,7 +237,7 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
 
 
 def _goes_on(name: str) -> bool:
-    """Return whether a call of this name goes on until Ctrl-C."""
+    """Return whether a function of this name runs until Ctrl-C."""
     return name == "rclpy.spin" or name.endswith("executor.spin")
 
 
@@ -252,7 +252,7 @@ def _called(source: PythonSource, statement: ast.stmt) -> str:
 
 
 def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
-    """Yield a handler that hides each error of a callback."""
+    """Yield except clauses that silently catch every error of a callback."""
     for node in own_nodes(function):
         if not isinstance(node, ast.ExceptHandler) or not all(
             isinstance(statement, (ast.Pass, ast.Return)) for statement in node.body
@@ -270,7 +270,7 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
 def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
     calls = {getattr(node.func, "attr", "") for node in own_nodes(function) if isinstance(node, ast.Call)}
     if calls & {"cancel", "destroy_timer", "destroy_subscription"}:
-        return  # it ends what calls it, so it is called once
+        return  # it stops its own timer or subscription, so it is called once
     guards = {
         id(n) for guard in own_nodes(function) if isinstance(guard, (ast.If, ast.Try)) for n in walk(guard)
     }
@@ -286,7 +286,7 @@ def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
 
 
 def _never_started(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
-    """Yield a timer that the constructor ends again, or that is never begun."""
+    """Yield what the constructor creates and stops again, and timers that are never started."""
     constructor = owner.methods.get("__init__")
     if constructor is None or _names(owner, "reset"):
         return

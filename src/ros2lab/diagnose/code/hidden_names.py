@@ -1,4 +1,4 @@
-"""Variables that hide the function or the module whose name they have, where that is still used."""
+"""Local variables that shadow a function or module which is still used under that name."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LOOPS = (ast.For, ast.While, ast.AsyncFor)
 
 
 def hidden_names(sources: NodeSources) -> Iterator[Finding]:
-    """Yield variables of functions that have the name of what the same function calls or asks for something."""
+    """Yield local variables that shadow a name which the same function calls or reads attributes of."""
     for source in sources.sources.values():
         for node in source.nodes:
             if isinstance(node, FUNCTIONS):
@@ -34,7 +34,7 @@ def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
     taken |= {
         a.asname or a.name for n in nodes if isinstance(n, (ast.Import, ast.ImportFrom)) for a in n.names
     }
-    # What a comprehension goes through is its own.
+    # The variables of a comprehension are its own.
     taken |= {
         n.id
         for c in nodes
@@ -62,7 +62,7 @@ def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
 
 
 def known_names(source: PythonSource) -> dict[str, str]:
-    """Return what a file may call or ask for something: Python's own, and what it imports or defines at its top."""
+    """Return the builtin, imported and top-level function names of a file, each with a description."""
     found = {name: "one of Python's built-in functions" for name in dir(builtins) if name[:1].islower()}
     found |= {imported.local: "an imported name" for imported in source.imports}
     defined = [statement for statement in source.tree.body if isinstance(statement, FUNCTIONS)]
@@ -70,12 +70,12 @@ def known_names(source: PythonSource) -> dict[str, str]:
 
 
 def fix_of(name: str, function: str) -> str:
-    """Return how a variable gets another name."""
+    """Return the instruction to rename a variable."""
     return f"rename the variable {name} everywhere in {function}(), for example to {name}_value, but leave {name} where the original is used"
 
 
 def _used(nodes: tuple[ast.AST, ...], name: str) -> list[ast.AST]:
-    """Return where a name is called, or asked for something."""
+    """Return the calls of a name, and the attributes that are read from it."""
     found: list[ast.AST] = []
     for node in nodes:
         match node:
@@ -87,7 +87,7 @@ def _used(nodes: tuple[ast.AST, ...], name: str) -> list[ast.AST]:
 
 
 def _first_statement(function: Function, stores: list[ast.Name]) -> ast.stmt | None:
-    """Return the statement that gives a variable its first value; None if there may be several such."""
+    """Return the statement that gives a variable its first value; None if it is of an unknown kind."""
     first = min(stores, key=lambda store: (store.lineno, store.col_offset))
     kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign, *_LOOPS, ast.With)
     around = [n for n in own_nodes(function) if isinstance(n, kinds) and first in walk(n)]
@@ -101,13 +101,13 @@ def _comes_before(used: ast.AST, made: ast.stmt, loops: Sequence[ast.stmt]) -> b
     is_in_it = is_in_it or (isinstance(made, ast.For) and used in walk(made.iter))
     if is_in_it:
         return True
-    # In a loop, what stands above may be run when the variable has its value.
+    # In a loop, an earlier line may run again after the variable has been set.
     together = any(made in walk(loop) and used in walk(loop) and loop is not made for loop in loops)
     return line < made.lineno and not together
 
 
 def _is_value_called(nodes: tuple[ast.AST, ...], stores: list[ast.Name], used: ast.AST) -> bool:
-    """Return whether a variable is called that is never given anything that can be called."""
+    """Return whether a use is the call of a variable that only ever holds values that cannot be called."""
     values = [n.value for n in nodes if isinstance(n, ast.Assign) and any(t in stores for t in n.targets)]
     is_all = len(values) == len(stores) and all(isinstance(value, _VALUES) for value in values)
     return isinstance(used, ast.Call) and is_all and used.lineno > min(store.lineno for store in stores)

@@ -1,4 +1,4 @@
-"""Names that are imported from where they are not, and names that are never made."""
+"""Imports of names that are not there, and names that are never defined."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 _MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
 )
-# What other languages call what Python calls otherwise.
+# Words of other languages, and what Python calls them.
 _FOREIGN = {"this": "self", "null": "None", "nullptr": "None", "nil": "None", "undefined": "None"}
 ROS_1 = {
     "rospy": "rclpy",
@@ -30,7 +30,7 @@ ROS_1 = {
 
 
 def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[str]) -> Iterator[Finding]:
-    """Yield an import that a file or folder beside it takes for itself, as `random.py` takes `import random`."""
+    """Yield imports that a file or folder next to the source shadows, as `random.py` does."""
     for imported in source.imports:
         module, _, name = imported.target.rpartition(".") if imported.is_from else (imported.target, "", "")
         top = (module or imported.target).partition(".")[0]
@@ -55,7 +55,7 @@ def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[st
 
 
 def hidden_types(source: PythonSource) -> Iterator[Finding]:
-    """Yield a class or function of a file that has the name of a message type which it imports above."""
+    """Yield classes and functions that have the name of a message type imported above them."""
     message_types = {
         imported.local: imported
         for imported in source.imports
@@ -83,7 +83,7 @@ def _binds(file: Path, name: str) -> bool:
 
 
 def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:
-    """Yield what is wrong with the imports of one of some files, and the names that nothing binds."""
+    """Yield faults in the imports of a file, and the names that nothing in it binds."""
     own_modules = sources.sources
     for imported in source.imports:
         if imported.is_guarded:
@@ -124,12 +124,12 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
 
 
 def _bare_sibling(source: PythonSource, imported: Import, own_modules: Collection[str]) -> str:
-    """Return the module of a file's own package that it imports without the package's name, as a script does; or nothing."""
+    """Return the full name of a sibling module that is imported without its package; empty if none is."""
     module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
     package = source.name.rpartition(".")[0]
     whole, top = f"{package}.{module}", module.partition(".")[0]
     is_elsewhere = top in own_modules or top in sys.stdlib_module_names or interfaces.is_installed(top)
-    # What lies in no package is run as a script, or by pytest, beside its neighbours.
+    # A file outside any package is run as a script or by pytest, which both find its neighbours.
     is_packaged = package in own_modules and "test" not in package.split(".")
     return whole if module and is_packaged and whole in own_modules and not is_elsewhere else ""
 
@@ -145,7 +145,7 @@ def bare_import(whole: str, name: str, place: str) -> Finding:
 
 
 def _own_package(name: str, own_modules: Collection[str]) -> str | None:
-    """Return the package of one's own of which a name is a misspelling."""
+    """Return the package of the workspace that a name misspells; None if there is none."""
     if name in sys.stdlib_module_names or interfaces.is_installed(name):
         return None
     return next((module for module in own_modules if "." not in module and is_near_miss(name, module)), None)
@@ -177,7 +177,7 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
         cause = f"{name} is passed on here, but {function.name}() has no parameter of that name."
         new = re.sub(r"\)(?=[^)]*$)", f"{', ' if function.args.args else ''}{name}=None)", first, count=1)
         fix = f"write `{new}` on line {function.lineno}"
-        if not new.endswith(":"):  # its parameters stand in several lines
+        if not new.endswith(":"):  # its signature spans several lines
             fix = f"write `{name}=None` as the last parameter of {function.name}() (line {function.lineno})"
     else:
         is_called = any(isinstance(call, ast.Call) and call.func is node for call in source.nodes)
@@ -191,7 +191,7 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
 
 
 def _hands_on(source: PythonSource, name: str, used: ast.AST) -> Function | None:
-    """Return the function that gives a value on under its own name, as in `rclpy.init(args=args)`."""
+    """Return the function that passes a name on, as in `rclpy.init(args=args)`; None if none does."""
     is_handed = any(
         isinstance(node, ast.keyword) and node.arg == name and node.value is used for node in source.nodes
     )
@@ -243,8 +243,8 @@ def _own_module(source: PythonSource, imported: Import, own_modules: Collection[
 def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
     """Yield each name that a file uses and that is bound nowhere in it, with its first use.
 
-    Which function binds a name, and when, is not asked: what is yielded fails wherever it is reached.
-    What a class binds is known in its body, and not in its methods.
+    Scopes and order are ignored, so a name that is yielded fails wherever it is reached.
+    A name bound in a class body counts there only, not in its methods.
     """
     used = {node.id for node in source.nodes if isinstance(node, ast.Name)}
     if any(imported.local == "*" for imported in source.imports) or used & {"exec", "globals"}:
@@ -261,10 +261,10 @@ def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
 
 
 def _placed(parent: ast.AST, is_in_body: bool = False) -> Iterator[tuple[ast.AST, bool]]:
-    """Yield everything in a tree, and whether it stands in a class's body and in none of its methods'."""
+    """Yield every node of a tree, and whether it is in a class body but in none of its methods."""
     scopes = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
     for name, value in ast.iter_fields(parent):
-        # Decorators, defaults and annotations are read where the function itself stands.
+        # Decorators, defaults and annotations are evaluated in the scope around the function.
         is_inner = name == "body" and isinstance(parent, scopes)
         is_within = isinstance(parent, ast.ClassDef) if is_inner else is_in_body
         for node in value if isinstance(value, list) else [value]:

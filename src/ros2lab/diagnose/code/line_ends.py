@@ -1,4 +1,4 @@
-"""Lines of a file that are compared with words, and still have their line end."""
+"""Lines read from a file that are compared with strings while they still have their line end."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ros2lab.diagnose.sources.static_value import dotted
 _FILE, _LINES, _LINE, _PARTS = "file", "lines", "line", "parts"  # what an expression may hold
 _ITEM = {_FILE: _LINE, _LINES: _LINE}
 _SAME = {kind: kind for kind in (_FILE, _LINES, _LINE, _PARTS)}
-# What functions and methods make of what they are given, or belong to.
+# What functions and methods return for each kind of argument or object.
 _OF_FUNCTIONS = {
     **dict.fromkeys(("list", "sorted", "tuple", "reversed"), dict.fromkeys(_ITEM, _LINES)),
     "next": {_FILE: _LINE},
@@ -28,7 +28,7 @@ _DEEPEST = 12  # steps from a comparison to the file that was opened
 
 
 def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield comparisons of a line, as it was read, with a text that has no line end: these are never alike."""
+    """Yield comparisons of an unstripped line with a string that has no line end: they are never equal."""
     for source in sources.sources.values():
         if not any(name in source.text for name in ("open(", "stdin", "readline")):
             continue
@@ -37,7 +37,7 @@ def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
             if isinstance(node, ast.Compare) and len(node.ops) == 1:
                 side = _Reader(sources, source, owner, function).unequal(node)
                 text = ast.unparse(side) if side is not None else ""
-                if side is not None and (id(function), text) not in told:  # one for all branches of an if
+                if side is not None and (id(function), text) not in told:  # one for all branches
                     told.add((id(function), text))
                     cause = f"A line read from a file ends with '\\n', so `{ast.unparse(node)[:70]}` is not true for it."
                     yield Finding(
@@ -49,7 +49,7 @@ def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 class _Reader:
-    """What the expressions of a function hold of a file's text."""
+    """Finds the expressions of a function that hold a file, its lines, a line or parts of a line."""
 
     def __init__(
         self, sources: NodeSources, source: PythonSource, owner: NodeClass | None, function: Function | None
@@ -57,7 +57,7 @@ class _Reader:
         self._sources, self._source, self._owner, self._function = sources, source, owner, function
 
     def unequal(self, node: ast.Compare) -> ast.expr | None:
-        """Return the side of a comparison that is a line, where no other side can be one."""
+        """Return the side of a comparison that is a line where the other cannot be; None if neither is."""
         left, right = node.left, node.comparators[0]
         if isinstance(node.ops[0], (ast.Eq, ast.NotEq)):
             for side, other in ((left, right), (right, left)):
@@ -76,7 +76,7 @@ class _Reader:
         return isinstance(value, str) and value != "" and not value.endswith(("\n", "\r"))
 
     def kind(self, node: ast.expr | None, depth: int = _DEEPEST) -> str:
-        """Return what an expression holds of a file; empty if nothing, or if that is not known."""
+        """Return the kind of an expression, such as `_LINE`; empty if it has none or is unknown."""
         found = ""
         if depth == 0:
             return found
@@ -123,7 +123,7 @@ class _Reader:
         return ""
 
     def _of_own(self, called: ast.expr, depth: int) -> str:
-        """Return what a function of the package's own returns."""
+        """Return the kind of what a function of the package returns; empty if it is not always the same."""
         if is_self_attribute(called):
             method = self._sources.method(self._owner, called.attr)
             found = (self._source, method) if method is not None else None
@@ -139,7 +139,7 @@ class _Reader:
         return kinds.pop() if len(kinds) == 1 else ""
 
     def _of_name(self, name: str, depth: int) -> str:
-        """Return what a variable holds, if all that it is given is of one kind."""
+        """Return the kind of a variable; empty if not all its assignments agree."""
         nodes = own_nodes(self._function or self._source.tree)
         if any(isinstance(n, ast.arg) and n.arg == name for n in nodes):
             return ""
@@ -150,7 +150,7 @@ class _Reader:
         return found[0] if found and len(set(found)) == 1 else ""
 
     def _given(self, nodes: tuple[ast.AST, ...], store: ast.Name, depth: int) -> str:
-        """Return what the statement holds that gives a variable its value."""
+        """Return the kind of the value that a variable is given; empty if it is unknown."""
         for node in nodes:
             kinds = _SAME
             match node:
@@ -177,7 +177,7 @@ class _Reader:
         return ""
 
     def _of_attribute(self, node: ast.Attribute, depth: int) -> str:
-        """Return what an attribute holds, if all that the class gives it is of one kind."""
+        """Return the kind of an attribute of self; empty if not all its assignments agree."""
         kinds = set()
         name = dotted(node)
         for method in self._owner.functions if self._owner else ():

@@ -1,4 +1,4 @@
-"""Locks that are taken again by whoever holds them: a wait that never ends."""
+"""Locks that are acquired again while they are already held, which waits forever."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 
-# What may be taken once; an RLock, and a Condition of its own, may be taken again by the same thread.
+# An RLock, and a Condition with its own lock, can be acquired again by the same thread; these cannot.
 _ONCE = frozenset(
     ("threading.Lock", "multiprocessing.Lock", "threading.Semaphore", "threading.BoundedSemaphore")
 )
 
 
 def lock_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield what takes a lock below a `with` of the same lock, also in a function that is called there."""
+    """Yield acquisitions of a lock inside a `with` of the same lock, also in functions called there."""
     for source in sources.sources.values():
         locks = {
             ast.unparse(target)
@@ -43,7 +43,7 @@ def _is_lock(source: PythonSource, value: ast.expr) -> bool:
 
 @dataclass(frozen=True)
 class _Held:
-    """A lock that is held, in a class or in none."""
+    """A lock that is held; `owner` is None outside a class."""
 
     sources: NodeSources
     source: PythonSource
@@ -51,7 +51,7 @@ class _Held:
     lock: str
 
     def taken_again(self, node: ast.AST, seen: frozenset[int] = frozenset()) -> list[ast.AST]:
-        """Return what takes the lock in a function or a statement, after the calls that lead there; nothing if none does."""
+        """Return the calls that lead to where the lock is acquired again, and that place; or nothing."""
         for inner in own_nodes(node):
             if self._takes(inner):
                 return [inner]
@@ -62,13 +62,13 @@ class _Held:
         return []
 
     def is_released(self, node: ast.AST) -> bool:
-        """Return whether something gives the lock back below a statement."""
+        """Return whether the lock is released inside a statement."""
         return any(
             ast.unparse(n) == f"{self.lock}.release" for n in walk(node) if isinstance(n, ast.Attribute)
         )
 
     def finding(self, node: ast.With, way: list[ast.AST]) -> Finding:
-        """Say that the lock is taken again below a statement."""
+        """Say that the lock is acquired again inside a statement."""
         first, last = way[0], way[-1]
         line = f"line {getattr(last, 'lineno', 0)}"
         if isinstance(first, ast.Call) and len(way) > 1:
@@ -81,7 +81,7 @@ class _Held:
         return Finding("lock-held", cause, self.source.at(first), fix)
 
     def _takes(self, node: ast.AST) -> bool:
-        """Return whether something takes the lock, and waits for it as long as it takes."""
+        """Return whether a node acquires the lock and waits for it without a timeout."""
         match node:
             case ast.With(items=items):
                 return self.lock in [ast.unparse(item.context_expr) for item in items]
@@ -90,7 +90,7 @@ class _Held:
         return False
 
     def _called(self, node: ast.AST) -> Function | None:
-        """Return the file's own function that is called."""
+        """Return the function of the file that a node calls; None if it calls none."""
         if not isinstance(node, ast.Call):
             return None
         if is_self_attribute(node.func):

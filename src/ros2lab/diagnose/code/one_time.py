@@ -1,4 +1,4 @@
-"""Iterators that give their values once, and which are walked through again."""
+"""Iterators that are iterated over again after they have been used up."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp)
 
 
 def one_time_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield iterators of which a second walk gets nothing, since the first one has taken all."""
+    """Yield iterators that are iterated over a second time, when nothing is left in them."""
     if any(source.fault for source in sources.sources.values()):
         return
     uses = Uses(sources)
@@ -33,7 +33,7 @@ def one_time_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _kept(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
-    """Yield an iterator that `__init__` keeps, and that a callback walks through each time it is called."""
+    """Yield iterators that `__init__` keeps and a callback iterates over each time it is called."""
     state = State(uses, owner)
     for text in state.stores:
         value = state.initial(text)
@@ -54,7 +54,7 @@ def _kept(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
 
 
 def _walked_twice(sources: NodeSources, source: PythonSource, function: Function) -> Iterator[Finding]:
-    """Yield an iterator that a function keeps in a variable and walks through twice, or in each turn of a loop."""
+    """Yield iterators in a variable that are iterated over twice, or in every pass of a loop."""
     nodes = own_nodes(function)
     stores = [n for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
     for made in nodes:
@@ -95,7 +95,7 @@ def _finding(source: PythonSource, value: ast.expr, name: str, then: str) -> Fin
 
 
 def _is_once(sources: NodeSources, source: PythonSource, value: ast.expr) -> bool:
-    """Return whether an expression makes what can be walked through once."""
+    """Return whether an expression makes an iterator that can be used only once."""
     if isinstance(value, ast.GeneratorExp):
         return True
     if not isinstance(value, ast.Call):
@@ -109,7 +109,7 @@ def _is_once(sources: NodeSources, source: PythonSource, value: ast.expr) -> boo
 
 
 def _is_all(function: Function, load: ast.AST) -> bool:
-    """Return whether an iterator is walked through to its end where it is read."""
+    """Return whether an iterator is consumed completely where it is read."""
     for node in walk(function):
         match node:
             case ast.For(iter=given, body=body) if given is load:
@@ -132,19 +132,19 @@ def _is_all(function: Function, load: ast.AST) -> bool:
 
 
 def _leaves(body: Iterable[ast.stmt]) -> bool:
-    """Return whether anything in a loop may end it before its time."""
+    """Return whether a loop's body contains anything that may end or interrupt the loop."""
     kinds = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.YieldFrom, ast.Await)
     return any(isinstance(node, kinds) for statement in body for node in walk(statement))
 
 
 def _stops(function: Function) -> bool:
-    """Return whether a callback may see to it that it is not called again."""
+    """Return whether a callback may keep itself from being called again, or rewind the file."""
     names = {getattr(n, "attr", "") for n in walk(function)}
     return not names.isdisjoint(("cancel", "destroy_timer", "destroy_subscription", "shutdown", "seek"))
 
 
 def _is_sure(function: Function, first: ast.AST, second: ast.AST) -> bool:
-    """Return whether a use is always reached and over before the second one."""
+    """Return whether the first use is always reached, and finished before the second."""
     kinds = (*_LOOPS, ast.If, ast.Try, ast.IfExp, ast.BoolOp, *FUNCTIONS, ast.Lambda, ast.Match)
     for node in walk(function):
         if not isinstance(node, kinds) or node is function or first not in walk(node):

@@ -1,4 +1,4 @@
-"""Texts with places for values that nothing fills in: a missing f, doubled braces, a `{}` or `%d` that is shown as it is."""
+"""Strings with placeholders that nothing fills in: a missing f, doubled braces, a bare `{}` or `%d`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _EMPTY = re.compile(r"\{(?:\d*|\d*:[^{}]*)\}|%[-+ 0]*\d*(?:\.\d+)?[dsif]\b")
 
 
 def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
-    """Yield texts that show the place of a value, where the value was meant."""
+    """Yield strings that show a placeholder where its value was meant."""
     filled = {id(n) for node in source.nodes for n in _filled_in(node)}
     is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
     for node in source.nodes if not is_formatted else ():
@@ -45,7 +45,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
 
 
 def _known(source: PythonSource, text: str) -> Iterator[str]:
-    """Yield what stands in braces in a text and is something in the file."""
+    """Yield the names in braces in a string that the file defines."""
     own = {n.attr for n in source.nodes if is_self_attribute(n)}
     bound = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     bound |= {n.arg for n in source.nodes if isinstance(n, ast.arg)}
@@ -56,7 +56,7 @@ def _known(source: PythonSource, text: str) -> Iterator[str]:
 
 
 def _shown(nodes: Iterable[ast.AST]) -> Iterator[ast.Constant]:
-    """Yield the texts that are logged, or put into a message, just as they are written."""
+    """Yield the string literals that are logged or put into a message unchanged."""
     for node in nodes:
         match node:
             case ast.Call(args=[ast.Constant(value=str()) as text], keywords=[]) if is_log(node):
@@ -68,7 +68,7 @@ def _shown(nodes: Iterable[ast.AST]) -> Iterator[ast.Constant]:
 
 
 def _filled_in(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the texts that something else fills in, or that are no texts to be read: docstrings, patterns, keys."""
+    """Yield the nodes of strings that format() or % fills in, and of docstrings and f-strings."""
     match node:
         case ast.Call(func=ast.Attribute(value=owner, attr="format" | "format_map" | "substitute")):
             yield from ast.walk(owner)

@@ -1,4 +1,4 @@
-"""Names with two underscores at their front, which belong to the class in whose body they are written."""
+"""Names with two leading underscores, which are private to the class they are written in."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def private_name_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _taken_for_own(owner: NodeClass, base: NodeClass) -> Iterator[Finding]:
-    """Yield a private name that a class reads and only its base makes, or makes and only its base reads."""
+    """Yield private names that a class reads but only its base sets, or sets but only its base reads."""
     of_base, of_owner = _Private(base), _Private(owner)
     for name, node in sorted(of_owner.read.items()):
         if name in of_base.made and name not in of_owner.made:
@@ -38,7 +38,7 @@ def _finding(owner: NodeClass, base: NodeClass, name: str, node: ast.AST, then: 
 
 
 class _Private:
-    """The private names that a class makes and reads."""
+    """The private names that a class sets and reads."""
 
     def __init__(self, owner: NodeClass) -> None:
         self.made: dict[str, ast.AST] = {}

@@ -1,4 +1,4 @@
-"""Values that a function makes and that get no further: a message never sent, a result not kept or not returned."""
+"""Values that a function makes and then loses: a message never sent, a result not kept or not returned."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PURE = frozenset(
 
 
 def result_faults(uses: Uses) -> Iterator[Finding]:
-    """Yield what functions compute, fill or set in vain."""
+    """Yield values that functions compute, fill or set without effect."""
     for source in uses.sources.sources.values():
         for owner, _, node in uses.sources.scoped(source):
             if isinstance(node, FUNCTIONS):
@@ -37,7 +37,7 @@ def result_faults(uses: Uses) -> Iterator[Finding]:
 def _no_answer(
     uses: Uses, source: PythonSource, owner: NodeClass | None, call: ast.Call
 ) -> Iterator[Finding]:
-    """Yield a callback for parameters that does not say whether it takes the new values."""
+    """Yield parameter callbacks that do not return whether they accept the new values."""
     if getattr(call.func, "attr", "") != "add_on_set_parameters_callback" or not call.args:
         return
     given = call.args[0]
@@ -52,7 +52,7 @@ def _no_answer(
 
 
 def _may_be_message(source: PythonSource, owner: NodeClass | None, given: ast.expr) -> bool:
-    """Return whether what is published may be a message: what cannot be is told by `publish-text`."""
+    """Return whether an argument of publish() may be a message; `publish-text` reports those that cannot."""
     if isinstance(given, ast.Name):
         return True
     made = [
@@ -68,7 +68,7 @@ def _may_be_message(source: PythonSource, owner: NodeClass | None, given: ast.ex
 def _never_sent(
     uses: Uses, source: PythonSource, owner: NodeClass | None, function: Function
 ) -> Iterator[Finding]:
-    """Yield a message that a function makes and fills, and gives to nothing."""
+    """Yield messages that a function creates and fills but never passes on."""
     for node in own_nodes(function):
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=made)):
@@ -96,7 +96,7 @@ def _never_sent(
 
 
 def _is_used(function: Function, name: str) -> bool:
-    """Return whether a function does something with what a name holds but to fill it and to log it."""
+    """Return whether a function uses a variable for more than filling its fields and logging them."""
     bases = {id(n.value) for n in walk(function) if isinstance(n, ast.Attribute)}
     logged = {id(n) for call in own_nodes(function) if is_log(call) for n in walk(call)}
     whole = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name and id(n) not in bases]
@@ -110,7 +110,7 @@ def _is_fill(node: ast.Attribute, name: str) -> bool:
 
 
 def _fields(function: Function, name: str) -> list[ast.Attribute]:
-    """Return the whole fields that are read or filled of what a name holds, such as `msg.linear.x`."""
+    """Return the full attributes of a variable that are read or set, such as `msg.linear.x`."""
     inner = {id(n.value) for n in walk(function) if isinstance(n, (ast.Attribute, ast.Subscript))}
     return [
         n
@@ -120,7 +120,7 @@ def _fields(function: Function, name: str) -> list[ast.Attribute]:
 
 
 def _publisher(uses: Uses, owner: NodeClass | None, kind: str) -> str:
-    """Return the only attribute of a class that holds a publisher of a type."""
+    """Return the only attribute of a class that holds a publisher of a type; empty if not just one."""
     found = set()
     for creation in uses.sources.creations:
         type_ = (creation.arguments or {}).get("msg_type")
@@ -144,9 +144,9 @@ def _publisher(uses: Uses, owner: NodeClass | None, kind: str) -> str:
 def _lost_locals(
     uses: Uses, source: PythonSource, owner: NodeClass | None, function: Function
 ) -> Iterator[Finding]:
-    """Yield a local name that a function sets and never reads, where a global or an attribute of that name is read.
+    """Yield local variables that are set and never read, where a global or attribute of that name is read.
 
-    What is only fetched is told as well where the function puts a plain zero into the one field that it fills.
+    A value that is only fetched is reported, too, if the function sets a single field to the constant 0.
     """
     names = [node for node in walk(function) if isinstance(node, ast.Name)]
     own = {id(node) for node in names}
@@ -184,14 +184,14 @@ def _lost_locals(
 
 
 def _is_fetched(value: ast.expr) -> bool:
-    """Return whether an expression only fetches a value: what is computed may be left over."""
+    """Return whether an expression only fetches a value; a computed one may be a leftover."""
     calls = [node for node in walk(value) if isinstance(node, ast.Call)]
     names = {getattr(call.func, "id", getattr(call.func, "attr", "")) for call in calls}
     return not isinstance(value, (ast.BinOp, ast.Constant)) and names <= _PURE | {"get_parameter"}
 
 
 def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
-    """Yield fields of a message that are filled after it was sent, or before it is made anew."""
+    """Yield message fields that are filled after the message is sent, or before it is created again."""
     made = {
         target.id
         for node in own_nodes(method)
@@ -228,7 +228,7 @@ def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
 
 
 def _changes_of(statement: ast.stmt, name: str) -> tuple[bool, bool, bool]:
-    """Return whether a statement fills a field of what a name holds, reads it otherwise, and gives it another value."""
+    """Return whether a statement sets a field of a variable, reads it otherwise, and assigns to it."""
     bases: set[int] = set()
     for node in walk(statement):
         inner: ast.AST = node
@@ -245,7 +245,7 @@ def _changes_of(statement: ast.stmt, name: str) -> tuple[bool, bool, bool]:
 def _result_lost(
     uses: Uses, source: PythonSource, owner: NodeClass | None, value: ast.expr
 ) -> Iterator[Finding]:
-    """Yield a call of what only computes, where nothing is done with its result."""
+    """Yield calls of functions that only compute something, where the return value is not used."""
     if not isinstance(value, ast.Call):
         return
     text, called = ast.unparse(value), value.func
@@ -261,7 +261,7 @@ def _result_lost(
     elif isinstance(called, ast.Attribute) and called.attr in _TEXT_METHODS and dotted(called.value):
         target = ast.unparse(called.value)
         if "." not in target or is_self_attribute(called):
-            return  # only of a field or an attribute
+            return  # only fields and attributes are reported
     else:
         return
     cause = f"`{text}` returns a new value and changes nothing, and the return value is not used."
@@ -269,7 +269,7 @@ def _result_lost(
 
 
 def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: Function) -> Iterator[Finding]:
-    """Yield a function that computes something last and does not return it, though its callers use what it returns."""
+    """Yield functions that compute a value last but do not return it, though their callers use it."""
     nodes = own_nodes(function)
     if isinstance(function, ast.AsyncFunctionDef) or any(
         isinstance(node, (ast.Return, ast.Yield, ast.YieldFrom, ast.Raise)) for node in nodes
@@ -294,7 +294,7 @@ def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: F
 
 
 def return_in_place(function: Function) -> str:
-    """Return how a function gives back what it only prints; empty if it prints nothing last."""
+    """Return how to make a function return what it prints last; empty if it prints nothing last."""
     printed = shown_last(function.body)
     returns = [f"`return {ast.unparse(call.args[0])}` on line {call.lineno}" for call in printed]
     joined = f"{', '.join(returns[:-1])}, and {returns[-1]}" if len(returns) > 1 else "".join(returns)
@@ -302,7 +302,7 @@ def return_in_place(function: Function) -> str:
 
 
 def shown_last(body: list[ast.stmt]) -> list[ast.Call]:
-    """Return the prints of one value with which each way through statements ends; none if one ends otherwise."""
+    """Return the print calls that end each path through a block; empty if a path ends otherwise."""
     match body[-1] if body else None:
         case ast.Expr(value=ast.Call(func=ast.Name(id="print"), args=[value], keywords=[]) as call) if (
             not isinstance(value, (ast.Starred, ast.JoinedStr))
@@ -319,7 +319,7 @@ def _defines(node: ast.AST, name: str) -> bool:
 
 
 def _uses_value(node: ast.AST, name: str, is_method: bool) -> bool:
-    """Return whether a part of a statement uses what a call of a function returns."""
+    """Return whether a node uses the return value of a function."""
     match node:
         case ast.Assign(value=value) | ast.AugAssign(value=value) | ast.FormattedValue(value=value):
             values = [value]
@@ -334,7 +334,7 @@ def _uses_value(node: ast.AST, name: str, is_method: bool) -> bool:
 
 
 def _only_computes(function: Function) -> bool:
-    """Return whether a function gives back a value on each way and does nothing else."""
+    """Return whether a function returns a value and does nothing else."""
     nodes = own_nodes(function)
     is_returning = any(isinstance(node, ast.Return) and node.value is not None for node in nodes)
     for node in nodes:

@@ -1,4 +1,4 @@
-"""One object where several were meant: it is kept in more than one place, and changed in place."""
+"""Single objects that are kept in several places and changed in place, where separate ones were meant."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses
 
-_ADDS = {"append": 0, "appendleft": 0, "add": 0, "insert": 1}  # which argument is what is added
+_ADDS = {"append": 0, "appendleft": 0, "add": 0, "insert": 1}  # the position of the added argument
 _EMPTIES = frozenset(("clear", "pop", "popleft", "remove"))
 _CHANGES = frozenset((*_ADDS, *_EMPTIES, "extend", "update", "setdefault", "sort", "reverse"))
 _LITERALS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp)
@@ -22,12 +22,12 @@ _LOOPS = (ast.For, ast.While, ast.AsyncFor)
 
 @dataclass(frozen=True)
 class _Kept:
-    """One object that is kept in another place, too.
+    """An object that is stored in a second place.
 
     Attributes:
-        node: where that is done.
-        holder: in what.
-        given: the object, as it is written.
+        node: the call or assignment that stores it.
+        holder: the variable or attribute that it is stored in.
+        given: the expression for the object.
     """
 
     node: ast.AST
@@ -36,7 +36,7 @@ class _Kept:
 
 
 def shared_objects(uses: Uses) -> Iterator[Finding]:
-    """Yield objects of which there is one where a later value should leave the earlier ones as they are."""
+    """Yield objects that are shared by mistake, so that a later change also changes earlier values."""
     for source in uses.sources.sources.values():
         for node in source.nodes:
             if isinstance(node, FUNCTIONS):
@@ -49,10 +49,10 @@ def shared_objects(uses: Uses) -> Iterator[Finding]:
 
 
 def _kept_in_loops(source: PythonSource, function: Function) -> Iterator[Finding]:
-    """Yield what is made before a loop, changed in it, and added there to something that was made before it, too."""
+    """Yield objects made before a loop, changed in it and added there to a collection made before it, too."""
     for loop in (node for node in walk(function) if isinstance(node, _LOOPS)):
         if isinstance(loop.body[-1], (ast.Break, ast.Return)):
-            continue  # it has one turn
+            continue  # it makes a single pass
         inside = [node for statement in loop.body for node in walk(statement)]
         bound = {dotted(target) for node in (loop, *inside) for target in _targets(node)}
         for kept in _additions(inside):
@@ -67,7 +67,7 @@ def _kept_in_loops(source: PythonSource, function: Function) -> Iterator[Finding
 
 
 def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
-    """Yield an attribute that is kept elsewhere, and is one object that changes in place later."""
+    """Yield attributes whose object is also stored elsewhere and changed in place later."""
     later = [node for method in owner.functions if method.name != "__init__" for node in walk(method)]
     bound = {dotted(target) or "" for node in later for target in _targets(node)}
     for method in owner.functions:
@@ -94,13 +94,13 @@ def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
 
 
 def _goes_on(holder: str, bound: Iterable[str], later: Iterable[ast.AST]) -> bool:
-    """Return whether an attribute holds what was added before, too: nothing makes it anew or empties it."""
+    """Return whether a collection keeps what was added earlier: nothing rebinds or empties it."""
     is_anew = any(name.startswith("self.") and f"{holder}.".startswith(f"{name}.") for name in bound)
     return not is_anew and not _first_change(later, holder, _EMPTIES)
 
 
 def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
-    """Yield what stands in the body of a class of which several are made, and is changed by each of them."""
+    """Yield collections in the body of a class with several instances that its methods change."""
     made = [
         node
         for source in uses.sources.sources.values()
@@ -111,7 +111,7 @@ def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
         return
     nodes = [node for method in owner.functions for node in walk(method)]
     own = {target.attr for node in nodes for target in _targets(node) if is_self_attribute(target)}
-    # A list of all objects of the class is one by intent.
+    # A list of all instances of the class is shared on purpose.
     own |= {kept.holder.removeprefix("self.") for kept in _additions(nodes) if dotted(kept.given) == "self"}
     for statement in owner.definition.body:
         match statement:
@@ -128,7 +128,7 @@ def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
 
 
 def _repeated(source: PythonSource, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:
-    """Yield a list that has one list, or one message, several times, where a part of that is set later."""
+    """Yield lists and dicts that repeat a single list or object, where part of an item is changed later."""
     match node.value:
         case ast.BinOp(left=ast.List(elts=[item]), op=ast.Mult(), right=count):
             comprehension = f"[{ast.unparse(item)} for _ in range({ast.unparse(count)})]"
@@ -150,7 +150,7 @@ def _repeated(source: PythonSource, node: ast.Assign | ast.AnnAssign) -> Iterato
 
 
 def _additions(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
-    """Yield what is added to something that holds many."""
+    """Yield objects that are added to a collection."""
     for node in nodes:
         match node:
             case ast.Call(func=ast.Attribute(value=holder, attr=attr), args=args) if (
@@ -168,7 +168,7 @@ def _additions(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
 
 
 def _remembered(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
-    """Yield one attribute that is given to another."""
+    """Yield attributes of self that are assigned to another attribute of self."""
     for node in nodes:
         match node:
             case ast.Assign(targets=[ast.Attribute() as target], value=ast.Attribute() as given) if (
@@ -178,7 +178,7 @@ def _remembered(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
 
 
 def _made_before(function: Function, loop: _Loop, name: str) -> ast.Assign | None:
-    """Return the one statement that makes what a variable holds, before a loop; None if there are others."""
+    """Return the only statement that sets a variable, if it creates an object before a loop; else None."""
     stores = [node for node in own_nodes(function) if name in map(_variable, _targets(node))]
     match stores:
         case [ast.Assign(value=ast.Call() | ast.List() | ast.Dict() | ast.Set()) as made] if (
@@ -193,7 +193,7 @@ def _variable(target: ast.expr) -> str:
 
 
 def _is_object(uses: Uses, owner: NodeClass, name: str) -> bool:
-    """Return whether `__init__` makes an attribute an object of a class, or a list or the like."""
+    """Return whether `__init__` sets an attribute to a new object or collection."""
     constructor = owner.methods.get("__init__")
     values = [
         node.value
@@ -212,13 +212,13 @@ def _is_object(uses: Uses, owner: NodeClass, name: str) -> bool:
 
 
 def _is_class(source: PythonSource, call: ast.Call) -> bool:
-    """Return whether a call makes an object, by its name."""
+    """Return whether a call creates an object, judging by its name."""
     name = (source.resolve(call.func) or dotted(call.func) or "").rpartition(".")[2]
     return name[:1].isupper() or name in ("list", "dict", "set", "deque")
 
 
 def _targets(node: ast.AST) -> list[ast.expr]:
-    """Return what a statement gives another value."""
+    """Return the targets that a statement assigns to."""
     match node:
         case ast.Assign(targets=targets):
             return [
@@ -232,7 +232,7 @@ def _targets(node: ast.AST) -> list[ast.expr]:
 
 
 def _first_change(nodes: Iterable[ast.AST], name: str, by: Collection[str] = _CHANGES) -> ast.AST | None:
-    """Return where a part of what a name holds is set, or where one of some methods is called on it or on a part."""
+    """Return the first node that sets part of an object, or calls one of some methods on it; or None."""
     for node in nodes:
         match node:
             case ast.Attribute(ctx=ast.Store()) | ast.Subscript(ctx=ast.Store()) if by is _CHANGES:
@@ -247,15 +247,15 @@ def _first_change(nodes: Iterable[ast.AST], name: str, by: Collection[str] = _CH
 
 
 def _change_below(nodes: Iterable[ast.AST], name: str) -> ast.AST | None:
-    """Return where a part of one of those that a name holds is changed."""
+    """Return the first node that changes part of an item; None if none does, or if items are replaced."""
     items = [node for node in nodes if isinstance(node, ast.Subscript) and ast.unparse(node.value) == name]
     if any(isinstance(item.ctx, ast.Store) for item in items):
-        return None  # each may be replaced by one of its own
+        return None  # each item may be replaced by an object of its own
     return next(filter(None, (_first_change(nodes, ast.unparse(item)) for item in items)), None)
 
 
 def _above(node: ast.expr) -> Iterator[str]:
-    """Yield what an attribute or an item is a part of."""
+    """Yield the expressions that an attribute or item is part of, the innermost first."""
     while isinstance(node, (ast.Attribute, ast.Subscript)):
         node = node.value
         yield ast.unparse(node)

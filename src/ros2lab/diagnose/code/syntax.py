@@ -1,4 +1,4 @@
-"""A file that Python cannot parse: which change of a line lets Python read on is tried, and that one is told."""
+"""Files that Python cannot parse, explained by the changes of single lines that let Python read on."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import plain_signs, with_article
 
-_LONGEST = 500  # letters of a line in a file in which changes are tried
+_LONGEST = 500  # characters that a line may have for changes to be tried
 _MOST_REPAIRS = 4  # lines that are changed, one after the other
 _MOST_READ = 60_000  # lines that are parsed in all, about half a second
-_SHOWN = 100  # letters of a line
+_SHOWN = 100  # characters of a line
 _END = 10**9  # stands for the line of the error in a file that has none
 _CLOSERS = {"(": ")", "[": "]", "{": "}"}
 
@@ -29,9 +29,9 @@ class Repair:
     """A change of one line after which Python reads on.
 
     Attributes:
-        line: its number.
-        new: what it says then; empty if it is taken away.
-        why: what is wrong with it, as half a sentence.
+        line: the number of the line.
+        new: its new text; empty if it is removed.
+        why: what is wrong with it, as a clause.
     """
 
     line: int
@@ -40,7 +40,7 @@ class Repair:
 
 
 def syntax_finding(code: str, source: PythonSource) -> Finding:
-    """Explain why Python cannot read a file; `source.fault` says it."""
+    """Explain why Python cannot read a file, by its `source.fault`."""
     fault = source.fault
     assert fault is not None
     return explained(
@@ -54,10 +54,10 @@ def explained(
     """Explain a syntax error.
 
     Args:
-        code: of the finding.
+        code: the code of the finding.
         what: how its cause begins, such as `Python cannot read setup.py`.
         place: where Python has stopped.
-        fault: what it says.
+        fault: the error.
         source: the file; None if only the error's text is known.
     """
     repairs = repairs_of(source.text, fault) if source else []
@@ -77,7 +77,7 @@ def _step(repair: Repair) -> str:
 
 
 def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
-    """Return the changes after which Python can read a text, as far as they are found."""
+    """Return the changes that let Python read a text, as many as can be found."""
     lines, found = text.splitlines(), []
     if max(map(len, lines), default=0) > _LONGEST or not fault.lineno or "codec" in (fault.msg or ""):
         return []
@@ -93,13 +93,13 @@ def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
 
 
 class _Reader:
-    """Parses texts, and no more than so many lines."""
+    """Parses texts, up to a total number of lines."""
 
     def __init__(self) -> None:
         self.left, self.said = _MOST_READ, ""
 
     def stops_at(self, lines: list[str]) -> int:
-        """Return the line at which Python cannot go on; `_END` if it reads all, 0 if it is not asked any more."""
+        """Return the line at which Python stops; `_END` if it reads all, 0 if that cannot be found out."""
         self.left -= len(lines)
         if self.left < 0:
             return 0
@@ -116,7 +116,7 @@ class _Reader:
 
 
 def _repair(lines: list[str], number: int, reader: _Reader) -> Repair | None:
-    """Return the first change of a line, or of the one above, after which Python reads on after it."""
+    """Return the change of a line, or the one above, that lets Python read furthest; None if none helps."""
     said, place = reader.said, min(number, len(lines))
     above = next((n for n in range(place - 1, 0, -1) if lines[n - 1].strip()), 0)
     ways = itertools.chain(
@@ -139,14 +139,14 @@ def _repair(lines: list[str], number: int, reader: _Reader) -> Repair | None:
 
 
 def _left_out(place: int, line: str) -> Iterator[Repair]:
-    """Yield that a line is taken away which another program has left: a conflict of git, a fence, a prompt."""
+    """Yield the removal of a line that is not code: a git conflict marker, a code fence or a prompt."""
     if re.match(r"\s*(?:([<=>`~|-])\1{2,}|[$%] )", line):
         why = f"`{line.strip()[:_SHOWN]}` is not Python: it was left by git, a web page or a terminal"
         yield Repair(place, "", why)
 
 
 def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator[Repair]:
-    """Yield a line with the indentation that the lines around it ask for."""
+    """Yield a line with each indentation that the lines around it suggest."""
     line = lines[place - 1]
     code = line.strip()
     if not re.search(r"indent|tab", said, re.IGNORECASE) or not above:
@@ -172,7 +172,7 @@ def _rule(pattern: str, new: str, why: str) -> tuple[re.Pattern[str], str, str]:
     return re.compile(pattern), new, why
 
 
-# How other languages write what Python writes in its own way; each is told only where Python reads on after it.
+# Syntax of other languages; a change is reported only if Python can read on after it.
 _FOREIGN = (
     _rule(r"(?<!=)(?<![\w)\]])(\+\+|--)([\w.]+)\s*;?\s*$", r"\2 \1= 1", "Python has no `++` or `--`"),
     _rule(r"([\w.\]]+)\s*\+\+\s*;?\s*$", r"\1 += 1", "Python has no `++`"),
@@ -240,7 +240,7 @@ _FOREIGN = (
 
 
 def _in_pythons_words(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with what is written as in a text program or in another language written as in Python."""
+    """Yield a line with typographic characters and the syntax of other languages replaced by Python's."""
     plain = plain_signs(line)
     if plain != line:
         strange = next(letter for letter in line if plain_signs(letter) != letter)
@@ -259,7 +259,7 @@ def _in_pythons_words(number: int, line: str) -> Iterator[Repair]:
 
 
 def _names(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line in which a name that Python does not take is another one."""
+    """Yield a line with an invalid name replaced by a valid one."""
     for word in {*re.findall(r"(?<=\.)[a-z]+\b|\b[a-z]+(?=\s*=[^=])|(?<=def )[a-z]+\b", line)}:
         if keyword.iskeyword(word):
             new = re.sub(rf"(?<![\w]){word}(?!\w)(?=\s*[=.(\[,)]|\s*$)", f"{word}_", line)
@@ -270,7 +270,7 @@ def _names(number: int, line: str) -> Iterator[Repair]:
 
 
 def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[Repair]:
-    """Yield a line, or the one above, with one sign more or less."""
+    """Yield a line, or the one above, with a character added, removed or replaced."""
     for number in (place, above):
         if number:
             yield from _ended(number, lines[number - 1])
@@ -305,7 +305,7 @@ def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[
 
 
 def _ended(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with what may be missing at its end."""
+    """Yield a line with something added or removed at its end."""
     code, comment = _split(line)
     for end, what in (
         (":", "a colon is"),
@@ -337,7 +337,7 @@ def _split(line: str) -> tuple[str, str]:
 
 
 def _quoted(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with a quote or a brace more, or with other quotes around a text that holds one."""
+    """Yield a line with a quote or brace added or removed, or with other quotes around a string."""
     yield Repair(
         number, re.sub(r"(\{[^{}'\"]*)(['\"])", r"\1}\2", line), "a brace } is missing in the string"
     )
@@ -367,7 +367,7 @@ def _quoted(number: int, line: str) -> Iterator[Repair]:
 
 
 def _inserted(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with a comma more between two of its words, or without one of its words."""
+    """Yield a line with a comma or plus inserted between two tokens, or with one of two operators removed."""
     try:
         tokens = [
             t for t in tokenize.generate_tokens(io.StringIO(line.strip() + "\n").readline) if t.string.strip()
@@ -399,7 +399,7 @@ _SIGNS = {":": "a colon", ",": "a comma", "=": "a single =", ".": "a dot"}
 
 
 def _exchanged(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with another sign instead of one of its signs."""
+    """Yield a line with one punctuation mark replaced by another."""
     code, comment = _split(line)
     for found in re.finditer(r"(?<![=!<>:+*/-])[=:;.,](?!=)", code):
         for sign, name in _SIGNS.items():
@@ -411,7 +411,7 @@ def _exchanged(number: int, line: str) -> Iterator[Repair]:
 
 
 def _said(fault: SyntaxError) -> str:
-    """Say in plain words what Python says of a syntax error."""
+    """Return Python's message about a syntax error in plain words."""
     said = fault.msg or "invalid syntax"
     if isinstance(fault, TabError):
         return "tabs and spaces are mixed in the indentation"
@@ -423,7 +423,7 @@ def _said(fault: SyntaxError) -> str:
 
 
 def _fix(fault: SyntaxError, source: PythonSource | None) -> str:
-    """Say what to do about a syntax error of which no change of the line is known."""
+    """Say what to do about a syntax error for which no change of the line is known."""
     if isinstance(fault, IndentationError):
         return "indent with four spaces everywhere, never with tabs"
     if "codec" in (fault.msg or ""):

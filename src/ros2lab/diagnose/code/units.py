@@ -1,4 +1,4 @@
-"""Times in one unit where another is meant: nanoseconds that are compared with seconds."""
+"""Times in the wrong unit, such as nanoseconds that are compared with seconds."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 _NS, _S = 1e-9, 1.0
-# In seconds: what an attribute, a function or an argument of rclpy, builtin_interfaces or time is counted in.
+# The unit, in seconds, of attributes and functions of rclpy, builtin_interfaces and time.
 _ATTRIBUTES = {"nanoseconds": _NS, "nanosec": _NS, "sec": _S}
 _FUNCTIONS = {
     **dict.fromkeys(("time.time", "time.monotonic", "time.perf_counter", "time.process_time"), _S),
     **dict.fromkeys(("time.time_ns", "time.monotonic_ns", "time.perf_counter_ns"), _NS),
 }
-_SAME = frozenset(("abs", "float", "int", "round", "max", "min"))  # they give the unit of what they are given
+_SAME = frozenset(("abs", "float", "int", "round", "max", "min"))  # these keep the unit of their argument
 _NAMES = {_NS: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", _S: "seconds"}
-# Nothing that a node waits for is as short (s): DDS alone takes longer.
+# No node waits for anything as short as this (s): DDS alone takes longer.
 _TOO_SHORT = 1e-5
 
 
 def unit_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield times that are compared or added, or given to a Duration, in another unit than was meant."""
+    """Yield times that are compared, added or given to a Duration in the wrong unit."""
     for source in sources.sources.values():
         if "nano" not in source.text and "_ns(" not in source.text:
             continue
         times = _Times(sources, source)
-        # What is added to a time or taken from it may be as short as it likes.
+        # A duration that is added to a time or subtracted from it may be of any length.
         operands = {
             id(operand) for n in source.nodes if isinstance(n, ast.BinOp) for operand in (n.left, n.right)
         }
@@ -45,13 +45,13 @@ def unit_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 class _Times:
-    """The expressions of a file, and in which unit each of them counts time."""
+    """Finds the unit in which each expression of a file counts time."""
 
     def __init__(self, sources: NodeSources, source: PythonSource) -> None:
         self._sources, self._source = sources, source
 
     def mixed(self, node: ast.expr, left: ast.expr, right: ast.expr) -> Iterator[Finding]:
-        """Yield two sides of which one counts time in a finer unit than the other, or than a number can be meant in."""
+        """Yield an expression whose sides count time in different units, or too finely for the number."""
         sides = [(unit, side) for side in (left, right) if (unit := self.unit(side)) is not None]
         if not sides:
             return
@@ -75,18 +75,18 @@ class _Times:
         )
 
     def too_short(self, call: ast.Call) -> Iterator[Finding]:
-        """Yield a Duration of so few nanoseconds that no node could keep to it."""
+        """Yield Durations of so few nanoseconds that no node could keep to them."""
         if not (self._source.resolve(call.func) or "").endswith(".Duration"):
             return
         given = {keyword.arg: keyword.value for keyword in call.keywords}
         value = self._number(given.get("nanoseconds"))
-        if len(given) == 1 and value and 1 < value < _TOO_SHORT / _NS:  # one is the least that there is
+        if len(given) == 1 and value and 1 < value < _TOO_SHORT / _NS:  # 1 is the shortest possible
             cause = f"{ast.unparse(call)} lasts only {value:g} nanoseconds, which is over before anything can happen."
             fix = f"write Duration(seconds={value:g}), or Duration(seconds={value / 1000:g}) if milliseconds are meant"
             yield Finding("unit-mixed", cause, self._source.at(call), fix)
 
     def unit(self, node: ast.expr | None, depth: int = 4) -> float | None:
-        """Return in how many seconds an expression counts; None if it counts no time, or if that is not known."""
+        """Return the unit of an expression, in seconds; None if it is no time, or the unit is unknown."""
         found: float | None = None
         match node:
             case ast.Attribute(attr=attr) if attr in _ATTRIBUTES:
@@ -115,7 +115,7 @@ class _Times:
         return next((known for known in _NAMES if _is_same(known, found)), found)
 
     def _number(self, node: ast.expr | None) -> float | None:
-        """Return a number that is written, kept under a name, or the default of a parameter."""
+        """Return the value of a literal, a variable or a parameter's default; None if it is unknown."""
         written = self._sources.written(self._source, node)
         match written:
             case ast.Attribute(
