@@ -1,4 +1,4 @@
-"""Queues that are shorter than what one callback puts into them at once."""
+"""Queues that are too short for what one callback publishes at once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 
 def burst_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield subscriptions that keep fewer messages than a callback of the same package publishes without a pause."""
+    """Yield subscriptions whose queue is shorter than what a callback of the package publishes at once."""
     ends = ends_of(sources)
     for end in ends:
         bursts = _bursts(sources, end.creation) if end.is_publisher and end.name else []
@@ -30,12 +30,12 @@ def burst_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Function]]:
-    """Return how many messages functions of a publisher's class publish by it in one call, where that is known."""
+    """Return the functions that publish several messages in one call, each with how many it is."""
     kept = _kept_as(creation)
     found = []
     for function in creation.owner.functions if creation.owner and kept else ():
         if function.name == "__init__":
-            continue  # nobody listens yet
+            continue  # nobody has subscribed yet
         nodes = own_nodes(function)
         pauses = any(getattr(node, "attr", "") in ("sleep", "wait", "spin_once") for node in nodes)
         calls = [
@@ -50,7 +50,7 @@ def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Functio
 
 
 def _kept_as(creation: Creation) -> str:
-    """Return the attribute that keeps what was created; empty if there is none."""
+    """Return the attribute that a publisher is assigned to; empty if there is none."""
     for node in own_nodes(creation.function) if creation.function else ():
         if (
             isinstance(node, ast.Assign)
@@ -62,7 +62,7 @@ def _kept_as(creation: Creation) -> str:
 
 
 def _times(sources: NodeSources, creation: Creation, function: Function, call: ast.Call) -> int:
-    """Return how often a call is made each time a function is; 0 if a condition decides that, or if it is not known."""
+    """Return how often a call runs per call of its function; 0 if a condition decides or it is unknown."""
     count = 1
     for node in own_nodes(function):
         if call not in walk(node) or isinstance(node, FUNCTIONS):
@@ -90,7 +90,7 @@ def _turns(sources: NodeSources, creation: Creation, loop: ast.For | ast.AsyncFo
 
 
 def _depth_node(creation: Creation) -> ast.expr:
-    """Return what says how many messages are kept."""
+    """Return the expression for the queue depth, or the closest one around it."""
     given = (creation.arguments or {}).get("qos_profile", creation.call)
     if isinstance(given, ast.Call):
         return next((keyword.value for keyword in given.keywords if keyword.arg == "depth"), given)
@@ -98,7 +98,7 @@ def _depth_node(creation: Creation) -> ast.expr:
 
 
 def _depth(sources: NodeSources, creation: Creation) -> int | None:
-    """Return how many messages an end keeps; None if that is not known."""
+    """Return the queue depth of a publisher or subscription; None if it is not known."""
     given = (creation.arguments or {}).get("qos_profile")
     written = sources.written(creation.source, given)
     if isinstance(written, ast.Call):
@@ -113,7 +113,7 @@ def _depth(sources: NodeSources, creation: Creation) -> int | None:
 
 
 def _reads_all(sources: NodeSources, creation: Creation) -> bool:
-    """Return whether a callback adds up or shows what it is given, so that none may be lost."""
+    """Return whether a callback counts, collects or shows its messages, so that none may be lost."""
     function = sources.function_of(creation, (creation.arguments or {}).get("callback"))
     for node in walk(function) if function else ():
         match node:

@@ -1,4 +1,4 @@
-"""One node and two executors: the one that gets it later takes it from the one before."""
+"""Nodes that are added to two executors: the second takes them away from the first."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import Call, Entrance
 from ros2lab.diagnose.sources.python_source import own_nodes, walk
 
-# What rclpy does with an executor of its own, from which it takes the node away again.
+# These spin with rclpy's own executor and then remove the node from it again.
 _FOR_A_WHILE = frozenset(("rclpy.spin_once", "rclpy.spin_until_future_complete"))
 
 
 def two_executors(entrance: Entrance) -> Iterator[Finding]:
-    """Yield what takes a node from the executor to which it was added and which is to spin it."""
+    """Yield calls that take a node away from the executor that is meant to spin it."""
     additions = [reached for reached in entrance.calls if reached.short == "add_node" and reached.call.args]
     for added in additions:
         executor = _executor(added)
@@ -36,7 +36,7 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
 
 
 def several_threads(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a thread that spins the executor of rclpy while another one does: it cannot be in two of them."""
+    """Yield threads that call rclpy.spin() while another one does: only one can spin rclpy's executor."""
     threads = [
         reached for reached in entrance.calls if reached.short == "Thread" and _spins_in_thread(reached)
     ]
@@ -64,7 +64,7 @@ def _spins_in_thread(thread: Call) -> bool:
 
 
 def _made(entrance: Entrance, reached: Call) -> list[ast.Call]:
-    """Return the calls that make objects of the class in which a call is reached."""
+    """Return the calls that instantiate the class whose constructor contains a call; empty if none does."""
     names = (
         _names(reached.function, entrance) - {"__init__"} if reached.function.name == "__init__" else set()
     )
@@ -79,7 +79,7 @@ def _is_in_loop(entrance: Entrance, made: ast.Call) -> bool:
 
 
 def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
-    """Say that a spin of rclpy's own takes a node away, and how its own executor turns instead."""
+    """Say that rclpy's own executor takes a node away, and how to spin the node's executor instead."""
     node = ast.unparse(turn.call.args[0])
     rest = [*map(ast.unparse, turn.call.args[1:]), *map(ast.unparse, turn.call.keywords)]
     is_until = turn.name.endswith("complete")
@@ -97,7 +97,7 @@ def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
 
 
 def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
-    """Return whether a spin is reached after a node was added, and of the same node as far as can be told."""
+    """Return whether a spin runs after a node was added, and spins the same node as far as is known."""
     made = [reached for reached in entrance.calls if entrance.makes_node(reached)]
     node = ast.unparse(turn.call.args[0])
     if node not in _nodes(added) and len(made) != 1:
@@ -105,7 +105,7 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
     early = _called(n for n in walk(added.function) if getattr(n, "lineno", 0) < added.call.lineno)
     if added.function.name == "__init__" and node == _node(added) == "self" and turn.source is added.source:
         given = {getattr(arg, "attr", "") for reached in entrance.calls for arg in reached.call.args}
-        return turn.function.name not in early | given  # what is given to somebody is called while they spin
+        return turn.function.name not in early | given  # what is passed on is called while they spin
     if turn.function is added.function:
         return turn.call.lineno > added.call.lineno
     later = {n for n in walk(added.function) if getattr(n, "lineno", 0) > added.call.lineno}
@@ -122,13 +122,13 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
 
 
 def _called(nodes: Iterable[ast.AST]) -> set[str]:
-    """Return the last names of what is called."""
+    """Return the names of the functions and methods that are called, without what is before the last dot."""
     calls = [n.func for n in nodes if isinstance(n, ast.Call)]
     return {str(getattr(function, "attr", getattr(function, "id", ""))) for function in calls}
 
 
 def _names(function: ast.AST, entrance: Entrance) -> set[str]:
-    """Return by which names a function is called: a constructor by that of its class."""
+    """Return the names by which a function is called; for a constructor, the names of its class."""
     name = str(getattr(function, "name", ""))
     if name != "__init__":
         return {name}
@@ -146,14 +146,14 @@ def _has_no_executor(call: ast.Call) -> bool:
 
 
 def _spun(entrance: Entrance) -> set[str]:
-    """Return what a program spins: by a call, or by a thread."""
+    """Return the objects whose spin methods a program calls or passes to a thread."""
     nodes = (n for function in entrance.functions for n in walk(function))
     spins = (n for n in nodes if isinstance(n, ast.Attribute) and n.attr.startswith("spin"))
     return {ast.unparse(spin.value) for spin in spins}
 
 
 def _begun_before(entrance: Entrance, added: Call) -> bool:
-    """Return whether a thread spins the executor: then nobody else may."""
+    """Return whether a thread already spins the executor, so that nothing else may."""
     wanted = f"{_executor(added)}.spin"
     calls = (reached.call for reached in entrance.calls if reached.short == "Thread")
     return any(
@@ -167,7 +167,7 @@ def _executor(added: Call) -> str:
 
 
 def _nodes(added: Call) -> set[str]:
-    """Return the names of the nodes that are added by a call; in a loop, those through which it goes."""
+    """Return the names of the nodes that a call adds; in a loop, also those that the loop iterates over."""
     loops = (
         n for n in walk(added.function) if isinstance(n, ast.For) and ast.unparse(n.target) == _node(added)
     )

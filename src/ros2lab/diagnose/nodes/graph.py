@@ -1,4 +1,4 @@
-"""What the running nodes tell: topics that do not meet."""
+"""Findings about the graph of running nodes, such as topics that do not connect."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ EXPECTED_TOPICS = tuple(f"/{name}" for name in COURSE_TOPICS)
 
 
 def graph_findings(node: Node) -> list[Finding]:
-    """Look at the graph as a node sees it; the node's own ends of topics count, too."""
+    """Return the findings for the graph as a node sees it, including the node's own ends of topics."""
     graph = graph_of(observe(node, everything=True), everything=True, expected_topics=EXPECTED_TOPICS)
     return ranked(finding for fault in graph.faults if (finding := finding_of(fault)) is not None)
 
 
 def finding_of(fault: Fault) -> Finding | None:
-    """Say what a fault of the graph means, and what to do; None for what is not wrong."""
+    """Return the finding for a fault of the graph; None if nothing is wrong."""
     if isinstance(fault, NearMiss):
         return _near_miss(fault)
     if isinstance(fault, TypeMismatch):

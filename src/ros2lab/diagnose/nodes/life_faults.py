@@ -1,4 +1,4 @@
-"""How a node lives: init, spin and shutdown, and what stops it from being called."""
+"""The life cycle of a node: init, spin and shutdown, and what keeps its callbacks from being called."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ _THREADED = frozenset(
 
 
 def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Finding]:
-    """Yield what is wrong with a program's course.
+    """Yield faults in how programs and their nodes start, run and end.
 
     Args:
         sources: the package's files.
-        mains: the functions that its executables call, such as `pk.talk:main`; None takes every `main`.
+        mains: the functions that its executables call, such as `pk.talk:main`; None for every `main`.
     """
     for name in (
         mains if mains is not None else [main for main in sources.functions if main.endswith(".main")]
@@ -66,7 +66,7 @@ def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
 
 
 def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
-    """Yield what a managed node's transitions leave out: what rclpy's own would do, and how they went."""
+    """Yield transition callbacks of a managed node that skip what rclpy's own do, or return nothing."""
     made = [ast.unparse(n.func) for n in walk(owner.definition) if isinstance(n, ast.Call)]
     has_managed = any(name.endswith(".create_lifecycle_publisher") for name in made)
     for name, method in owner.methods.items():
@@ -129,7 +129,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
-    """Yield what only the loop of asyncio can run, where rclpy runs a callback."""
+    """Yield uses of asyncio in a callback, which rclpy runs without an asyncio event loop."""
     if "asyncio.run" in source.text or _uses_threads(source):
         return
     for function in functions:
@@ -146,7 +146,7 @@ def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -
 
 
 def _sent_early(sources: NodeSources) -> Iterator[Finding]:
-    """Yield messages that are sent only before the node spins, when nobody can have met it."""
+    """Yield messages published only before the node spins, when no subscriber can have connected."""
     waits = re.compile(r"subscription_count|TRANSIENT_LOCAL|sleep\(")
     if any(waits.search(source.text) for source in sources.sources.values()):
         return
@@ -168,7 +168,7 @@ def _sent_early(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _sent_at_once(source: PythonSource, function: Function, made: ast.Call) -> Iterator[Finding]:
-    """Yield a message that a function sends as soon as it has made the publisher: nothing in between waits or spins."""
+    """Yield messages sent right after the publisher is created, without a wait or spin in between."""
     kept = [n for n in own_nodes(function) if isinstance(n, ast.Assign) and n.value is made]
     name = ast.unparse(kept[0].targets[0]) if kept else ""
     sent = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.publish"]
@@ -195,7 +195,7 @@ def _is_publish(function: ast.expr) -> bool:
 
 
 def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
-    """Yield timers that a callback makes each time anew, where none is ever cancelled, and no condition asks for one."""
+    """Yield timers that a callback creates each time, where none is cancelled and no condition guards it."""
     words = {getattr(node, "attr", "") for file in sources.sources.values() for node in file.nodes}
     if words & {"cancel", "destroy_timer"}:
         return
@@ -214,7 +214,7 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
 
 
 def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
-    """Yield a spin where rclpy itself is at work already or not yet, and what stops a callback for long."""
+    """Yield spins in callbacks and constructors, and calls that block a callback for long."""
     is_free = what == "the constructor" or _uses_threads(source)
     for function in functions:
         for node in own_nodes(function):
@@ -248,7 +248,7 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
 def _waits_for_another(
     source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
 ) -> Iterator[Finding]:
-    """Yield a loop that waits for an attribute which only another callback can set, and which is not called meanwhile."""
+    """Yield loops that wait for an attribute that only another callback sets, which cannot run meanwhile."""
     if owner is None or _uses_threads(source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
     for function in functions:
@@ -290,7 +290,7 @@ def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function
 
 
 def _loops(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
-    """Yield the endless loops of a function that ROS or a constructor runs, the first one of `functions`."""
+    """Yield endless loops in a callback or constructor, the first of `functions`, or in methods it calls."""
     may_wait = what != "the constructor" and _uses_threads(source)
     if may_wait or isinstance(functions[0], ast.AsyncFunctionDef):
         return
@@ -319,7 +319,7 @@ def _is_endless(source: PythonSource, node: ast.While) -> bool:
 
 
 def _leaves_alone(loop: ast.While) -> bool:
-    """Return whether a loop never changes the attribute that it asks for; a method of the node's own may."""
+    """Return whether a loop never changes the attribute that it tests, itself or by a method of the node."""
     name = ast.unparse(loop.test)
     inside = [node for node in walk(loop) if node is not loop.test]
     is_changed = any(

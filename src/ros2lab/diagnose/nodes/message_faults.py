@@ -1,4 +1,4 @@
-"""What is put into messages, what is published, and what is logged."""
+"""How messages are filled, compared, published and logged."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.sources.spelling import did_you_mean, with_article
 
 _NUMBERS = frozenset(("bool", "int", "float"))
-# With which kinds a plain kind may be equal.
+# The kinds of values that a value of a plain kind can equal.
 _EQUALS = {"str": frozenset(("str",)), "bool": _NUMBERS, "int": _NUMBERS, "float": _NUMBERS}
 
 
 def message_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield values that do not fit the fields of messages, and what is wrong with publishing and logging."""
+    """Yield values that do not fit message fields, and faults in comparing, publishing and logging."""
     kinds = Kinds(sources)
     told: set[tuple[str, str]] = set()
     for source in sources.sources.values():
@@ -37,7 +37,7 @@ def message_faults(sources: NodeSources) -> Iterator[Finding]:
             elif isinstance(node, (ast.Compare, ast.Match)):
                 if isinstance(node, ast.Compare):
                     yield from _never_equal(scope, node)
-                # One of a chain of `elif` tells of all.
+                # One finding for a whole if/elif chain.
                 for finding in _comparison_faults(scope, node):
                     if (key := (source.at(function), finding.cause)) not in told:
                         told.add(key)
@@ -49,12 +49,12 @@ def message_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def filling(message: str, value: str, kind: Kind) -> str:
-    """Say how a value is published in a message of another type.
+    """Say how to publish a value in a message of another type.
 
     Args:
         message: the type that the publisher wants, such as `geometry_msgs.msg.Twist`.
-        value: the value as it is written.
-        kind: of which kind it is.
+        value: the source code of the value.
+        kind: the kind of the value.
     """
     name, fields = _short(message), interfaces.fields_of(message)
     if not fields:
@@ -71,11 +71,11 @@ def filling(message: str, value: str, kind: Kind) -> str:
 
 
 def _first_field(message: str) -> tuple[str, Kind]:
-    """Return the first field of a message that is no message itself, such as `linear.x`, and its kind."""
+    """Return the path and the kind of the first plain field of a message, such as `linear.x`."""
     fields = (interfaces.fields_of(message) or {}).items()
     name, field = next(
         entry for entry in [*fields, ("", "")] if entry[0] != "header"
-    )  # which is not about the value
+    )  # a header says nothing about the value
     kind = field_kind(field)
     if not interfaces.fields_of(kind):
         return name, kind
@@ -120,13 +120,13 @@ def _constructor_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
 def _value_faults(
     scope: Scope, message: Kind, field: str, value: ast.expr, place: ast.AST
 ) -> Iterator[Finding]:
-    """Yield what is wrong with giving a value to the field of a message."""
+    """Yield faults in giving a value to a field of a message."""
     wanted = field_kind((interfaces.fields_of(message) or {}).get(field))
     given = scope.kind(value)
     if wanted is None:
         yield from _field_fault(scope, message, field, place)
     elif is_by_comma(scope.source, value):
-        return  # that is told of the comma
+        return  # the comma is reported elsewhere
     elif given is not None and given != wanted and not given.startswith(PUBLISHER):
         target = place if isinstance(place, ast.Attribute) else None
         for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
@@ -137,12 +137,12 @@ def _value_faults(
 
 
 def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str:
-    """Say how a value is put into a field of a message that is a message itself, or of another kind.
+    """Say how to put a value into a message field of another type; empty if that is not known.
 
     Args:
-        target: the field, as in `msg.linear`; None where it is given by its name.
-        wanted: the message's dotted name, or a plain kind such as `float`.
-        value: what was given.
+        target: the field, as in `msg.linear`; None if it is a keyword argument.
+        wanted: the field's type, a message's dotted name or a plain kind such as `float`.
+        value: the value that was given.
     """
     if (
         target is not None
@@ -211,7 +211,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
 
 
 def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[Finding]:
-    """Yield a message that is compared with a text or a number, to which it is never equal."""
+    """Yield comparisons of a message with a string or a number, which it never equals."""
     if isinstance(node, ast.Match):
         patterns = [branch.pattern for branch in node.cases]
         patterns += [
@@ -243,7 +243,7 @@ def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[
 
 
 def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
-    """Yield a field of a message that is compared with what it never equals, as it holds another type."""
+    """Yield comparisons of a message field with values of another type, which it never equals."""
     for left, operator, right in zip(
         [node.left, *node.comparators], node.ops, node.comparators, strict=False
     ):
@@ -266,7 +266,7 @@ def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
 
 
 def _asked_rightly(field: ast.expr, wanted: str, is_equal: bool, values: list[ast.expr]) -> str:
-    """Say how a field is compared with a value of its own kind."""
+    """Say how to compare a field with a value of its own type."""
     text, value = ast.unparse(field), getattr(values[0], "value", None)
     if len(values) > 1 or not isinstance(values[0], ast.Constant):
         return f"compare {text} with {_described(wanted)}"
@@ -336,7 +336,7 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
 
 
 def _one_text(values: list[ast.expr]) -> str:
-    """Return an f-string of several values."""
+    """Return an f-string that shows several values."""
     parts = [
         value.value if isinstance(value, ast.Constant) else f"{{{ast.unparse(value)}}}" for value in values
     ]

@@ -1,4 +1,4 @@
-"""What is wrong with the classes that are nodes, and with what they create."""
+"""Faults in node classes and in what they create, such as publishers and timers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tupl
 
 
 def node_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield what is wrong with node classes and with what they create."""
+    """Yield faults in node classes and in what they create."""
     for owner in sources.nodes:
         yield from _constructor_faults(sources, owner)
         yield from _member_faults(sources, owner)
@@ -130,7 +130,7 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     own = {name for inner in sources.lineage(owner)[0] for name in inner.methods}
     called = {id(node.func) for node in walk(owner.definition) if isinstance(node, ast.Call)}
     told: set[str] = set()
-    # What is asked for by its name, as by hasattr(), need not be there.
+    # A name that is also a string, as for hasattr(), need not exist.
     asked = {getattr(n, "value", None) for n in walk(owner.definition) if isinstance(n, ast.Constant)}
     taken = taken_attributes(owner)
     hiding = dict(hiding_methods(owner, properties))
@@ -169,7 +169,7 @@ def _no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: C
 
 
 def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
-    """Say where a missing name is defined instead of its class, and what to do about it."""
+    """Say where a name that a class lacks is defined, and what to do about it."""
     for node in owner.source.nodes:
         if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
             continue
@@ -244,7 +244,7 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
 
 
 def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
-    """Tell what each argument is, and notice one that stands where another kind belongs."""
+    """Return the finding for arguments in the wrong order, judging by their kinds; None if they fit."""
     wanted = {"topic": "text", "srv_name": "text", "msg_type": "type", "srv_type": "type"}
     wanted |= {"callback": "function", "qos_profile": "number", "timer_period_sec": "number"}
     kinds = {name: _kind(sources, creation, value) for name, value in (creation.arguments or {}).items()}
@@ -263,7 +263,7 @@ def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
                 f"write {number}, {text.removeprefix(number).removeprefix('.')}",
             )
     missing = [name for name in CREATORS[creation.method] if name not in kinds]
-    # One that is of the wrong kind may be only that; two have changed places, or one above was forgotten.
+    # One argument of the wrong kind may be just that; two are swapped, or one before them is missing.
     if len(wrong) < 2 and not (
         wrong == ["callback"] and missing == ["qos_profile"] and kinds["callback"] != "number"
     ):
@@ -277,7 +277,7 @@ def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
 
 
 def _in_order(creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None]) -> str:
-    """Say how a call is written with its own arguments in their order; empty if one is not known to belong anywhere."""
+    """Say how to write a call with its own arguments in order; empty if one of them fits nowhere."""
     rest = dict(creation.arguments or {})
     right = []
     for name in CREATORS[creation.method]:
@@ -378,7 +378,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
 
 
 def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
-    """Yield a callback of which a yield makes a generator, so that nothing of it ever runs."""
+    """Yield callbacks that a yield turns into generators, so that none of their code ever runs."""
     for node in own_nodes(function):
         if isinstance(node, (ast.Yield, ast.YieldFrom)):
             cause = f"The yield makes {function.name}() a generator: ROS calls it, but none of its code ever runs."
@@ -391,7 +391,7 @@ _CALLED_WITH = {"create_subscription": "msg", "create_timer": "", "create_servic
 
 
 def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
-    """Yield a small function that takes another number of values than it is called with."""
+    """Yield lambdas that take a different number of arguments from what they are called with."""
     takes, wanted = len(given.args.args), _CALLED_WITH.get(creation.method)
     if wanted is None or given.args.vararg or given.args.defaults or takes == len(wanted.split()):
         return

@@ -1,4 +1,4 @@
-"""Parameters: declared in the sources, given in YAML files."""
+"""Faults in parameters: how sources declare and read them, and how YAML files set them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 
 def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield parameters that a node asks for and never declares."""
+    """Yield parameters that a node reads but never declares, or reads as another type."""
     declared = declared_in(sources)
     if declared is None:
         return
@@ -64,7 +64,7 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
 _FIELDS = {bool: "bool_value", int: "integer_value", float: "double_value", str: "string_value"}
 
 
-# What may be a default where the value is used as one of a type.
+# A default that suits how the value is used.
 _BY_USE = {
     "double_value": "1.0",
     "integer_value": "1",
@@ -80,11 +80,11 @@ _BY_USE = {
 
 
 def default_by_use(nodes: Iterable[ast.AST], call: ast.AST) -> str | None:
-    """Return a default for a parameter that a call reads, as its value is used there; None if that tells nothing.
+    """Return a default for a parameter that suits how its value is used; None if that says nothing.
 
     Args:
-        nodes: all that stands around the call.
-        call: what reads it.
+        nodes: all nodes around the call.
+        call: the call that reads the parameter.
     """
     above = {id(inner): node for node in nodes for inner in children(node)}
     while (node := above.get(id(call))) is not None:
@@ -102,7 +102,7 @@ def default_by_use(nodes: Iterable[ast.AST], call: ast.AST) -> str | None:
 
 
 def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield a parameter's value that is taken out of the field of another type, in which there is always nothing."""
+    """Yield parameter values that are read from the field of another type, which is always empty."""
     for source in sources.sources.values():
         for node in source.nodes:
             match node:
@@ -126,7 +126,7 @@ def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Itera
 
 
 def given_at(name: str, look: Any, typed: Collection[str]) -> str:
-    """Return where a parameter is given a value: a file's line, or the command; empty if that is not found."""
+    """Return the place where a file sets a parameter; empty if a command sets it, or if none is found."""
     if any(re.search(rf"ros2 run .*-p {re.escape(name)}:=", line) for line in typed):
         return ""
     for package in look.packages if look else ():
@@ -138,7 +138,7 @@ def given_at(name: str, look: Any, typed: Collection[str]) -> str:
 
 
 def retyped(name: str, value: str, wanted: str, typed: Collection[str]) -> str:
-    """Return what to do where a command gave a parameter a value of another type; empty if none did."""
+    """Return how to retype a command that gave a parameter a value of another type; empty if none did."""
     given = re.compile(rf"(?<!\w){re.escape(name)}:=(?P<value>\S+)")
     line = next(filter(given.search, typed), "")
     old = given.search(line)
@@ -149,7 +149,7 @@ def retyped(name: str, value: str, wanted: str, typed: Collection[str]) -> str:
     elif wanted == "INTEGER" and digits:
         right = re.split(r"[.,]", value)[0]
     elif wanted == "STRING" and old:
-        # The value as it was typed: the one that the error shows was read as a number, and may have lost something.
+        # The value as it was typed: the error shows it read as a number, which may have lost something.
         plain = old["value"].strip("\"'")
         if " launch " in line and _loses_quotes(plain):
             given_so = f"ros_arguments=['-p', [\"{name}:='\", LaunchConfiguration('{name}'), \"'\"]]"
@@ -166,7 +166,7 @@ def _loses_quotes(value: str) -> bool:
 
 
 def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
-    """Say how a value of another type is written, as the YAML of a file or of a command reads it."""
+    """Say how to write a value so that YAML reads it as the wanted type, in a file or in a command."""
     digits = re.match(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)", value.strip().strip("'\""))  # a unit may follow
     number, is_number = digits[0].replace(",", ".") if digits else "", digits is not None
     point = number if "." in number else f"{number}.0"
@@ -194,7 +194,7 @@ def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
 
 
 def of_parameter_file(text: str, look: Any) -> Finding | None:
-    """Say what rcl finds in a parameter file; None if it names none."""
+    """Return the finding for what rcl says about a parameter file; None if it names none."""
     match = re.search(
         r"params file: '(?:--params-file )?(?P<file>[^']+)'.*?[Ee]rror: (?P<said>.+?)(?: at line (?P<line>\d+))?, at ",
         text,
@@ -217,7 +217,7 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
         for _, path in files[:1]:
             read_parameter_file(read_text(path))
     except UnreadParameterFileError:
-        pass  # what ROS itself says of it is known
+        pass  # ROS's own message is shown below
     except ParameterFileError as error:
         return _not_read(shown, error)
     return Finding(
@@ -236,7 +236,7 @@ def _not_read(shown: str, error: ParameterFileError) -> Finding:
 
 
 def declared_in(sources: NodeSources) -> dict[str, Any] | None:
-    """Return what is declared, name to default (or `UNKNOWN`); None if a name is not known."""
+    """Return the declared parameters with their defaults (or `UNKNOWN`); None if a name is not known."""
     found: dict[str, Any] = {}
     for source in sources.sources.values():
         for node in source.nodes:
@@ -268,7 +268,7 @@ def declared_in(sources: NodeSources) -> dict[str, Any] | None:
 
 
 def _declare(found: dict[str, Any], name: str, default: Any) -> None:
-    """Note a default; two nodes may declare one name with two types, and then neither is known."""
+    """Record a default; it is unknown if two nodes declare the same name with different types."""
     is_other = name in found and kind_of(found[name]) != kind_of(default)
     found[name] = UNKNOWN if is_other else default
 
@@ -276,13 +276,13 @@ def _declare(found: dict[str, Any], name: str, default: Any) -> None:
 def file_faults(
     package: SourcePackage, sources: NodeSources, launched: Collection[str], moved: Collection[str]
 ) -> Iterator[Finding]:
-    """Yield what is wrong with a package's parameter files.
+    """Yield faults in a package's parameter files.
 
     Args:
         package: the package.
         sources: its Python files.
-        launched: names that launch files give its nodes; "" stands for one that is not known.
-        moved: names in its code which launch files replace, or to which they give a namespace.
+        launched: names that launch files give its nodes; "" for one that is not known.
+        moved: names in its code that launch files replace or put into a namespace.
     """
     names = {*sources.node_names(), *launched}
     full = {name: whole for name, whole in sources.full_names().items() if name not in {*launched, *moved}}
@@ -339,7 +339,7 @@ class _Lines:
         return self.at(key if key.startswith("/") else key.rpartition("/")[2])
 
     def written(self, key: str) -> str:
-        """Return what comes after a key in its line."""
+        """Return the text after a key on its line."""
         line = self.lines[(self._number(key) or 1) - 1] if self.lines else ""
         return re.split(r"\s#", line.partition(":")[2])[0].strip()
 
@@ -349,7 +349,7 @@ class _Lines:
 
 
 def _apart(content: Mapping[Any, Any], full: Mapping[str, str], lines: _Lines) -> Iterator[Finding]:
-    """Yield a section that has a node's last name, and not its namespace, as the code gives it."""
+    """Yield sections that have a node's name, but not the namespace that the code gives it."""
     keys = [key for key, _ in sections_of(content)]
     for key in keys:
         runs_as = full.get(key.rstrip("/").rpartition("/")[2], "")
@@ -358,7 +358,7 @@ def _apart(content: Mapping[Any, Any], full: Mapping[str, str], lines: _Lines) -
 
 
 def other_name(key: str, runs_as: str, shown: str, place: str) -> Finding:
-    """Say that a section of a parameter file has another name than the node for which it is meant."""
+    """Say that a section of a parameter file has a different name from the node it is meant for."""
     cause = f"{shown} sets parameters for {key}, but the node runs as {runs_as}, so it silently keeps its defaults."
     return Finding(
         "parameter-file-node", cause, place, f"write {runs_as}: instead of {key}:, or /**: for every node"
@@ -380,7 +380,7 @@ def _content_faults(
         near = next((name for name in own if is_near_miss(short, name)), None)
         alike = [name for name in own if {*name.split("_")} & {*short.split("_")}]
         likely = near or " or ".join(alike if len(alike) == 1 else own)
-        # A file may hold the parameters of other people's nodes, too.
+        # A file may also hold parameters for other people's nodes.
         if near or len(wrong) == len(sections):
             yield Finding(
                 "parameter-file-node",

@@ -1,4 +1,4 @@
-"""What the ROS graph is: nodes, topics, services, who talks to whom, and what does not fit.
+"""The ROS graph: nodes, topics and services, who talks to whom, and what does not fit.
 
 `observe` reads a node's view of the graph into plain data; `graph_of` makes the facts from the data alone.
 """
@@ -67,9 +67,9 @@ class Observation:
     """What a node sees of the graph, as plain data.
 
     Attributes:
-        nodes: full names, sorted; a name that several nodes have stands there as often.
+        nodes: full names, sorted; a name that several nodes have appears once for each.
         ends: sorted by topic, publishers first, then by node.
-        service_ends: sorted by service, servers first, then by node; empty if nobody asked for services.
+        service_ends: sorted by service, servers first, then by node; empty if services were not read.
     """
 
     nodes: tuple[str, ...] = ()
@@ -79,7 +79,7 @@ class Observation:
 
 @dataclass(frozen=True)
 class Node:
-    """A name of nodes, and how many have it."""
+    """A node name, and how many nodes have it."""
 
     name: str
     count: int = 1
@@ -87,7 +87,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic with both of its ends."""
+    """A topic with its publishers and subscriptions."""
 
     name: str
     publishers: tuple[End, ...] = ()
@@ -106,7 +106,7 @@ class Topic:
 
 @dataclass(frozen=True)
 class Service:
-    """A service with both of its ends."""
+    """A service with its servers and clients."""
 
     name: str
     servers: tuple[ServiceEnd, ...] = ()
@@ -120,13 +120,13 @@ class Service:
 
 @dataclass(frozen=True)
 class Edge:
-    """An arrow of the graph: from a node to what it publishes or calls, or to a node from what it gets.
+    """An arrow between a node and a topic or service.
 
     Attributes:
         node: the node's full name.
         medium: the full name of the topic or service.
-        is_from_node: the arrow's direction: messages, and requests, go along it.
-        ends: the node's ends that it stands for.
+        is_from_node: whether it leads away from the node, as messages that it publishes and requests that it sends do.
+        ends: the ends of the node that it stands for.
     """
 
     node: str
@@ -137,7 +137,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class TypeMismatch:
-    """A publisher and a subscription of one topic with different types, which never meet."""
+    """A publisher and a subscription of one topic with different types, which never connect."""
 
     publisher: End
     subscription: End
@@ -154,7 +154,7 @@ class QosMismatch:
 
 @dataclass(frozen=True)
 class NearMiss:
-    """A topic with one kind of end, spelt almost like another that lacks just these.
+    """A topic with only one kind of end, spelt almost like another that lacks exactly that kind.
 
     Attributes:
         topic: the name that is probably wrong.
@@ -171,7 +171,7 @@ class NearMiss:
 
 @dataclass(frozen=True)
 class SharedName:
-    """Several nodes of one name."""
+    """Several nodes with the same name."""
 
     node: str
     count: int
@@ -215,9 +215,9 @@ def observe(node: RclpyNode, *, services: bool = False, everything: bool = False
     """Read the graph as a node sees it.
 
     Args:
-        node: who looks; its own ends count, too.
-        services: whether to read services, which takes two more questions a node.
-        everything: whether to read also what every node has.
+        node: the node that looks; its own ends are included.
+        services: whether to read services, which takes two more queries per node.
+        everything: whether to also read what every node has.
     """
     names = [(name, space) for name, space in node.get_node_names_and_namespaces()]
     topics = [name for name, _ in node.get_topic_names_and_types()]
@@ -241,12 +241,12 @@ def observe(node: RclpyNode, *, services: bool = False, everything: bool = False
 def graph_of(
     observation: Observation, *, everything: bool = False, expected_topics: Iterable[str] = ()
 ) -> Graph:
-    """Make the facts from what was seen.
+    """Derive the graph from an observation.
 
     Args:
         observation: what was seen.
         everything: whether to keep what every node has and what is hidden: /rosout, /parameter_events, the
-            services of parameters, and every name of which a part begins with an underscore.
+            services of parameters, and every name with a part that begins with an underscore.
         expected_topics: names that are meant to be used, such as a course's; a near miss may be one of them.
     """
     seen = observation if everything else _without_hidden(observation)
@@ -285,7 +285,7 @@ def _services_of(seen: Observation) -> tuple[Service, ...]:
 
 
 def words(graph: Graph) -> list[str]:
-    """Say who talks to whom: a line a topic, then a line a service.
+    """Say who talks to whom: one line per topic, then one line per service.
 
     Returns:
         Such as `/talker -> /news [std_msgs/msg/String] -> /listener`; `nobody` stands for a missing end.
@@ -342,7 +342,7 @@ def _service_ends(node: RclpyNode, names: list[tuple[str, str]]) -> list[Service
         ):
             try:
                 listed = ask(name, space)
-            except NodeNameNonExistentError:  # it has gone meanwhile
+            except NodeNameNonExistentError:  # it has gone in the meantime
                 continue
             found += [
                 ServiceEnd(full_name(name, space), service, kind, is_server)
@@ -382,7 +382,7 @@ def _near_misses(topics: list[Topic], expected: list[str]) -> Iterator[NearMiss]
             for other in topics
             if bool(other.publishers) != bool(topic.publishers)
             and bool(other.subscriptions) != bool(topic.subscriptions)
-            # Who uses both names means both.
+            # A node that uses both names means both.
             and {end.node for end in topic.ends}.isdisjoint(end.node for end in other.ends)
         }
         elsewhere = [name for name, ends in others.items() if _is_in_another_namespace(topic, name, ends)]

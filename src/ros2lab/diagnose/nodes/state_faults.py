@@ -1,4 +1,4 @@
-"""What a node class keeps and does, where it is in vain: changed too seldom, never read, asked for or called."""
+"""Attributes and methods of a node class without effect: out of date, never read, met or called."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _KEPT_TO_BE_USED = frozenset(("create_publisher", "create_client"))
 
 
 def state_faults(uses: Uses) -> Iterator[Finding]:
-    """Yield what the attributes and the methods of node classes show to be in vain."""
+    """Yield attributes and methods of node classes that have no effect."""
     if uses.named["setattr"]:
-        return  # what it sets is not told
+        return  # what it sets is not known
     for owner in uses.sources.nodes:
         if not uses.resolved[owner.name] and f"{owner.source.name}.main" not in uses.sources.functions:
-            continue  # it is there for others, which may do with it what they want
+            continue  # it is there for others, which may use it as they like
         state = State(uses, owner)
         yield from _quoted(state)
         yield from _computed_once(state)
@@ -53,7 +53,7 @@ def state_faults(uses: Uses) -> Iterator[Finding]:
 
 
 def _quoted(state: State) -> Iterator[Finding]:
-    """Yield a text that says what an attribute is called, where its value was meant."""
+    """Yield strings that hold the name of an attribute where its value was meant."""
     for method in state.owner.methods.values():
         for node in own_nodes(method):
             given: ast.expr | None = None
@@ -78,7 +78,7 @@ def _quoted(state: State) -> Iterator[Finding]:
 
 
 def _computed_once(state: State) -> Iterator[Finding]:
-    """Yield what the constructor computes from something that changes later, and a callback still uses."""
+    """Yield values that the constructor computes once from what changes later, and callbacks still use."""
     for text in state.stores:
         value = state.initial(text)
         base = text.rpartition(".")[0]
@@ -128,7 +128,7 @@ def _is_snapshot(value: ast.expr) -> bool:
 
 
 def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:
-    """Return whether what is read goes as it is into a field of a message."""
+    """Return whether what is read is assigned unchanged to a field of a message."""
     return any(
         isinstance(node, ast.Assign) and node.value is given and not is_self_attribute(node.targets[0])
         for method, given in readers
@@ -137,7 +137,7 @@ def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:
 
 
 def _never_read(state: State) -> Iterator[Finding]:
-    """Yield an attribute that a method sets and nothing reads, beside one that is read and never changes."""
+    """Yield attributes that a method sets and nothing reads, where one that never changes is read instead."""
     own = {text.removeprefix("self.") for text in state.stores if text.count(".") == 1}
     for name in sorted(own - state.read - set(state.owner.methods)):  # what is set may be a property
         method, node, value = state.stores[f"self.{name}"][-1]
@@ -160,7 +160,7 @@ def _never_read(state: State) -> Iterator[Finding]:
 
 
 def _never_equal(state: State) -> Iterator[Finding]:
-    """Yield a text with which an attribute is compared and which it is never given."""
+    """Yield strings that an attribute is compared with but never set to."""
     for name, stores in state.stores.items():
         given = {value.value: node for _, node, value in stores if isinstance(value, ast.Constant)}
         are_texts = len(given) > 1 and all(isinstance(text, (str, type(None))) for text in given)
@@ -188,7 +188,7 @@ def _never_equal(state: State) -> Iterator[Finding]:
 
 
 def _never_passed(state: State) -> Iterator[Finding]:
-    """Yield a condition that is never met otherwise than at first: what changes it lies after it, or nothing does."""
+    """Yield conditions that stay as they are at first: only code that they block, or none, changes them."""
     publishes = [
         node
         for method in state.owner.methods.values()
@@ -213,7 +213,7 @@ def _never_passed(state: State) -> Iterator[Finding]:
             later = [node for _, node, _ in state.later(name)]
             hidden = {ast.unparse(node.func) for node in publishes if id(node) in shut}
             hidden -= {ast.unparse(node.func) for node in publishes if id(node) not in shut}
-            # A node that publishes nothing then waits in vain; one that publishes less may have been told to.
+            # A node that then publishes nothing is at fault; one that publishes less may be meant to.
             is_all = all(id(node) in shut for node in publishes)
             if all(id(node) in shut for node in later) and (later or (hidden and is_all)):
                 yield _shut(state, value, method, statement, "" if later else min(hidden))
@@ -238,7 +238,7 @@ def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If
 
 
 def _holds(test: ast.expr, value: Any) -> bool | None:
-    """Return whether a condition about one attribute holds for a value of it; None if that cannot be told."""
+    """Return whether a condition on one attribute is true for a value of it; None if that is not known."""
     match test:
         case ast.UnaryOp(op=ast.Not(), operand=inner) if is_self_attribute(inner):
             return not value
@@ -256,14 +256,15 @@ def _holds(test: ast.expr, value: Any) -> bool | None:
 
 
 def _never_called(state: State) -> Iterator[Finding]:
-    """Yield a method that nothing calls, where something shows that it was meant to be called.
+    """Yield methods that nothing calls although they were meant to be called.
 
-    It is made as callbacks are, and no other one does its work; or it alone changes what is read, or does anything.
+    Such a method looks like a callback and no other does its work, or it alone changes an attribute in use.
     """
     inherited = members_of("rclpy.node", "Node")[0]
     if state.uses.sources.is_managed(state.owner):
-        return  # its methods are called by their names
-    bare = {node.id for node in walk(state.owner.definition) if isinstance(node, ast.Name)}  # told elsewhere
+        return  # rclpy calls its methods by name
+    # A name that is used without self is reported elsewhere.
+    bare = {node.id for node in walk(state.owner.definition) if isinstance(node, ast.Name)}
     for name, method in state.owner.methods.items():
         if name in state.read | bare | inherited or name.startswith("__") or method.decorator_list:
             continue
@@ -280,13 +281,13 @@ def _never_called(state: State) -> Iterator[Finding]:
 
 
 def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
-    """Return whether a method looks like a callback, and no other one does what it does."""
+    """Return whether a method looks like a callback whose work no other method does."""
     own = _publishers(method)
     others = {
         publisher for m in state.owner.methods.values() if m is not method for publisher in _publishers(m)
     }
     made = {creation.method for creation in state.uses.sources.creations if creation.owner is state.owner}
-    # Beside others that do the same it may well be left over.
+    # If others do the same, it may well be a leftover.
     is_alone = (
         bool(own - others),
         "create_subscription" not in made,
@@ -305,7 +306,7 @@ def _given_to(name: str, takes: int) -> str:
 
 
 def _changed_alone(state: State, method: Function) -> str:
-    """Return the attribute that only a method changes, and which a callback reads, or beside which they only log."""
+    """Return the attribute that only this method changes, if callbacks read it or only log; else empty."""
     callbacks = state.uses.callbacks
     own = [callback for callback in state.owner.methods.values() if id(callback) in callbacks]
     is_idle = bool(own) and all(map(_only_logs, own))
@@ -318,7 +319,7 @@ def _changed_alone(state: State, method: Function) -> str:
 
 
 def _publishers(method: Function) -> set[str]:
-    """Return what a method publishes with, as it is written."""
+    """Return the expressions whose publish() a method uses."""
     return {
         ast.unparse(n.value)
         for n in own_nodes(method)
@@ -327,14 +328,14 @@ def _publishers(method: Function) -> set[str]:
 
 
 def _only_logs(function: Function) -> bool:
-    """Return whether a function stores nothing, and calls nothing but the logger."""
+    """Return whether a function does nothing but log."""
     logged = {id(n) for call in own_nodes(function) if is_log(call) for n in walk(call)}
     kinds = (ast.Call, ast.Return, ast.Raise, ast.Assign, ast.AugAssign)
     return not any(isinstance(node, kinds) and id(node) not in logged for node in own_nodes(function))
 
 
 def _call_of(state: State, name: str, takes: list[str]) -> str:
-    """Say where a method may be called that nothing calls: in the only callback that has what it takes."""
+    """Say in which callback to call a method that nothing calls; empty if none has what it takes."""
     methods = {id(method): method for method in state.owner.methods.values()}
     given = [
         (creation, function)
@@ -362,7 +363,7 @@ def _call_of(state: State, name: str, takes: list[str]) -> str:
 
 
 def _never_published(state: State) -> Iterator[Finding]:
-    """Yield a publisher of a class that publishes nothing; beside another one it may well be left over."""
+    """Yield publishers of a class that publishes nothing; where it does publish, one may be a leftover."""
     if any(getattr(node, "attr", "") == "publish" for node in walk(state.owner.definition)):
         return
     for creation in state.uses.sources.creations:
@@ -390,7 +391,7 @@ def _never_published(state: State) -> Iterator[Finding]:
 
 
 def _never_shown(state: State) -> Iterator[Finding]:
-    """Yield a node that only logs, all of it at a level that is not shown."""
+    """Yield nodes that only log, all of it at a level that is not shown."""
     own = [method for method in state.owner.methods.values() if id(method) in state.uses.callbacks]
     logs = [n for method in own for n in own_nodes(method) if isinstance(n, ast.Call) and is_log(n)]
     is_quiet = all(getattr(log.func, "attr", "") == "debug" for log in logs)
@@ -401,7 +402,7 @@ def _never_shown(state: State) -> Iterator[Finding]:
 
 
 def _overwritten(state: State) -> Iterator[Finding]:
-    """Yield a publisher or a client that is kept under a name which is given to another one before it is used."""
+    """Yield publishers and clients whose name is given to another one before they are used."""
     for method in state.owner.methods.values():
         kept: dict[str, ast.Assign] = {}
         for statement in method.body:
@@ -422,7 +423,7 @@ def _overwritten(state: State) -> Iterator[Finding]:
 
 
 def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
-    """Yield a count that a callback sets back each time before it adds to it."""
+    """Yield counters that a callback resets each time before it adds to them."""
     begun: dict[str, ast.stmt] = {}
     for statement in method.body:
         match statement:

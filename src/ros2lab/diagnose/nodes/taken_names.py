@@ -1,4 +1,4 @@
-"""Names that somebody else has already: another package, Python's own modules, or what every node has."""
+"""Names that are already taken: by another package, a standard module or a member of every node."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ros2lab.diagnose.sources.python_source import Function, walk
 
 
 def taken_packages(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
-    """Yield installed Python packages whose names another package of the workspace, or Python itself, has."""
+    """Yield Python packages with the name of one in another package, or of a standard module."""
     yield from _same_modules(packages)
     yield from _hides_pythons(packages)
 
 
 def _same_modules(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
-    """Yield a Python package that two packages of the workspace install: Python finds the one of the first in its path."""
+    """Yield Python packages that two packages of the workspace install: only the first in the path counts."""
     first: dict[str, SourcePackage] = {}
     for package in packages:
         for name in dict.fromkeys(module.partition(".")[0] for module in package.packages or ()):
@@ -37,7 +37,7 @@ def _same_modules(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
 
 
 def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
-    """Yield an installed package of the name of one of Python's own modules, which everything then imports instead of it."""
+    """Yield Python packages with the name of a standard module, which imports then find instead of it."""
     for package in packages:
         for name in sorted(
             {module.partition(".")[0] for module in package.packages or ()}
@@ -49,7 +49,7 @@ def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
 
 
 def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tuple[str, Finding]]:
-    """Yield by its name each method that hides what every node has."""
+    """Yield the name of each method that hides a member of every node, with the finding."""
     for method in owner.methods.values():
         if method.name in properties and not method.decorator_list:
             why = f"Every node already has `{method.name}`, which this method hides, so choose another name."
@@ -62,7 +62,7 @@ def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tu
 
 
 def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
-    """Return cause and fix, by their names, of attributes that a class sets and that every node has: for rclpy, or for all."""
+    """Return cause and fix, by name, for attributes that a class sets although every node has them."""
     members, properties = members_of("rclpy.node", "Node")
     found: dict[str, tuple[str, str]] = {}
     for node in walk(owner.definition):
@@ -81,7 +81,7 @@ def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
 
 
 def _demanded_by_node(method: Function) -> int:
-    """Return how many values a method of Node of the same name needs, if this one does not take so many; else 0."""
+    """Return how many arguments Node's method of the same name needs, if this one takes fewer; else 0."""
     of_node = method_of("rclpy.node", "Node", method.name)
     if of_node is None or method.name.startswith("__") or method.decorator_list or method.args.vararg:
         return 0

@@ -1,4 +1,4 @@
-"""Topics that do not meet: names nearly alike, types and qualities of service that differ."""
+"""Topics that do not connect: names that are nearly alike, other types or other qualities of service."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.rhythm import has_period
 
-# What the course asks for, with the type of each and, where it is fixed, the period in s; the last one in lesson 4.
+# The course's topics, each with its type and, if fixed, its period in s; the last is from lesson 4.
 COURSE_TOPICS: Mapping[str, tuple[str, float]] = {
     part.topic.lstrip("/"): (part.type_name.replace("/", "."), part.period)
     for part in assignments.load().parts.values()
@@ -28,7 +28,7 @@ _DEEPEST = 5  # methods that are followed from one to the next
 
 @dataclass(frozen=True)
 class End:
-    """One end of a topic: who publishes or listens, as the source has it."""
+    """A publisher or a subscription, as the source has it."""
 
     topic: str
     type: str | None
@@ -45,7 +45,7 @@ class End:
 
     @cached_property
     def name(self) -> str:
-        """Its topic, where `~` stands for the name of its node; empty if that is not known."""
+        """Its topic, with the name of its node instead of `~`; empty if that is not known."""
         return _named(self.topic, self.creation, self.sources)
 
     @property
@@ -61,7 +61,7 @@ class End:
 
 
 def _named(written: str, creation: Creation, sources: NodeSources) -> str:
-    """Return a name without its first slash, and with that of its node instead of `~`; empty if that is not known."""
+    """Return a name without its first slash and with its node's name instead of `~`; empty if unknown."""
     if not written.startswith("~"):
         return written.lstrip("/")
     node = sources.node_name(creation)
@@ -69,9 +69,9 @@ def _named(written: str, creation: Creation, sources: NodeSources) -> str:
 
 
 def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
-    """List both ends of every topic whose name the sources tell, without the slash at its beginning.
+    """List the publishers and subscriptions whose topics the sources name, without the leading slash.
 
-    With `unnamed`, also those whose name is known only when the node runs; their topic is empty.
+    With `unnamed`, also those whose topic is known only when the node runs; it is empty.
     """
     found = []
     for creation in sources.creations:
@@ -97,7 +97,7 @@ def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
 
 
 def word_sources(sources: NodeSources) -> list[PythonSource]:
-    """Return the files in which a text that is received can be compared: those that subscribe to texts, and what they import."""
+    """Return the files that may compare received strings: those that subscribe to them, and their imports."""
     asking = [
         end.creation.source
         for end in ends_of(sources)
@@ -114,7 +114,7 @@ def word_sources(sources: NodeSources) -> list[PythonSource]:
 
 
 def _is_there(kind: str | None) -> bool:
-    """Return whether there may be such a type; what is wrong with its import is told already."""
+    """Return whether a type may exist, and its import is not misspelt, which is reported already."""
     module, _, short = (kind or "").rpartition(".")
     is_misspelt = interfaces.meant(module.partition(".")[0])
     return (
@@ -125,11 +125,11 @@ def _is_there(kind: str | None) -> bool:
 
 
 def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[Finding]:
-    """Yield what keeps topics of a workspace from meeting each other, or the course's.
+    """Yield faults that keep the topics of a workspace from connecting to each other or to the course's.
 
     Args:
-        ends: those of all its packages.
-        remapped: topics that launch files give other names, by `End.topic` or `End.name`.
+        ends: the publishers and subscriptions of all its packages.
+        remapped: topics that launch files rename, by `End.topic` or `End.name`.
     """
     by_topic: dict[str, list[End]] = {}
     for end in ends:
@@ -147,7 +147,7 @@ def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[
 
 
 def _by_variable(ends: list[End]) -> dict[tuple[Function, str], list[End]]:
-    """Return the ends of topics that are known only when a node runs, by function and what it writes in their places."""
+    """Group the ends whose topic is known only at run time by their function and the topic's expression."""
     found: dict[tuple[Function, str], list[End]] = {}
     for end in ends:
         written, function = (end.creation.arguments or {}).get("topic"), end.creation.function
@@ -157,7 +157,7 @@ def _by_variable(ends: list[End]) -> dict[tuple[Function, str], list[End]]:
 
 
 def service_faults(files: Iterable[NodeSources]) -> Iterator[Finding]:
-    """Yield a client of a service that no node of the workspace has, where there is one called nearly so."""
+    """Yield clients of a service that no node of the workspace has, where one has nearly the same name."""
     named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
     for sources, creation in ((package, creation) for package in files for creation in package.creations):
         given = (creation.arguments or {}).get("srv_name")
@@ -184,12 +184,12 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
         if topic in COURSE_TOPICS or {end.is_publisher for end in there} == {True, False}:
             continue
         is_publisher = there[0].is_publisher
-        # What the workspace itself uses at the other end comes before what the course asks for, which has no node's name.
+        # The workspace's own topics come before the course's, which contain no node's name.
         others = [
             name
             for name, ends in by_topic.items()
             if name != topic and {end.is_publisher for end in ends} == {not is_publisher}
-            # Who uses both names means both, such as `tx` and `rx`.
+            # A class that uses both names, such as `tx` and `rx`, means both.
             if {*map(_made_in, ends)}.isdisjoint(map(_made_in, there))
         ]
         meant = others if there[0].is_private else [*others, *COURSE_TOPICS]
@@ -212,12 +212,12 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
 
 
 def _made_in(end: End) -> object:
-    """Return the class that makes an end, or else the function or the file."""
+    """Return the class that creates an end, or else the function or the file."""
     return end.creation.owner or end.creation.function or end.creation.source
 
 
 def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
-    """Yield the second publisher of a topic, where another one of its type has only who subscribes: a copied line."""
+    """Yield publishers on a topic that has others, while the topic their file is named after has none."""
     for topic, there in by_topic.items():
         if any(end.is_publisher for end in there) or topic in COURSE_TOPICS:
             continue
@@ -234,12 +234,12 @@ def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
 
 
 def _in_name(topic: str, shown: str) -> bool:
-    """Return whether the last part of a topic's name stands in a file's name."""
+    """Return whether a file's name contains the last part of a topic's name."""
     return topic.rpartition("/")[2].lower() in shown.rpartition("/")[2].lower()
 
 
 def _makes_its_type(end: End) -> bool:
-    """Return whether the file of a topic's end makes messages of the type that it names there."""
+    """Return whether the file of an end creates messages of the type that the end names."""
     source = end.creation.source
     calls = (node for node in source.nodes if isinstance(node, ast.Call))
     return any(end.sources.resolve(source, call.func) == end.type for call in calls)
@@ -250,7 +250,7 @@ def _types(topic: str, there: list[End]) -> Iterator[Finding]:
     wanted = COURSE_TOPICS[topic][0] if topic in COURSE_TOPICS else None
     if topic == "cmd_vel" and any(str(end.type).endswith("TwistStamped") for end in known):
         wanted = None  # what newer robots take
-    # Who makes messages of its type means it; of two that do, or do not, the first.
+    # The first end whose file creates messages of its type is right; if there is none, the first of all.
     first = next((end for end in known if _makes_its_type(end)), known[0] if known else None)
     for end in known:
         right = wanted or (first.type if first else None)
@@ -281,7 +281,7 @@ def _qualities(topic: str, there: list[End]) -> Iterator[Finding]:
 
 
 def _qos(sources: NodeSources, creation: Creation) -> Mapping[str, str]:
-    """Return what is known of a quality of service."""
+    """Return the policies that are known of a quality of service."""
     default = {"durability": "VOLATILE", "reliability": "RELIABLE"}
     given = (creation.arguments or {}).get("qos_profile")
     if isinstance(given, ast.Constant):
@@ -308,7 +308,7 @@ def _qos(sources: NodeSources, creation: Creation) -> Mapping[str, str]:
 
 
 def _definition(creation: Creation, given: ast.expr | None) -> ast.expr | None:
-    """Return the expression that a name was last given, if it was given one once."""
+    """Return the expression that a name stands for; None if it is assigned twice or changed afterwards."""
     if not isinstance(given, (ast.Name, ast.Attribute)):
         return given
     text = ast.unparse(given)
@@ -345,7 +345,7 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
 
 
 def timers_of(end: End) -> Iterator[tuple[Creation, float]]:
-    """Yield the timers whose every call publishes on a topic, with their periods in s, where the files tell them."""
+    """Yield the timers that publish on a topic with every call, with their periods in s where known."""
     for timer in publishing_timers(end):
         seconds = end.sources.value(timer.source, (timer.arguments or {}).get("timer_period_sec"))
         if isinstance(seconds, (int, float)):
@@ -353,16 +353,16 @@ def timers_of(end: End) -> Iterator[tuple[Creation, float]]:
 
 
 def publishing_timers(end: End) -> Iterator[Creation]:
-    """Yield the timers whose every call publishes on a topic."""
+    """Yield the timers that publish on a topic with every call."""
     for creation, function in _timers(end):
-        # Nothing below a condition.
+        # Only unconditional calls.
         calls = [s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
         if f"{_kept_as(end)}.publish" in [ast.unparse(call.func) for call in calls]:
             yield creation
 
 
 def goes_on(end: End) -> bool:
-    """Return whether a timer publishes on a topic each time that it calls, whatever happens."""
+    """Return whether a timer always publishes on a topic, itself or by the methods that it calls."""
     sent = f"{_kept_as(end)}.publish"
     owner = end.creation.owner
     return any(sent in dict(_called_always(end.sources, owner, function)) for _, function in _timers(end))
@@ -381,7 +381,7 @@ def _timers(end: End) -> Iterator[tuple[Creation, Function]]:
 
 
 def _answers_itself(topic: str, there: list[End]) -> Iterator[Finding]:
-    """Yield a callback that publishes each time on the topic to which it listens, and so calls itself for ever."""
+    """Yield callbacks that always publish on the topic they listen to, and so call themselves endlessly."""
     for listener in (end for end in there if not end.is_publisher and end.type):
         sources, creation = listener.sources, listener.creation
         callback = sources.function_of(creation, (creation.arguments or {}).get("callback"))
@@ -399,7 +399,7 @@ def _answers_itself(topic: str, there: list[End]) -> Iterator[Finding]:
 def _called_always(
     sources: NodeSources, owner: NodeClass | None, function: Function, depth: int = 0
 ) -> Iterator[tuple[str, ast.Call]]:
-    """Yield what a function calls whatever happens, also by the methods that it calls; nothing if it may end early."""
+    """Yield the calls that a function always makes, also by methods of its own; none if it may end early."""
     leaves = (ast.Return, ast.Raise, ast.Yield, ast.Await)
     ends = ("destroy", "shutdown", "exit", "cancel")
     for node in own_nodes(function):

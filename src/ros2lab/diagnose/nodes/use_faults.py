@@ -18,9 +18,9 @@ from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses, named
 
 
 def use_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield what a package's files define, make or compute, and do not use, or use as it was before."""
+    """Yield what the files of a package define or compute and do not use, or use when it is out of date."""
     if any(source.fault for source in sources.sources.values()):
-        return  # what cannot be read may use anything
+        return  # a file that cannot be read may use anything
     uses = Uses(sources)
     yield from _never_made(uses)
     yield from _in_another_program(sources)
@@ -37,7 +37,7 @@ def use_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _never_made(uses: Uses) -> Iterator[Finding]:
-    """Yield a node class of a program that makes no object of it, and of no other class of its own."""
+    """Yield node classes whose program instantiates neither them nor another one of its own."""
     names = {node_class.name for node_class in uses.sources.nodes}
     for owner in uses.sources.nodes:
         source, name = owner.source, owner.definition.name
@@ -47,7 +47,7 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
         main = found[1]
         loads = [node for node in walk(main) if isinstance(node, (ast.Name, ast.Attribute))]
         if any(uses.sources.resolve(source, node) in names for node in loads):
-            continue  # it makes another one
+            continue  # it uses another node class
         made = next(
             (
                 node
@@ -69,7 +69,7 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
 
 
 def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
-    """Yield a variable of a module that one program changes and another one reads: each has a copy of its own."""
+    """Yield variables of modules that one program changes and another reads: each has its own copy."""
     programs = {name for name in sources.sources if f"{name}.main" in sources.functions}
     imports = [{imported.target for imported in source.imports} for source in sources.sources.values()]
     if any(
@@ -105,7 +105,7 @@ def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef) -> Iterator[Finding]:
-    """Yield a function or a class of whose name there is a later one in the same block."""
+    """Yield functions and classes that replace an earlier one of the same name in the same block."""
     seen: dict[str, ast.stmt] = {}
     for statement in scope.body:
         if not isinstance(statement, (*FUNCTIONS, ast.ClassDef)) or statement.decorator_list:
@@ -121,7 +121,7 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             if not isinstance(middle, FUNCTIONS)
             for node in walk(middle)
         ):
-            continue  # the first one was used before
+            continue  # the first one is used in between
         given = [creation for creation, function in uses.sources.callbacks() if function is statement]
         where = f" of {scope.name}" if isinstance(scope, ast.ClassDef) else ""
         what = f"{name}()" if isinstance(statement, FUNCTIONS) else f"The class {name}"
@@ -146,7 +146,7 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
 
 
 def _parameters_unread(uses: Uses) -> Iterator[Finding]:
-    """Yield a declared parameter that nothing reads, where what it was declared for is given its default."""
+    """Yield declared parameters that nothing reads, where an attribute is set to the default instead."""
     declared = declared_in(uses.sources) or {}
     asked = {
         "get_parameters",
@@ -177,14 +177,14 @@ def _parameters_unread(uses: Uses) -> Iterator[Finding]:
                 continue
             field = _filled_with(owner, node.args[1] if len(node.args) > 1 else None)
             if field is None:
-                continue  # it may be there to be asked for from outside
+                continue  # it may be read from outside
             cause = f"The parameter {name!r} is declared but never read, so setting it changes nothing."
             fix = f"write {ast.unparse(field.targets[0])} = self.get_parameter({name!r}).value"
             yield Finding("parameter-unread", cause, source.at(field), fix)
 
 
 def _is_kept(function: Function | None, call: ast.Call) -> bool:
-    """Return whether something is done with what declare_parameter() returns."""
+    """Return whether the return value of declare_parameter() is used."""
     statements = (
         {id(node.value) for node in walk(function) if isinstance(node, ast.Expr)} if function else set()
     )
@@ -192,7 +192,7 @@ def _is_kept(function: Function | None, call: ast.Call) -> bool:
 
 
 def _filled_with(owner: NodeClass, default: ast.expr | None) -> ast.Assign | None:
-    """Return the only assignment in a class that gives something a parameter's default."""
+    """Return the only assignment of a parameter's default to an attribute; None if there is not just one."""
     found = [
         node
         for node in walk(owner.definition)
