@@ -1,6 +1,6 @@
 """Load launch files as `ros2 launch` does, start nothing, and print what they would start, as JSON.
 
-It is run in a process of its own, which can change nothing, and ends with the one that asks.
+It runs in a process of its own that can change nothing and that ends with the process that started it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ros2lab.diagnose.confinement import confine
 MEMORY = 2_000_000_000  # bytes
 LONGEST = 20  # s, on a busy machine; files that wait for something are not waited for
 MOST_TOLD = 10_000_000  # bytes
-# What a launch file asks Python to change or to start; that it cannot, Linux sees to.
+# Audit events of what changes or starts something; that a file truly cannot, Linux sees to.
 _CHANGES = re.compile(
     r"os\.(?!listdir|scandir|putenv|unsetenv|add_dll|fwalk|walk)|shutil\.|subprocess\.|socket\.|pty\."
 )
@@ -32,10 +32,10 @@ _CHANGES = re.compile(
 def main() -> None:
     """Load the files named on the command line; nothing is printed where this process cannot be confined."""
     import launch.logging
-    import launch_ros.actions  # before nothing can be written any more: what it imports is compiled
+    import launch_ros.actions  # while files can still be written: importing compiles modules
 
     sys.dont_write_bytecode = True
-    launch.logging.launch_config.log_dir = "/"  # nothing is written there: what is logged goes nowhere
+    launch.logging.launch_config.log_dir = "/"  # nothing is written there: the handler drops all records
     launch.logging.launch_config.log_handler_factory = lambda *_, **__: logging.NullHandler()
     refused: list[str] = []
     sys.addaudithook(_noting(refused))
@@ -47,7 +47,7 @@ def main() -> None:
 
 
 def _noting(refused: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
-    """Return a hook that refuses what would change something on this machine, and notes it."""
+    """Return an audit hook that refuses, and notes, what would change something on this machine."""
 
     def hook(event: str, given: tuple[Any, ...]) -> None:
         if event == "open":
@@ -67,14 +67,14 @@ def _noting(refused: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
     return hook
 
 
-# What fails so may lack only what is not on this machine: a file, a module, a package, a variable, an argument.
+# Such an error may only mean that a file, module, package, variable or argument is not on this machine.
 _OUTSIDE = (OSError, ImportError, LookupError, RuntimeError, SystemExit)
-# But what this module refuses stands in the file.
+# But an error raised in this module is a fault of the launch file.
 _READ_IN = "launch.launch_description"
 
 
 def _words_of(problem: BaseException) -> str:
-    """Return what an error says, without what was tried before."""
+    """Return the last line of an error's message, without the attempts listed before it."""
     lines = [line for line in str(problem).splitlines() if line.strip()]
     return lines[-1].removeprefix(" - ").strip() if lines else type(problem).__name__
 
@@ -85,32 +85,32 @@ def _is_outside(problem: BaseException) -> bool:
 
 
 def _lacking(problem: BaseException) -> str:
-    """Return which package or module a file asks for that is not on this machine; empty for what may be given later."""
+    """Return the message about a package or module that is not on this machine; empty for other errors."""
     if isinstance(problem, ImportError) or type(problem).__name__ == "PackageNotFoundError":
         return str(problem.args[0]).partition(", searching")[0] if problem.args else ""
     return ""
 
 
 def _parameters(frame: FrameType) -> dict[str, Any]:
-    """Return what a function was given, but for the object whose method it is."""
+    """Return the arguments of a frame's function by name, without self."""
     code = frame.f_code
     names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
     return {name: frame.f_locals[name] for name in names if name != "self" and name in frame.f_locals}
 
 
 def _in_order(parameters: list[Any], context: Any, text: Callable[[Any], str | None]) -> Iterator[Any]:
-    """Yield what gives a node parameters: the path of each file, and the others by their names."""
+    """Yield a node's parameters in order: the path of each file, and dicts of the others by name."""
     from launch_ros.utilities import evaluate_parameters, normalize_parameters
 
-    for one in parameters:
-        if isinstance(one, dict):
-            yield from evaluate_parameters(context, normalize_parameters([one]))
-        elif not isinstance(one, tuple):
-            yield os.path.realpath(str(text(one)))
+    for entry in parameters:
+        if isinstance(entry, dict):
+            yield from evaluate_parameters(context, normalize_parameters([entry]))
+        elif not isinstance(entry, tuple):
+            yield os.path.realpath(str(text(entry)))
 
 
 class _Loading:
-    """One launch file, with every node that it makes, and those of them that would be started."""
+    """A launch file, with every node that it makes, and those that would be started."""
 
     def __init__(self, path: str, node: Any) -> None:
         self.path, self.node = path, node
@@ -122,14 +122,14 @@ class _Loading:
         self.asked: dict[str, set[str]] = {}  # by tag, the attributes that its action asks for
 
     def result(self, refused: list[str]) -> dict[str, Any]:
-        """Return what it would start, or why launch cannot load it; nothing of what lacks or is refused something here."""
+        """Return what it would start, why launch refuses it, or what it lacks; empty if unknown."""
         error = None
         refused.clear()
         with self._watched():
             try:
                 self._load()
             except (Exception, SystemExit) as raised:  # a launch file may raise anything
-                # Of the ways in which launch tries to read a file, the first is the one of its name.
+                # Launch tries several parsers; the cause is the error of the one that fits the file's name.
                 problem = raised.__cause__ if type(raised).__name__ == "InvalidLaunchFileError" else raised
                 if problem is not None and not _is_outside(problem):
                     error = {
@@ -156,9 +156,9 @@ class _Loading:
         return next((frame.lineno for frame in frames if frame.filename == self.path), None)
 
     def _refused(self, problem: BaseException) -> dict[str, str]:
-        """Return which value of the file a library refuses; empty if its words name none.
+        """Return the argument of a library function that it refuses; empty if the message names none.
 
-        A library may know a value by another name than the one under which it was given: it is the same object.
+        Inner functions may know the value by another name than the one it was passed by: the object is the same.
         """
         frames = [frame for frame, _ in traceback.walk_tb(problem.__traceback__)]
         last = max(
@@ -167,7 +167,7 @@ class _Loading:
         called = frames[last + 1 :]
         for frame in reversed(called):
             for name, value in _parameters(frame).items():
-                given = [one for one, known in _parameters(called[0]).items() if known is value]
+                given = [parameter for parameter, known in _parameters(called[0]).items() if known is value]
                 if re.search(rf"\b{name}\b", str(problem)) and given:
                     owner = called[0].f_locals.get("self")
                     function = called[0].f_code.co_name if owner is None else type(owner).__name__
@@ -186,19 +186,19 @@ class _Loading:
         from launch.actions import ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction
 
         inner: list[tuple[str, list[Any]]] = getattr(entity, "describe_conditional_sub_entities", list)()
-        self._reach(entity, [one for _, several in inner for one in several])
+        self._reach(entity, [child for _, several in inner for child in several])
         condition = getattr(entity, "condition", None)
         if isinstance(entity, ExecuteProcess):
             if condition is None or condition.evaluate(context):
                 self._start(entity, context)
             return
         if not isinstance(entity, (OpaqueCoroutine, RegisterEventHandler, TimerAction)):
-            for one in entity.visit(context) or []:
-                self._visit(one, context)
+            for child in entity.visit(context) or []:
+                self._visit(child, context)
         elif condition is None or condition.evaluate(context):
-            # What happens later is taken to happen.
-            for one in (one for _, several in inner for one in several):
-                self._visit(one, context)
+            # Timers and event handlers are taken to fire.
+            for child in (child for _, several in inner for child in several):
+                self._visit(child, context)
 
     def _reach(self, entity: Any, inner: list[Any]) -> None:
         from launch.actions import DeclareLaunchArgument
@@ -206,11 +206,11 @@ class _Loading:
         self.reached.add(id(entity))
         if isinstance(entity, DeclareLaunchArgument):
             self.arguments.add(entity.name)
-        for one in inner:
+        for child in inner:
             conditional: list[tuple[str, list[Any]]] = getattr(
-                one, "describe_conditional_sub_entities", list
+                child, "describe_conditional_sub_entities", list
             )()
-            self._reach(one, [deeper for _, several in conditional for deeper in several])
+            self._reach(child, [deeper for _, several in conditional for deeper in several])
 
     def _start(self, action: Any, context: Any) -> None:
         from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
@@ -220,19 +220,19 @@ class _Loading:
                 return None
             given = getattr(given, "param_file", given)
             given = given if isinstance(given, (list, tuple)) else [given]
-            plain = [str(one) if isinstance(one, os.PathLike) else one for one in given]
+            plain = [str(piece) if isinstance(piece, os.PathLike) else piece for piece in given]
             return str(perform_substitutions(context, normalize_to_list_of_substitutions(plain)))
 
-        known = next(((given, line) for one, given, line in self.made if one is action), None)
-        given, line = known or ({}, None)  # another program than a node may be anything
+        known = next(((given, line) for node, given, line in self.made if node is action), None)
+        given, line = known or ({}, None)  # a process that is not a node may be anything
         parameters = given.get("parameters") or []
         base = context.launch_configurations.get("ros_namespace") or ""
         own = text(given.get("namespace")) or ""
         scoped = context.launch_configurations.get("global_params", [])
-        of_scope: dict[str, Any] = dict(one for one in scoped if isinstance(one, tuple))
-        files = [os.path.realpath(str(text(one))) for one in scoped if not isinstance(one, tuple)]
+        of_scope: dict[str, Any] = dict(entry for entry in scoped if isinstance(entry, tuple))
+        files = [os.path.realpath(str(text(entry))) for entry in scoped if not isinstance(entry, tuple)]
         in_order = [*_in_order(parameters, context, text)]
-        files += [one for one in in_order if isinstance(one, str)]
+        files += [entry for entry in in_order if isinstance(entry, str)]
         self.nodes.append(
             {
                 "package": text(given.get("package")),
@@ -250,10 +250,10 @@ class _Loading:
                 ],
                 "files": files,
                 "output": None if given.get("output") is None else str(given["output"]),
-                "arguments": [text(one) for one in given.get("arguments") or []],
+                "arguments": [text(word) for word in given.get("arguments") or []],
                 "values": {
                     **of_scope,
-                    **ChainMap(*reversed([one for one in in_order if isinstance(one, dict)])),
+                    **ChainMap(*reversed([entry for entry in in_order if isinstance(entry, dict)])),
                 },
                 "given": in_order,
                 "line": line,
@@ -262,7 +262,7 @@ class _Loading:
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:
-        """Note every node that is made, with its line, and every attribute in XML or YAML that no action takes."""
+        """Note each node that is made, with its line, and each XML or YAML attribute that no action takes."""
         import launch_xml
         import launch_yaml
 
@@ -293,23 +293,23 @@ class _Loading:
     def _collect(self, entity: Any) -> None:
         get, check = entity.get_attr, entity.assert_entity_completely_parsed
 
-        def get_attr(one: Any, name: str, **options: Any) -> Any:
-            self.asked.setdefault(one.type_name, set()).add(name)
+        def get_attr(element: Any, name: str, **options: Any) -> Any:
+            self.asked.setdefault(element.type_name, set()).add(name)
             try:
-                return get(one, name, **options)
+                return get(element, name, **options)
             except AttributeError:
                 if options.get("data_type", str) is not str:
                     raise
-                self.faults.append({"tag": one.type_name, "missing": name})
+                self.faults.append({"tag": element.type_name, "missing": name})
                 return "unknown"
 
-        def checked(one: Any) -> None:
+        def checked(element: Any) -> None:
             try:
-                check(one)
+                check(element)
             except ValueError as error:
                 names = re.findall(r"'([\w-]+)'", str(error).partition(": ")[2])
-                known = sorted(self.asked.get(one.type_name, ()))
-                self.faults.append({"tag": one.type_name, "unexpected": names, "known": known})
+                known = sorted(self.asked.get(element.type_name, ()))
+                self.faults.append({"tag": element.type_name, "unexpected": names, "known": known})
 
         entity.get_attr, entity.assert_entity_completely_parsed = get_attr, checked
 

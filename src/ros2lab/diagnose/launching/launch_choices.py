@@ -1,4 +1,4 @@
-"""A choice between values that a launch file makes while it is read, as an expression that launch evaluates when it runs."""
+"""Rewrite a choice made while a launch file is read as an expression that launch evaluates when it runs."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.sources.python_source import PythonSource
 
-# What of an expression is a text, and what a substitution, as it is written in the file.
-_Part = tuple[bool, str]  # whether it is a substitution
+# A piece of an expression as it is written in the file: plain text, or a substitution.
+_Part = tuple[bool, str]  # whether it is a substitution, and its text
 
 
 def choice_when_it_runs(source: PythonSource, node: ast.AST, early: Collection[str]) -> str:
-    """Say how values are chosen when launch runs; empty if nothing but values is chosen between.
+    """Return a fix that lets launch choose between values when it runs; empty if the choice has another form.
 
     Args:
         source: the launch file.
         node: the comparison, or the `if`, that comes too early.
-        early: the substitutions that it asks, as they are written.
+        early: the substitutions in it, as they are written.
     """
     for choice in source.nodes:
         if isinstance(choice, (ast.If, ast.IfExp)) and any(
-            one is node for one in (choice, *ast.walk(choice.test))
+            inner is node for inner in (choice, *ast.walk(choice.test))
         ):
             if isinstance(choice, ast.IfExp):
                 made = _written(_chosen(choice, choice.body, choice.orelse, early))
@@ -39,7 +39,7 @@ _IMPORT = "with `from launch.substitutions import PythonExpression`"
 
 
 def _assigned(choice: ast.If) -> dict[str, ast.expr]:
-    """Return the names to which the first branch gives values; none if it does anything else."""
+    """Return the names that the first branch assigns, with their values; empty if it does anything else."""
     found: dict[str, ast.expr] = {}
     for statement in choice.body:
         match statement:
@@ -53,45 +53,45 @@ def _assigned(choice: ast.If) -> dict[str, ast.expr]:
 def _of_statement(
     choice: ast.If, name: str, source: PythonSource, early: Collection[str]
 ) -> list[_Part] | None:
-    """Return what an `if` with all its branches gives to a name; None if that cannot be told."""
+    """Return what an `if` with all its branches assigns to a name; None if that is not known."""
     value = _assigned(choice).get(name)
     match choice.orelse:
         case [ast.If() as inner]:
-            other = _of_statement(inner, name, source, early)
+            otherwise = _of_statement(inner, name, source, early)
         case [ast.Assign(targets=[ast.Name(id=same)], value=there)] if same == name:
             return _chosen(choice, value, there, early)
         case []:
             before = _value_before(choice, name, source)
             return _chosen(choice, value, before, early)
-        case [*several] if all(isinstance(one, ast.Assign) for one in several):
+        case [*several] if all(isinstance(statement, ast.Assign) for statement in several):
             last = _assigned(ast.If(choice.test, several, []))
             return _chosen(choice, value, last.get(name), early)
         case _:
             return None
     test = _test(choice.test, early)
-    if other is None or test is None or not isinstance(value, ast.Constant):
+    if otherwise is None or test is None or not isinstance(value, ast.Constant):
         return None
-    return [(False, f"{value.value!r} if "), *test, (False, " else ("), *other, (False, ")")]
+    return [(False, f"{value.value!r} if "), *test, (False, " else ("), *otherwise, (False, ")")]
 
 
 def _value_before(choice: ast.If, name: str, source: PythonSource) -> ast.expr | None:
-    """Return what a name is given in a line above an `if`."""
+    """Return the last value assigned to a name above an `if`; None if there is none."""
     rows = (node for node in source.nodes if isinstance(node, ast.Assign) and node.lineno < choice.lineno)
     values = [row.value for row in rows if name in map(ast.unparse, row.targets)]
     return values[-1] if values else None
 
 
 def _chosen(
-    choice: ast.If | ast.IfExp, value: ast.expr | None, other: ast.expr | None, early: Collection[str]
+    choice: ast.If | ast.IfExp, value: ast.expr | None, otherwise: ast.expr | None, early: Collection[str]
 ) -> list[_Part] | None:
     test = _test(choice.test, early)
-    if test is None or not isinstance(value, ast.Constant) or not isinstance(other, ast.Constant):
+    if test is None or not isinstance(value, ast.Constant) or not isinstance(otherwise, ast.Constant):
         return None
-    return [(False, f"{value.value!r} if "), *test, (False, f" else {other.value!r}")]
+    return [(False, f"{value.value!r} if "), *test, (False, f" else {otherwise.value!r}")]
 
 
 def _test(test: ast.expr, early: Collection[str]) -> list[_Part] | None:
-    """Return a condition with its substitutions in quotes where texts are compared; None if it asks something else."""
+    """Return a condition, with substitutions quoted where texts are compared; None for any other form."""
     text = ast.unparse(test)
     match test:
         case _ if text in early:
@@ -100,7 +100,7 @@ def _test(test: ast.expr, early: Collection[str]) -> list[_Part] | None:
             inner = _test(operand, early)
             return [(False, "not "), *inner] if inner else None
         case ast.Compare(left=left, ops=[sign], comparators=[right]):
-            sides = [_side(one, early, is_text=not _is_number(left, right)) for one in (left, right)]
+            sides = [_side(side, early, is_text=not _is_number(left, right)) for side in (left, right)]
             if None in sides:
                 return None
             between = ast.unparse(ast.Compare(ast.Name("a"), [sign], [ast.Name("b")]))[1:-1]
@@ -109,7 +109,7 @@ def _test(test: ast.expr, early: Collection[str]) -> list[_Part] | None:
 
 
 def _is_number(*sides: ast.expr) -> bool:
-    return any(isinstance(one, ast.Constant) and type(one.value) in (int, float) for one in sides)
+    return any(isinstance(side, ast.Constant) and type(side.value) in (int, float) for side in sides)
 
 
 def _side(side: ast.expr, early: Collection[str], *, is_text: bool) -> list[_Part] | None:
@@ -118,13 +118,13 @@ def _side(side: ast.expr, early: Collection[str], *, is_text: bool) -> list[_Par
         quote = [(False, "'")] if is_text else []
         return [*quote, (True, text), *quote]
     is_plain = all(
-        isinstance(one, (ast.Constant, ast.List, ast.Tuple, ast.Set, ast.Load)) for one in ast.walk(side)
+        isinstance(inner, (ast.Constant, ast.List, ast.Tuple, ast.Set, ast.Load)) for inner in ast.walk(side)
     )
     return [(False, text)] if is_plain else None
 
 
 def _written(parts: list[_Part] | None) -> str:
-    """Return the expression as launch is given it: a list of texts and substitutions."""
+    """Return the expression as launch takes it: a list of texts and substitutions; empty if there is none."""
     return f"PythonExpression([{', '.join(_joined(parts))}])" if parts else ""
 
 

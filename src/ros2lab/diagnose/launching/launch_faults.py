@@ -1,4 +1,4 @@
-"""What launch files name, and whether it is there."""
+"""Check that the packages, executables and parameter files that launch files name exist."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def launch_faults(
     packages: Mapping[str, SourcePackage],
     executables: Mapping[str, Collection[str] | None],
 ) -> Iterator[Finding]:
-    """Yield what a launch file names that is not there.
+    """Yield what a launch file names that does not exist, and what it starts that stays hidden or unread.
 
     Args:
         launch_file: the file.
@@ -63,15 +63,15 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
     """Yield what is wrong with the parameter files that a launch file gives a node."""
     for package, path in node.files:
         if path.startswith("/"):
-            continue  # that is told of the path
+            continue  # an absolute path is reported elsewhere
         if package in packages and not _is_installed(packages[package], path):
             folder = (packages[package].folder / path).parent
-            there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
+            there = sorted(file.name for file in folder.glob("*.y*ml")) if folder.is_dir() else []
             wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
-            if other := lies_elsewhere(packages[package], path):
-                cause = f"The launch file gives the parameter file {path} of {package}, and the file lies in {other.folder}: the nodes keep their defaults."
+            if elsewhere := lies_elsewhere(packages[package], path):
+                cause = f"The launch file gives the parameter file {path} of {package}, and the file lies in {elsewhere.folder}: the nodes keep their defaults."
                 row = f"({f'share/{package}/{path}'.rpartition('/')[0]!r}, [{path!r}])"
-                fix = f"{other.command}, with {row} in data_files of setup.py, and build again"
+                fix = f"{elsewhere.command}, with {row} in data_files of setup.py, and build again"
                 yield Finding("parameter-file-missing", cause, node.place, fix)
                 continue
             yield Finding(
@@ -86,17 +86,20 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
 
 
 def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
-    """Yield a node that only prints, which launch does not show."""
+    """Yield a node that only uses print(), whose output launch does not show."""
     points = (package.setup.entry_points if package.setup else None) or ()
-    source = next((package.sources.get(one.module) for one in points if one.name == node.executable), None)
-    calls = [one for one in (source.nodes if source else ()) if isinstance(one, ast.Call)]
-    # What goes to another file, such as sys.stderr, is shown or not for other reasons.
+    source = next(
+        (package.sources.get(point.module) for point in points if point.name == node.executable), None
+    )
+    calls = [call for call in (source.nodes if source else ()) if isinstance(call, ast.Call)]
+    # Output to another file, such as sys.stderr, is shown or hidden for other reasons.
     prints = [
-        one
-        for one in calls
-        if getattr(one.func, "id", "") == "print" and "file" not in {keyword.arg for keyword in one.keywords}
+        call
+        for call in calls
+        if getattr(call.func, "id", "") == "print"
+        and "file" not in {keyword.arg for keyword in call.keywords}
     ]
-    if source and prints and not any(getattr(one.func, "attr", "") == "get_logger" for one in calls):
+    if source and prints and not any(getattr(call.func, "attr", "") == "get_logger" for call in calls):
         logged = as_logged(prints[0], source)
         whole = f"write `{logged}` instead of `{ast.unparse(prints[0])}`" if logged else ""
         others = ", and likewise for the other prints" if whole and len(prints) > 1 else ""
@@ -118,4 +121,4 @@ def _is_installed(package: SourcePackage, path: str) -> bool:
     }
     return (
         below + path in targets or (package.folder / path).is_file()
-    )  # that one is told as not-in-data-files
+    )  # a file that is only in the source is reported as not-in-data-files

@@ -1,4 +1,4 @@
-"""What launch files start, read and never run."""
+"""Read what launch files start, without running them."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class Launched:
     """A node that a launch file starts; what is not known is `UNKNOWN`.
 
     Attributes:
-        output: where it prints; None if that is not said.
+        output: where it prints; None if that is not given.
         files: the parameter files that it is given, as (package, path below its share folder).
         remappings: the names that are replaced, each with the new one.
-        namespace: in which it is started; empty for none.
-        arguments: the words that its program is given.
-        values: the parameters that it is given one by one; those of files are not among them.
-        given: all that gives it parameters, in its order: parameters by their names, and paths of files.
+        namespace: the namespace in which it is started; empty for none.
+        arguments: its command-line arguments.
+        values: the parameters that it is given directly, without those of files.
+        given: its parameters in order: dicts of values by name, and paths of files.
     """
 
     package: Any
@@ -64,10 +64,10 @@ class LaunchFile:
     """A launch file, with what it starts and what is wrong with the file itself.
 
     Attributes:
-        is_loaded: whether launch itself has said what it starts; else that is only read.
-        lacks: what it names that is not on this machine, for which launch could not load it.
-        arguments: the names of those that may be given on the command line; None where that is not known.
-        refusal: launch's own words, if it refuses the file.
+        is_loaded: whether launch itself has loaded it; otherwise it was only read.
+        lacks: findings about what is not on this machine, without which launch cannot load it.
+        arguments: the names of its launch arguments; None where they are not known.
+        refusal: launch's error message, if it refuses the file.
     """
 
     shown: str
@@ -104,7 +104,7 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
 
 
 def _without_return(source: PythonSource) -> Iterator[Finding]:
-    """Yield a description that is made and not returned, or that a comma puts into a tuple."""
+    """Yield a description that is not returned, or that a comma turns into a tuple."""
     for node in source.tree.body:
         if isinstance(node, ast.FunctionDef) and node.name == "generate_launch_description":
             returned = [n.value for n in own_nodes(node) if isinstance(n, ast.Return) and n.value]
@@ -113,9 +113,9 @@ def _without_return(source: PythonSource) -> Iterator[Finding]:
                 return
             last = node.body[-1]
             made = [
-                each
-                for each in node.body
-                if isinstance(each, ast.Assign) and "LaunchDescription" in ast.unparse(each.value)
+                statement
+                for statement in node.body
+                if isinstance(statement, ast.Assign) and "LaunchDescription" in ast.unparse(statement.value)
             ]
             is_made = isinstance(last, ast.Expr) and "LaunchDescription" in ast.unparse(last)
             fix = (
@@ -129,18 +129,16 @@ def _without_return(source: PythonSource) -> Iterator[Finding]:
 
 
 def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
-    """Yield what is written as in a node, or makes a tuple of what should be one action."""
-    for one in source.imports:
-        module, _, name = one.target.rpartition(".")
-        homes = launch_homes_of(one.local) if one.is_from and one.local[:1].isupper() else []
-        # What launch says of a name that is not in its module at all is told where it is run.
-        is_other = name != one.local or module.partition(".")[0] == "rclpy"
+    """Yield imports meant for nodes, wrong arguments, and actions that a comma turns into a tuple."""
+    for imported in source.imports:
+        module, _, name = imported.target.rpartition(".")
+        homes = launch_homes_of(imported.local) if imported.is_from and imported.local[:1].isupper() else []
+        # A name that its module does not have at all is reported where the file is run.
+        is_other = name != imported.local or module.partition(".")[0] == "rclpy"
         if homes and is_other and module not in homes:
-            cause = (
-                f"{one.local} here is {one.target}, but the {one.local} for launch files is in {homes[0]}."
-            )
-            fix = f"write `from {homes[0]} import {one.local}`"
-            yield Finding("import-wrong", cause, source.at(one.line), fix)
+            cause = f"{imported.local} here is {imported.target}, but the {imported.local} for launch files is in {homes[0]}."
+            fix = f"write `from {homes[0]} import {imported.local}`"
+            yield Finding("import-wrong", cause, source.at(imported.line), fix)
     yield from comma_faults(source)
     yield from path_faults(source)
     yield from _arguments(source)
@@ -159,19 +157,23 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
 
 
 def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) -> bool:
-    """Return whether a keyword of an action that takes a list is given something else."""
-    if any(one.arg == "shell" for one in call.keywords):
-        return False  # a shell takes one text
-    if keyword.arg in _LISTS:  # whose types have names of their own
+    """Return whether a keyword argument of an action should be a list but is something else."""
+    if any(given.arg == "shell" for given in call.keywords):
+        return False  # a shell takes a single text
+    if keyword.arg in _LISTS:  # whose types are aliases
         is_pair = isinstance(keyword.value, ast.Tuple) and keyword.arg == "remappings"
         return is_pair or isinstance(keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr))
     is_text = isinstance(keyword.value, ast.JoinedStr) or isinstance(
         getattr(keyword.value, "value", None), str
     )
     signature = signature_of(source, call) if is_text else None
-    places = [one for one in (signature.parameters if signature else ()) if one.name == keyword.arg]
-    # A text is taken for a list of its letters.
-    return any(heads_of(one.type) and heads_of(one.type) <= LISTS for one in places)
+    places = [
+        parameter
+        for parameter in (signature.parameters if signature else ())
+        if parameter.name == keyword.arg
+    ]
+    # Launch would take a text as a list of its letters.
+    return any(heads_of(parameter.type) and heads_of(parameter.type) <= LISTS for parameter in places)
 
 
 def _is_action(target: str) -> bool:
@@ -179,7 +181,7 @@ def _is_action(target: str) -> bool:
 
 
 def _as_list(value: ast.expr) -> str:
-    """Write what stands without brackets as a list; a text of several words as one of these."""
+    """Return a value without brackets as a list; a text becomes the list of its words."""
     if isinstance(value, ast.Constant) and isinstance(value.value, str):
         with contextlib.suppress(ValueError):
             return str(shlex.split(value.value))
@@ -187,7 +189,7 @@ def _as_list(value: ast.expr) -> str:
 
 
 def _arguments(source: PythonSource) -> Iterator[Finding]:
-    """Yield arguments that are declared and not used, or used and not declared; a file that includes others is left out."""
+    """Yield arguments declared but not used, or the reverse; none for a file that includes others."""
     calls = [node for node in source.nodes if isinstance(node, ast.Call)]
     named: dict[str, dict[str, ast.Call]] = {"DeclareLaunchArgument": {}, "LaunchConfiguration": {}}
     for call in calls:
@@ -199,7 +201,7 @@ def _arguments(source: PythonSource) -> Iterator[Finding]:
             named[name][str(given[0].value)] = call
     declared, used = named["DeclareLaunchArgument"], named["LaunchConfiguration"]
     for name in used.keys() - declared.keys():
-        # One that nobody declares here may be given by the launch file that includes this one.
+        # An argument that is not declared here may come from a launch file that includes this one.
         if near := nearest(name, declared.keys() - used.keys(), 0.6):
             cause = f"LaunchConfiguration({name!r}) is used, but the declared argument is called {near}."
             yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
@@ -252,15 +254,15 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
 
 
 def _words(arguments: Any) -> tuple[str, ...]:
-    """Return the words that a program is given; none if one of them is not known."""
+    """Return a program's command-line arguments; empty if any of them is not known."""
     are_known = isinstance(arguments, list) and all(isinstance(word, str) for word in arguments)
     return tuple(arguments) if are_known else ()
 
 
 def _files(parameters: Any) -> Iterator[tuple[str, str]]:
-    for one in parameters if isinstance(parameters, list) else ():
-        if isinstance(one, str) and one.startswith(_SHARE):
-            package, _, path = one.removeprefix(_SHARE).partition("/")
+    for parameter in parameters if isinstance(parameters, list) else ():
+        if isinstance(parameter, str) and parameter.startswith(_SHARE):
+            package, _, path = parameter.removeprefix(_SHARE).partition("/")
             yield package, path
 
 
@@ -332,30 +334,32 @@ def _entity(element: ET.Element) -> dict[str, Any]:
 
 
 def _several(value: Any) -> list[Mapping[str, Any]]:
-    """Return the entities of one tag, of which there may be none, one or more."""
-    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, Mapping)]
+    """Return the entities of a tag as a list, whether there are none, one or more."""
+    return [
+        entity for entity in (value if isinstance(value, list) else [value]) if isinstance(entity, Mapping)
+    ]
 
 
 def _nodes_below(content: Any, seen: set[int]) -> Iterator[Mapping[str, Any]]:
     if id(content) in seen:
-        return  # an alias in YAML may even lead back to where it stands
+        return  # a YAML alias may even refer to an entity that contains it
     seen.add(id(content))
     if isinstance(content, Mapping):
         yield from _several(content.get("node"))
     inner = content.values() if isinstance(content, Mapping) else content if isinstance(content, list) else ()
-    for one in inner:
-        yield from _nodes_below(one, seen)
+    for child in inner:
+        yield from _nodes_below(child, seen)
 
 
 def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
     executable = _text(node.get("exec"))
     line = re.search(rf"exec\s*[:=]\s*[\"']?{re.escape(str(executable))}(?![\w.])", text)
-    renamed = [(_text(one.get("from")), _text(one.get("to"))) for one in _several(node.get("remap"))]
+    renamed = [(_text(remap.get("from")), _text(remap.get("to"))) for remap in _several(node.get("remap"))]
     return Launched(
         _text(node.get("pkg")),
         executable,
         _text(node["name"]) if "name" in node else None,
-        tuple(_files([_text(one.get("from")) for one in _several(node.get("param"))])),
+        tuple(_files([_text(param.get("from")) for param in _several(node.get("param"))])),
         tuple((old, new) for old, new in renamed if isinstance(old, str)),
         at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
         _text(node.get("namespace", "")),
@@ -364,7 +368,7 @@ def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
 
 
 def _text(value: Any) -> Any:
-    """Return what an attribute says, unless something is put into it that is known only when it runs."""
+    """Return the text of an attribute; UNKNOWN if it holds a substitution that only launch can evaluate."""
     if not isinstance(value, str):
         return UNKNOWN
     known = re.sub(r"^\$\(find-pkg-share ['\"]?([\w.-]+)['\"]?\)", rf"{_SHARE}\1", value.strip())

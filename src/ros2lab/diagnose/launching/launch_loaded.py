@@ -1,4 +1,4 @@
-"""Launch files as the real launch loads them: what they would start, and what of them it would not."""
+"""Load launch files with the real launch: what they would start, and why launch refuses them."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from ros2lab.scratch import scratch_folder
 
 
 def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
-    """Return launch files with what launch itself says that they would start.
+    """Return launch files with what launch itself says they would start.
 
     Args:
-        files: the files as they were read, by their paths; one that launch cannot load stays so.
-        packages: those of the workspace, whose folders stand for what they would install.
+        files: the files as they were read, by path; those that launch cannot load are returned unchanged.
+        packages: those of the workspace, whose folders stand for their installed share folders.
     """
     told = _ask([path for path, file in files.items() if not file.faults], packages)
     return [_as_told(path, file, told.get(str(path)), packages) for path, file in files.items()]
@@ -39,10 +39,10 @@ def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) ->
 def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePackage]) -> list[int | None]:
     """Return how many nodes each copy of a launch file would start; None where launch refuses it.
 
-    Where something is missing that the file does not hold, as an argument without a default, it is 0.
+    It is 0 where something outside the file is missing, such as a value for an argument without a default.
 
     Args:
-        path: the file; what lies beside it lies beside each copy.
+        path: the file; its neighbours are linked beside each copy.
         texts: the copies.
         packages: those of the workspace.
     """
@@ -50,7 +50,7 @@ def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePac
         copies = [folder / str(number) / path.name for number in range(len(texts))]
         for copy, text in zip(copies, texts, strict=True):
             copy.parent.mkdir()
-            for beside in (one for one in path.parent.iterdir() if one != path):
+            for beside in (entry for entry in path.parent.iterdir() if entry != path):
                 (copy.parent / beside.name).symlink_to(beside)
             copy.write_bytes(text)
         told = json.loads(_run(copies, packages)) if copies else {}
@@ -58,7 +58,7 @@ def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePac
     return [None if row.get("error") or row.get("faults") else len(row.get("nodes", ())) for row in rows]
 
 
-# What launch said of files with the same texts, with `_ROOT` for the workspace's folder: a kernel asks again and again.
+# Launch's answers by the texts of the files, with `_ROOT` for the workspace: a kernel asks repeatedly.
 _told: dict[Hashable, str] = {}
 _ROOT = "{workspace}"
 _MOST_TOLD = 64
@@ -82,7 +82,7 @@ def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, 
 
 
 def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
-    """Return what a process of its own prints that loads launch files; `{}` if it cannot."""
+    """Return what a separate process that loads launch files prints; `{}` if it fails."""
     with scratch_folder() as folder:
         prefix = folder / "prefix"
         markers = prefix / "share/ament_index/resource_index/packages"
@@ -103,7 +103,7 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
         ):
             subprocess.run(
                 [sys.executable, "-m", launch_child.__name__, *map(str, paths)],
-                cwd=folder,  # where nothing of the student's can stand for what launch imports
+                cwd=folder,  # where no file of the student's can shadow what launch imports
                 env={**os.environ, **environ},
                 stdin=subprocess.DEVNULL,
                 stdout=told,
@@ -113,13 +113,13 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
             )
             told.seek(0)
             said = told.read().decode(errors="replace")
-            with contextlib.suppress(ValueError, RecursionError):  # whatever a launch file may print
+            with contextlib.suppress(ValueError, RecursionError):  # a launch file may print anything
                 return said if isinstance(json.loads(said), dict) else "{}"
     return "{}"
 
 
 def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourcePackage]) -> LaunchFile:
-    """Return a file with what was told of it; as it was read where that is nothing, or was not told by us."""
+    """Return a file with what launch told of it; unchanged where that is nothing or malformed."""
     try:
         return _joined(path, file, told, packages) if told else file
     except (AttributeError, LookupError, TypeError, ValueError):
@@ -142,7 +142,9 @@ def _joined(
 
 def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
     read = [
-        one for one in file.nodes if (one.package, one.executable) == (node["package"], node["executable"])
+        launched
+        for launched in file.nodes
+        if (launched.package, launched.executable) == (node["package"], node["executable"])
     ]
     files = [
         (package.name, str(path.relative_to(package.folder.resolve())))
@@ -168,7 +170,7 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
 def _torn(
     path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
 ) -> Iterator[Finding]:
-    """Yield paths of parameter files that would be there with a slash between two of their parts."""
+    """Yield paths of parameter files that would exist with a slash between two of their parts."""
     source = read_source(path, path.stem, file.shown)
     texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
     for given in (given for node in nodes for given in node["files"]):
@@ -186,13 +188,13 @@ def _torn(
 def _from_here(
     path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
 ) -> Iterator[Finding]:
-    """Yield paths of parameter files that are searched where launch is started, and lie in a package."""
+    """Yield paths of parameter files that are looked for where launch is started, but are in a package."""
     source = read_source(path, path.stem, file.shown)
     texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-    given = {one for node in nodes for one in node["files"] if not Path(one).is_file()}
+    given = {wanted for node in nodes for wanted in node["files"] if not Path(wanted).is_file()}
     for node, text in texts:
-        is_given = text and text[0] != "/" and any(one.endswith(f"/{text}") for one in given)
-        home = next((one for one in packages if is_given and (one.folder / text).is_file()), None)
+        is_given = text and text[0] != "/" and any(wanted.endswith(f"/{text}") for wanted in given)
+        home = next((package for package in packages if is_given and (package.folder / text).is_file()), None)
         if home:
             cause = f"The parameter file {text} is looked for in the folder where `ros2 launch` is typed, but it is in the package {home.name}, so the nodes keep their defaults."
             parts = "".join(f", {part!r}" for part in text.split("/"))
@@ -201,12 +203,12 @@ def _from_here(
 
 
 def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator[Finding]:
-    """Yield nodes that a launch file makes and does not hand over to launch."""
+    """Yield nodes that a launch file makes but does not add to its description."""
     source = read_source(path, path.stem, file.shown)
     added = [
         ast.unparse(n.value) for n in source.nodes if isinstance(n, ast.Attribute) and n.attr == "add_action"
     ]
-    # A name that is read, but to wait for its node, may be handed over in another case.
+    # A name that is read may be added in another case, unless it is read only to wait for its node.
     waited = {id(n.value) for n in source.nodes if isinstance(n, ast.keyword) and n.arg == "target_action"}
     read = {
         n.id
@@ -233,7 +235,7 @@ def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator
 
 
 def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield why launch does not load a file: what it asks for and does not take, else its own words."""
+    """Yield why launch does not load a file: missing and unknown attributes, or else its own message."""
     tags = list(dict.fromkeys(fault["tag"] for fault in told["faults"]))
     for tag in tags:
         faults = [fault for fault in told["faults"] if fault["tag"] == tag]
@@ -253,14 +255,19 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
 
 
 def _refusal(file: LaunchFile, error: Mapping[str, Any]) -> Finding:
-    """Say in launch's words why it does not load a file, with the value that it refuses, by the name that the file knows."""
+    """Return launch's own reason not to load a file, with the refused argument named as in the file."""
     said, refused, fix = error["message"], error["refused"], ""
     if refused:
         said = re.sub(rf"\b{refused['name']}\b", refused["given"], said)
         if match := re.search(rf"{refused['given']} must be (?P<wanted>[^,]+)$", said):
             said += f", but {refused['to']} gets {with_article(refused['type'])}"
             names = re.findall(r"'(\w+)'", match["wanted"])
-            derived = [one for name in names for one in launch_classes_below(name) if one not in names]
+            derived = [
+                class_name
+                for name in names
+                for class_name in launch_classes_below(name)
+                if class_name not in names
+            ]
             example = f" (such as {', '.join(map(with_article, derived[-1:]))})" if derived else ""
             fix = f"give {refused['given']} {match['wanted']}{example}"
     return Finding(
@@ -271,11 +278,11 @@ def _refusal(file: LaunchFile, error: Mapping[str, Any]) -> Finding:
 def _lacking(
     path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
 ) -> Iterator[Finding]:
-    """Yield which package or module a file names that is neither in the workspace nor on this machine."""
+    """Yield the package or module that a file names and that is neither in the workspace nor installed."""
     (name, *_) = re.findall(r"'([^']+)'", told["lacks"]) or [""]
     own = [package.name for package in packages]
     if not name or name.partition(".")[0] in own:
-        return  # it may be found where it is installed
+        return  # it may be found once the workspace is installed
     near = nearest(name, own, 0.6)
     place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
     cause = f"launch cannot load this file: {name} is neither in this workspace nor installed."

@@ -1,4 +1,4 @@
-"""Parameters that a launch file gives a node, and that what it gives after them sets back."""
+"""Parameters that a launch file gives a node, and that a parameter file after them overrides."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ros2lab.diagnose.sources.python_source import read_text
 
 
 def set_back(started: list[Started]) -> Iterator[Finding]:
-    """Yield the parameters of a node that stand before a file which gives them another value: the last one counts.
+    """Yield parameters of a node that a file after them sets to another value: the last value counts.
 
-    A file before another file, or before parameters, is how defaults are written.
+    A file before another file, or before parameters, is the usual way to write defaults.
     """
     for node in started:
         known: dict[str, Any] = {}
@@ -33,7 +33,7 @@ def set_back(started: list[Started]) -> Iterator[Finding]:
 
 
 def _given_by(path: Path, node: Started) -> Iterator[tuple[str, Any]]:
-    """Yield the parameters that a file has for a node."""
+    """Yield the parameters that a file sets for a node; none if it cannot be read."""
     try:
         content = read_parameter_file(read_text(path))
     except (ParameterFileError, OSError):

@@ -1,4 +1,4 @@
-"""Values that launch fills in when it runs, asked for before they are there."""
+"""Values that launch knows only when it runs, used while the file is still being read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 
 
 def used_too_early(source: PythonSource) -> Iterator[Finding]:
-    """Yield a value that is known only while launch runs, and that Python is to compare or to compute with."""
+    """Yield values that are known only when launch runs, but that Python compares or computes with before."""
     assigned = [node for node in source.nodes if isinstance(node, ast.Assign)]
     others = {
         ast.unparse(t) for node in assigned if not _is_substitution(source, node.value) for t in node.targets
@@ -35,14 +35,14 @@ def used_too_early(source: PythonSource) -> Iterator[Finding]:
 
 
 def declared_late(source: PythonSource) -> Iterator[Finding]:
-    """Yield an argument that stands in the list after the first action that asks for it."""
+    """Yield arguments that are declared in a list after the first action that uses them."""
     lists = (node.elts for node in source.nodes if isinstance(node, ast.List))
     for actions in lists:
         asked: set[str] = set()
         for action in actions:
             names = {*_first_texts(source, action, "launch.substitutions.LaunchConfiguration")}
             declared = [*_first_texts(source, action, "launch.actions.DeclareLaunchArgument")][:1]
-            for name in (one for one in declared if one in asked):
+            for name in (argument for argument in declared if argument in asked):
                 cause = f"The argument {name} is declared here, but an action above already uses it: launch goes through the list from top to bottom."
                 fix = f"move DeclareLaunchArgument({name!r}, ...) above the action that uses it"
                 yield Finding("launch-argument", cause, source.at(action), fix)
@@ -50,15 +50,15 @@ def declared_late(source: PythonSource) -> Iterator[Finding]:
 
 
 def _first_texts(source: PythonSource, node: ast.AST, called: str) -> Iterator[str]:
-    """Yield the first text that each call of a class is given."""
-    for one in ast.walk(node):
-        match one:
-            case ast.Call(args=[ast.Constant(value=str(text)), *_]) if source.resolve(one.func) == called:
+    """Yield the first argument of each call of a class, if it is a string."""
+    for inner in ast.walk(node):
+        match inner:
+            case ast.Call(args=[ast.Constant(value=str(text)), *_]) if source.resolve(inner.func) == called:
                 yield text
 
 
 def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
-    """Return the values with which Python compares, computes or makes a text."""
+    """Return the values that Python compares, computes with or puts into a text; empty if there are none."""
     match node:
         case ast.Compare(left=left, comparators=others):
             return [left, *others]
@@ -72,15 +72,15 @@ def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
         ):
             return [value]
         case ast.Call() if runs_at_once(source, node):
-            given = [*node.args, *(one.value for one in node.keywords)]
-            return [inner for one in given for inner in getattr(one, "elts", [one])]
+            given = [*node.args, *(keyword.value for keyword in node.keywords)]
+            return [inner for argument in given for inner in getattr(argument, "elts", [argument])]
     return []
 
 
 def _when_it_runs(
     source: PythonSource, node: ast.AST, used: Sequence[ast.expr], early: Sequence[ast.expr]
 ) -> str:
-    """Say what lets launch do, when it runs, what Python was to do before."""
+    """Return a fix that lets launch do, when it runs, what Python does too early."""
     match node:
         case ast.Compare(ops=[ast.Eq() | ast.NotEq() as sign], comparators=[_]):
             kind = "EqualsSubstitution" if isinstance(sign, ast.Eq) else "NotEqualsSubstitution"
@@ -105,7 +105,7 @@ def _when_it_runs(
             return f"write {made} instead of {ast.unparse(whole)}, with `from launch.substitutions import PythonExpression`"
         case ast.FormattedValue():
             text = next(n for n in source.nodes if isinstance(n, ast.JoinedStr) and node in n.values)
-            parts = [one.value if isinstance(one, ast.FormattedValue) else one for one in text.values]
+            parts = [part.value if isinstance(part, ast.FormattedValue) else part for part in text.values]
             return f"write [{', '.join(map(ast.unparse, parts))}] instead of {ast.unparse(text)}"
     return f"pass {ast.unparse(early[0])} itself to the action, or a list of strings and substitutions, which launch joins"
 
@@ -114,15 +114,23 @@ _WITHOUT_IF = "remove the if, always put the action into the list, and give it"
 
 
 def _calculation(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> ast.expr | None:
-    """Return the largest expression around a value with which only numbers are reckoned; None if there is none."""
-    around = (one for one in source.nodes if isinstance(one, ast.expr) and node in ast.walk(one))
-    able = [one for one in around if _is_of_numbers(one, early) and any(map(_counts, ast.walk(one)))]
-    return max(able, key=lambda one: sum(1 for _ in ast.walk(one)), default=None)
+    """Return the largest expression around a value that computes with numbers only; None if there is none."""
+    around = (
+        expression
+        for expression in source.nodes
+        if isinstance(expression, ast.expr) and node in ast.walk(expression)
+    )
+    able = [
+        expression
+        for expression in around
+        if _is_of_numbers(expression, early) and any(map(_counts, ast.walk(expression)))
+    ]
+    return max(able, key=lambda expression: sum(1 for _ in ast.walk(expression)), default=None)
 
 
 def _is_of_numbers(node: ast.AST, early: Sequence[ast.expr]) -> bool:
-    """Return whether an expression has nothing but numbers, signs, Python's own functions and the values in question."""
-    if any(ast.unparse(node) == ast.unparse(one) for one in early):
+    """Return whether an expression has only numbers, operators, builtins and the values in question."""
+    if any(ast.unparse(node) == ast.unparse(value) for value in early):
         return True
     match node:
         case ast.Constant(value=int() | float()):
@@ -132,26 +140,26 @@ def _is_of_numbers(node: ast.AST, early: Sequence[ast.expr]) -> bool:
         case ast.UnaryOp(operand=operand):
             return _is_of_numbers(operand, early)
         case ast.Call(func=ast.Name(id=name), args=[*values], keywords=[]):
-            return hasattr(builtins, name) and all(_is_of_numbers(one, early) for one in values)
+            return hasattr(builtins, name) and all(_is_of_numbers(value, early) for value in values)
     return False
 
 
 def _parts(whole: ast.expr, early: Sequence[ast.expr]) -> list[str]:
-    """Return an expression as the texts and values that launch joins."""
-    texts = sorted({ast.unparse(one) for one in early}, key=len, reverse=True)
+    """Return an expression as the list of texts and substitutions that launch joins."""
+    texts = sorted({ast.unparse(value) for value in early}, key=len, reverse=True)
     pieces = re.split(rf"(?<![\w.])({'|'.join(map(re.escape, texts))})(?![\w.])", ast.unparse(whole))
-    return [one if one in texts else repr(one) for one in pieces if one]
+    return [piece if piece in texts else repr(piece) for piece in pieces if piece]
 
 
 def _counts(node: ast.AST) -> bool:
-    """Return whether numbers are reckoned with; + joins texts, and / paths, where neither side is a number."""
+    """Return whether an operation is on numbers; otherwise + may join texts, and / paths."""
     if not isinstance(node, ast.BinOp):
         return False
     kinds = (int, float)
     has_number = any(
-        (isinstance(one, ast.Constant) and isinstance(one.value, kinds))
-        or (isinstance(one, ast.Call) and ast.unparse(one.func) in ("int", "float"))
-        for one in (node.left, node.right)
+        (isinstance(side, ast.Constant) and isinstance(side.value, kinds))
+        or (isinstance(side, ast.Call) and ast.unparse(side.func) in ("int", "float"))
+        for side in (node.left, node.right)
     )
     return has_number or not isinstance(node.op, (ast.Add, ast.Div))
 

@@ -1,4 +1,4 @@
-"""A print as what the logger of its node says instead: one text of all that is printed."""
+"""Rewrite a print as a call of the node's logger, with all that is printed in one text."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 
 
 def as_logged(call: ast.Call, source: PythonSource) -> str:
-    """Return a call of the logger that says what a print says; empty where no node is at hand."""
+    """Return the logger call that replaces a print; empty outside a method, where there is no node."""
     around = [
         node
         for node in source.nodes
         if isinstance(node, ast.FunctionDef) and node.lineno <= call.lineno <= (node.end_lineno or 0)
     ]
-    if not any([one.arg for one in node.args.args][:1] == ["self"] for node in around):
+    if not any([argument.arg for argument in node.args.args][:1] == ["self"] for node in around):
         return ""
     text = _text_of(call)
     return f"self.get_logger().info({text})" if text else ""
 
 
 def _text_of(call: ast.Call) -> str:
-    """Return the one text that a print makes of its values; empty if it cannot be written as one."""
-    between = next((one.value for one in call.keywords if one.arg == "sep"), ast.Constant(" "))
+    """Return the text that a print makes of its arguments; empty if no single expression can."""
+    between = next((keyword.value for keyword in call.keywords if keyword.arg == "sep"), ast.Constant(" "))
     if not isinstance(between, ast.Constant):
         return ""
     sign = between.value if isinstance(between.value, str) else " "
-    if any(isinstance(one, ast.Starred) for one in call.args):
+    if any(isinstance(argument, ast.Starred) for argument in call.args):
         given = f"[{', '.join(map(ast.unparse, call.args))}]"
         return f"{sign!r}.join(map(str, {given}))"
     parts: list[ast.expr] = []
@@ -34,8 +34,8 @@ def _text_of(call: ast.Call) -> str:
         parts += [ast.Constant(sign)] if number else []
         parts += _parts_of(value)
     joined = ast.JoinedStr(parts)
-    if all(isinstance(one, ast.Constant) for one in parts):
-        return repr("".join(str(one.value) for one in parts if isinstance(one, ast.Constant)))
+    if all(isinstance(part, ast.Constant) for part in parts):
+        return repr("".join(str(part.value) for part in parts if isinstance(part, ast.Constant)))
     try:
         text = ast.unparse(joined)
         ast.parse(text, mode="eval")

@@ -1,4 +1,4 @@
-"""Values that a launch file gives a node under another keyword than the one that takes values of their form."""
+"""Values that a launch file gives a node by the wrong keyword, as their form shows."""
 
 from __future__ import annotations
 
@@ -14,12 +14,16 @@ _OPTIONS = frozenset(("-p", "--param", "-r", "--remap", "-e", "--log-level", "--
 
 
 def misplaced_values(source: PythonSource) -> Iterator[Finding]:
-    """Yield keywords of nodes that do not take what they are given, where its form says which one does."""
+    """Yield keyword arguments of nodes whose value has a form that only another keyword takes."""
     for call in source.nodes:
         if not isinstance(call, ast.Call) or not (source.resolve(call.func) or "").startswith("launch_ros."):
             continue
         signature = signature_of(source, call)
-        known = {one.name for one in signature.parameters} if signature and not signature.is_open else set()
+        known = (
+            {parameter.name for parameter in signature.parameters}
+            if signature and not signature.is_open
+            else set()
+        )
         given = {keyword.arg for keyword in call.keywords}
         if not {"parameters", "remappings", "arguments"} <= known:
             continue
@@ -47,47 +51,47 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
 
 
 def _form(value: ast.expr) -> tuple[str, str]:
-    """Return which keyword takes values of this form, and how they are written there; empty if that is open."""
+    """Return the keyword that takes values of this form, and how they are written there; empty if unclear."""
     items = value.elts if isinstance(value, (ast.List, ast.Tuple)) else [value]
     if not items:
         return "", ""
-    if all(isinstance(one, ast.Dict) for one in items):
+    if all(isinstance(item, ast.Dict) for item in items):
         return "parameters", f"[{', '.join(map(ast.unparse, items))}]"
-    texts = [evaluate(one, {}, {}) for one in items]
-    words = [one for one in texts if isinstance(one, str) and ":=" in one and one not in _OPTIONS]
+    texts = [evaluate(item, {}, {}) for item in items]
+    words = [text for text in texts if isinstance(text, str) and ":=" in text and text not in _OPTIONS]
     if len(words) == len(items):
         pairs = (word.partition(":=") for word in words)
         return "parameters", f"[{{{', '.join(f'{old!r}: {_value(new)!r}' for old, _, new in pairs)}}}]"
-    if all(isinstance(one, ast.Tuple) and len(one.elts) == 2 for one in items):
-        pairs_of = [one.elts for one in items if isinstance(one, ast.Tuple)]
+    if all(isinstance(item, ast.Tuple) and len(item.elts) == 2 for item in items):
+        pairs_of = [item.elts for item in items if isinstance(item, ast.Tuple)]
         values = ", ".join(f"{ast.unparse(old)}: {ast.unparse(new)}" for old, new in pairs_of)
         return ("remappings", ast.unparse(value)) if _are_names(items) else ("parameters", f"[{{{values}}}]")
     return "", ""
 
 
 def _are_names(items: list[ast.expr]) -> bool:
-    """Return whether all pairs may be names of topics or the like: texts, of which one has a slash."""
-    texts = [evaluate(one, {}, {}) for pair in items if isinstance(pair, ast.Tuple) for one in pair.elts]
-    return all(isinstance(one, str) for one in texts) and any("/" in one for one in texts)
+    """Return whether all pairs may be names of topics or the like: strings, at least one with a slash."""
+    texts = [evaluate(name, {}, {}) for pair in items if isinstance(pair, ast.Tuple) for name in pair.elts]
+    return all(isinstance(text, str) for text in texts) and any("/" in text for text in texts)
 
 
 def _takes(name: str, value: ast.expr) -> bool:
-    """Return whether a keyword that there is takes a value of this form."""
+    """Return whether an existing keyword takes a value of this form."""
     items = value.elts if isinstance(value, (ast.List, ast.Tuple)) else []
     if not items:
-        return True  # that brackets are missing is told already
+        return True  # missing brackets are reported elsewhere
     if name == "parameters":
         return not all(
-            isinstance(one, ast.Tuple) or ":=" in str(evaluate(one, {}, {})) for one in items
-        ) or any(isinstance(one, ast.Dict) for one in items)
+            isinstance(item, ast.Tuple) or ":=" in str(evaluate(item, {}, {})) for item in items
+        ) or any(isinstance(item, ast.Dict) for item in items)
     if name == "ros_arguments":
-        return not all(isinstance(one, ast.Constant) and ":=" in str(one.value) for one in items)
-    return not any(isinstance(one, (ast.Dict, ast.Tuple)) for one in items)
+        return not all(isinstance(item, ast.Constant) and ":=" in str(item.value) for item in items)
+    return not any(isinstance(item, (ast.Dict, ast.Tuple)) for item in items)
 
 
 def _options(value: ast.expr) -> str:
-    """Write what ROS reads on its command line with the option in front of each of its parts."""
-    words = [str(evaluate(one, {}, {})) for one in getattr(value, "elts", [])]
+    """Return ros_arguments with the option -p in front of each of its words."""
+    words = [str(evaluate(element, {}, {})) for element in getattr(value, "elts", [])]
     return f"ros_arguments={[part for word in words for part in ('-p', word)]!r}"
 
 

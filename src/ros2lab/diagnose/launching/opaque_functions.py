@@ -1,4 +1,4 @@
-"""What Python itself does with a value of launch while it reads the file, as a function that launch calls when it runs."""
+"""Move what Python does too early with a value of launch into a function that launch calls when it runs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
-# What only holds, or hands on, what it is given, whatever that is.
+# Modules that only hold or pass on their arguments, whatever these are.
 _HOLDING = frozenset(
     ("collections", "contextlib", "copy", "dataclasses", "functools", "itertools", "operator", "typing")
 )
@@ -20,7 +20,7 @@ _FUNCTION = "launch_setup"
 
 
 def runs_at_once(source: PythonSource, node: ast.AST) -> bool:
-    """Return whether Python calls here a function that knows nothing of launch, and so needs what it is given at once."""
+    """Return whether a node calls a function that knows nothing of launch, so needs its arguments at once."""
     if not isinstance(node, ast.Call):
         return False
     target = source.resolve(node.func) or ast.unparse(node.func)
@@ -33,7 +33,7 @@ def runs_at_once(source: PythonSource, node: ast.AST) -> bool:
 
 
 def _knows_launch(module: str) -> bool:
-    """Return whether the file of a module names launch; what is not installed may."""
+    """Return whether a module's file mentions launch; a module that is not installed is taken to."""
     package, *inner = module.split(".")
     folder = interfaces.folder_of(package)
     path = folder.joinpath(*inner) if folder else None
@@ -42,13 +42,13 @@ def _knows_launch(module: str) -> bool:
 
 
 def needed_at_once(source: PythonSource, node: ast.AST) -> bool:
-    """Return whether what is made of a value goes to a function of Python that runs while the file is read."""
+    """Return whether a value, or a result of it, goes to a function that runs while the file is read."""
     body = _body(source, node)
     names: set[str] = set()
     for statement in body:
         if node in ast.walk(statement) or _loads(statement) & names:
             names |= _stores(statement)
-    calls = (one for statement in body for one in ast.walk(statement) if runs_at_once(source, one))
+    calls = (inner for statement in body for inner in ast.walk(statement) if runs_at_once(source, inner))
     for call in calls:
         is_join = source.resolve(call.func) == _JOIN  # type: ignore[attr-defined]
         if not is_join and (node in ast.walk(call) or _loads(call) & names):
@@ -58,7 +58,7 @@ def needed_at_once(source: PythonSource, node: ast.AST) -> bool:
 
 @dataclass
 class _Moved:
-    """What goes into the function: the statements, the actions that it returns, and the lines that both take now."""
+    """What moves into the function: statements, actions that it returns, and the lines of both."""
 
     names: set[str]
     statements: list[ast.stmt] = field(default_factory=list)
@@ -67,11 +67,13 @@ class _Moved:
     adder: str = ""
 
     def take(self, statement: ast.stmt) -> None:
-        """Take a statement of the description's function, if it needs one of the names, or what is made of it."""
+        """Take a statement; of a return or an add_action(), take only the actions."""
         match statement:
             case ast.Return(value=value):
                 lists = [n for n in ast.walk(value or statement) if isinstance(n, ast.List)][:1]
-                for action in (action for one in lists for action in one.elts if _loads(action) & self.names):
+                for action in (
+                    action for sequence in lists for action in sequence.elts if _loads(action) & self.names
+                ):
                     self.actions.append(action)
                     self.lines.update(_lines(action))
             case ast.Expr(value=ast.Call(func=ast.Attribute(attr="add_action") as adds, args=[action])):
@@ -85,13 +87,13 @@ class _Moved:
 
 
 def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> str:
-    """Say how the lines that need a value are put into a function that launch calls when the value is there."""
-    texts = {ast.unparse(one) for one in early}
+    """Return a fix that moves the lines that need a value into a function that launch calls when it runs."""
+    texts = {ast.unparse(expression) for expression in early}
     body = _body(source, node)
     made = {
-        ast.unparse(one.targets[0]): one.value
-        for one in body
-        if isinstance(one, ast.Assign) and ast.unparse(one.targets[0]) in texts
+        ast.unparse(statement.targets[0]): statement.value
+        for statement in body
+        if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) in texts
     }
     moved = _Moved({*made})
     for statement in body:
@@ -99,7 +101,9 @@ def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.
         if not is_source and (node in ast.walk(statement) or _loads(statement) & moved.names):
             moved.take(statement)
     rows = [f"{name} = {ast.unparse(value)}.perform(context)" for name, value in made.items()]
-    rows += [row for one in moved.statements for row in _performed(one, texts - {*made}).splitlines()]
+    rows += [
+        row for statement in moved.statements for row in _performed(statement, texts - {*made}).splitlines()
+    ]
     rows.append(f"return [{', '.join(map(ast.unparse, moved.actions))}]")
     function = textwrap.indent(
         "\n".join([f"def {_FUNCTION}(context):", *(f"    {row}" for row in rows)]), "    "
@@ -117,10 +121,12 @@ def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.
 
 
 def _plain_instead(source: PythonSource, made: dict[str, ast.expr], node: ast.AST) -> str:
-    """Say what may stand there if nobody is to choose the value: the default of its argument."""
+    """Return how to write the argument's default instead of the value; empty if it has none."""
     for name, value in made.items():
         for call in (n for n in source.nodes if isinstance(n, ast.Call)):
-            default = next((one.value for one in call.keywords if one.arg == "default_value"), None)
+            default = next(
+                (keyword.value for keyword in call.keywords if keyword.arg == "default_value"), None
+            )
             is_its = bool(call.args and isinstance(value, ast.Call) and value.args) and (
                 ast.unparse(call.args[0]) == ast.unparse(value.args[0])  # type: ignore[attr-defined]
             )
@@ -131,15 +137,15 @@ def _plain_instead(source: PythonSource, made: dict[str, ast.expr], node: ast.AS
 
 
 def _performed(statement: ast.stmt, texts: Iterable[str]) -> str:
-    """Return a statement in which each value of launch that is written out is asked for its text."""
+    """Return a statement in which `.perform(context)` follows each of the launch values."""
     text = ast.unparse(statement)
-    for one in texts:
-        text = text.replace(one, f"{one}.perform(context)")
+    for expression in texts:
+        text = text.replace(expression, f"{expression}.perform(context)")
     return text
 
 
 def _body(source: PythonSource, node: ast.AST) -> list[ast.stmt]:
-    """Return the statements of the function around something; none if it stands in none."""
+    """Return the body of the innermost function around a node; empty if there is none."""
     around = [n for n in source.nodes if isinstance(n, ast.FunctionDef) and node in ast.walk(n)]
     return around[-1].body if around else []
 
@@ -149,9 +155,9 @@ def _lines(node: ast.stmt | ast.expr) -> range:
 
 
 def _in_words(lines: set[int]) -> str:
-    """Return lines as a reader finds them: those that follow each other as one range."""
-    firsts = sorted(one for one in lines if one - 1 not in lines)
-    lasts = sorted(one for one in lines if one + 1 not in lines)
+    """Return line numbers in words, consecutive ones as a range."""
+    firsts = sorted(line for line in lines if line - 1 not in lines)
+    lasts = sorted(line for line in lines if line + 1 not in lines)
     return " and ".join(
         f"line {first}" if first == last else f"lines {first}-{last}"
         for first, last in zip(firsts, lasts, strict=True)
@@ -163,11 +169,11 @@ def _loads(node: ast.AST) -> set[str]:
 
 
 def _stores(node: ast.AST) -> set[str]:
-    """Return the names that something gives values to, or whose objects it changes, as `values['k'] = 1` does."""
+    """Return the names that a node assigns, or whose objects it changes, as `values['k'] = 1` does."""
     inner = [*ast.walk(node)]
     changed = [n for n in inner if isinstance(getattr(n, "ctx", None), ast.Store)]
     changed += [n.value.func for n in inner if isinstance(n, ast.Expr) and isinstance(n.value, ast.Call)]
-    return {_owner(one).id for one in changed if isinstance(_owner(one), ast.Name)}  # type: ignore[attr-defined]
+    return {_owner(target).id for target in changed if isinstance(_owner(target), ast.Name)}  # type: ignore[attr-defined]
 
 
 def _owner(node: ast.AST) -> ast.AST:

@@ -1,4 +1,4 @@
-"""Parameters that are given to a node which does not declare them: ROS passes them over in silence."""
+"""Parameters given to a node that does not declare them, which ROS silently ignores."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 Packages = Mapping[str, tuple[SourcePackage, NodeSources]]
-# A file of a package, in which nodes are.
+# The sources of a package, and the module in which a node is made.
 _Home = tuple[NodeSources, str]
 
 
 def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Iterator[Finding]:
-    """Yield parameters that a file, or a launch file itself, gives to a node that does not declare them.
+    """Yield parameters that a parameter file or launch file gives to a node that does not declare them.
 
     Args:
         packages: those of the workspace, each with its files.
@@ -40,8 +40,8 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
             for key, values in _sections(text):
                 takers = _takers(key, (package.name, inner), homes, packages, launch_files)
                 for name, value in _flat(values):
-                    # One that is nearly spelt like another is told already.
-                    if not any(is_near_miss(name, other) for other in alike):
+                    # A misspelt parameter is reported elsewhere.
+                    if not any(is_near_miss(name, declared) for declared in alike):
                         place = at(package.shown(inner), _line(name, key, text))
                         yield from _fault("The file", name, value, takers, place)
     for file in launch_files:
@@ -49,21 +49,21 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
 
 
 def _sections(text: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:
-    """Yield the sections of a parameter file; none of one that cannot be read, which is told elsewhere."""
+    """Yield the sections of a parameter file; none if it cannot be read, which is reported elsewhere."""
     with contextlib.suppress(ParameterFileError):
         content = read_parameter_file(text)
         yield from sections_of(content) if isinstance(content, Mapping) else ()
 
 
 def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
-    """Yield parameters that a launch file gives to nodes of which none declares them."""
+    """Yield parameters that a launch file gives only to nodes that do not declare them."""
     takers: dict[str, list[Started]] = {}
     for node in started_in(file, packages):
         for name, _ in _flat(node.launched.values):
             takers.setdefault(name, []).append(node)
     given = Counter(name for node in file.nodes for name, _ in _flat(node.values))
     for name, nodes in takers.items():
-        # One that a node of other people is given, too, may be meant for that.
+        # A parameter that a node from outside the workspace is given too may be meant for that node.
         if len(nodes) == given[name]:
             launched = nodes[-1].launched
             homes = [(node.sources, node.module) for node in nodes]
@@ -72,7 +72,7 @@ def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
 
 
 def _homes(packages: Packages, launch_files: Sequence[LaunchFile]) -> Mapping[str, list[_Home]]:
-    """Return the files in which nodes are made, by the nodes' names; "" for a name that is not known."""
+    """Return the modules in which nodes are made, by node name; "" for an unknown name."""
     found: dict[str, list[_Home]] = {}
     for _, sources in packages.values():
         for module, source in sources.sources.items():
@@ -90,7 +90,7 @@ def _takers(
     packages: Packages,
     launch_files: Sequence[LaunchFile],
 ) -> list[_Home]:
-    """Return the files whose nodes take a section of a parameter file; none if a node of other people may, too."""
+    """Return the modules whose nodes take a section; empty if a node from elsewhere may take it too."""
     name = key.rstrip("/").rpartition("/")[2]
     if "*" not in name:
         return [*homes[name], *homes.get("", [])] if name in homes else []
@@ -101,7 +101,7 @@ def _takers(
 
 
 def _flat(values: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield parameters by their whole names, such as `wheel.radius`."""
+    """Yield parameters by their full names, such as `wheel.radius`."""
     for key, value in values.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{above}{key}.")
@@ -143,7 +143,7 @@ def _fault(giver: str, name: str, value: Any, takers: Collection[_Home], place: 
 
 
 def _may_declare(files: NodeSources, name: str) -> bool:
-    """Return whether nodes may declare a parameter in another way than by a call that names it."""
+    """Return whether nodes may declare a parameter other than by a call that names it."""
     for source in files.sources.values():
         called = {id(node.func) for node in source.nodes if isinstance(node, ast.Call)}
         for node in source.nodes:

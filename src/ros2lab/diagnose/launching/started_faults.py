@@ -1,4 +1,4 @@
-"""What launch files would start, against what the nodes are called, and which topics and parameters they use."""
+"""Compare what launch files start with the names, topics and parameters that the nodes use."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Started:
         launched: what the launch file says.
         package: the package that has it.
         sources: that package's files.
-        module: the file in which its executable begins.
-        function: which is called there.
+        module: the module of its entry point.
+        function: the function that its entry point calls.
     """
 
     launched: Launched
@@ -41,7 +41,7 @@ class Started:
 
     @cached_property
     def name(self) -> str:
-        """The node's name; empty if it is not known, or one of several."""
+        """The node's name; empty if it is unknown or ambiguous."""
         if self.launched.name is not None:
             return self.launched.name if isinstance(self.launched.name, str) else ""
         names = [
@@ -51,7 +51,7 @@ class Started:
 
     @property
     def namespace(self) -> str:
-        """Its namespace with a slash at its beginning and none at its end."""
+        """Its namespace with a leading slash and without a trailing one."""
         given = self.launched.namespace
         return f"/{given.strip('/')}".rstrip("/") if isinstance(given, str) else ""
 
@@ -62,7 +62,7 @@ class Started:
 
     @cached_property
     def runs_as(self) -> str:
-        """Its full name, with the namespace of the code where launch gives it none; empty if its name is not known."""
+        """Its full name, with the namespace from the code if launch gives none; empty if unknown."""
         names = [full for full in self.sources.full_names().values() if self._makes(full.rpartition("/")[2])]
         of_code = names[0].rpartition("/")[0] if len(names) == 1 else ""
         return f"{self.namespace or of_code}/{self.name}" if self.name else ""
@@ -73,7 +73,7 @@ class Started:
 
     @cached_property
     def ends(self) -> list[tuple[End, str, str]]:
-        """The ends of topics in its file, each with its name as it is written, and as it is when the node runs."""
+        """The ends of topics in its file, each with its full name without and with the launch file."""
         found = []
         for end in filter(self._may_have, ends_of(self.sources)):
             written = self.sources.value(end.creation.source, (end.creation.arguments or {}).get("topic"))
@@ -82,17 +82,21 @@ class Started:
         return found
 
     def _may_have(self, end: End) -> bool:
-        """Return whether an end is of this node: of its file, and of a class that its function names if the file has several."""
+        """Return whether an end is of this node's file and, if that has several nodes, of its class."""
         owner = end.creation.owner
         is_own = end.creation.source.name == self.module
         return is_own and (self._named is None or owner is None or owner.name in self._named)
 
     @cached_property
     def _named(self) -> set[str] | None:
-        """The classes of nodes that its function names, with their bases; None if the file has but one."""
+        """The node classes that its function names, with their bases; None if the file has only one."""
         source = self.sources.sources[self.module]
-        nodes = {name: one for name, one in self.sources.classes.items() if self.sources.lineage(one)[1]}
-        if sum(one.source is source for one in nodes.values()) < 2:
+        nodes = {
+            name: node_class
+            for name, node_class in self.sources.classes.items()
+            if self.sources.lineage(node_class)[1]
+        }
+        if sum(node_class.source is source for node_class in nodes.values()) < 2:
             return None
         defined = [
             node
@@ -104,11 +108,11 @@ class Started:
         return {base.name for name in named & nodes.keys() for base in self.sources.lineage(nodes[name])[0]}
 
     def plain(self, topic: str) -> str:
-        """Return the whole name that a topic has without any launch file."""
+        """Return the full name that a topic has without any launch file."""
         return topic.replace("~", f"/{self.name}", 1) if topic.startswith("~") else f"/{topic.lstrip('/')}"
 
     def resolved(self, topic: str) -> str:
-        """Return the whole name of a topic, as this node uses it."""
+        """Return the full name of a topic as this node uses it."""
         found = self.resolved_alone(topic)
         for old, new in self.launched.remappings:
             if self.resolved_alone(old) == found:
@@ -116,7 +120,7 @@ class Started:
         return found
 
     def resolved_alone(self, topic: str) -> str:
-        """Return the whole name of a topic as it is without a remapping."""
+        """Return the full name of a topic without remappings."""
         if topic.startswith("~"):
             return f"{self.full_name}{topic[1:]}"
         return topic if topic.startswith("/") else f"{self.namespace}/{topic}"
@@ -139,7 +143,7 @@ def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, Nod
 def started_faults(
     file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]
 ) -> Iterator[Finding]:
-    """Yield what keeps the nodes of one launch file from their parameters, and from each other.
+    """Yield what keeps the nodes of a launch file from their parameters or from each other.
 
     Args:
         file: as launch has loaded it.
@@ -151,14 +155,14 @@ def started_faults(
     if len(nodes) == len(file.nodes):
         yield from _without_clock(nodes)
         yield from _started_twice(nodes)
-    if len(nodes) == len(file.nodes):  # what else it starts may have the other end of a topic
+    if len(nodes) == len(file.nodes):  # otherwise another program may have the other end of a topic
         yield from _apart(nodes)
     topics = _names([sources for _, sources in packages.values()])
     for node in nodes:
         own = _own_names(node)
         for topic, new in node.launched.remappings:
-            # What is given to several nodes is meant for those that have the name.
-            is_shared = sum((topic, new) in one.remappings for one in file.nodes) > 1
+            # A remapping given to several nodes is meant for those that use the name.
+            is_shared = sum((topic, new) in launched.remappings for launched in file.nodes) > 1
             if own and not is_shared and not _is_among(topic, own, node):
                 yield _remapped(node, topic, new, own)
             elif topics and not _is_among(topic, topics, node):
@@ -167,7 +171,7 @@ def started_faults(
 
 
 def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield a name that a launch file gives to a program, all whose nodes get it, where it makes several."""
+    """Yield a name given to a program that makes several nodes, all of which get that name."""
     for node in nodes:
         source = node.sources.sources[node.module]
         made = [
@@ -190,20 +194,24 @@ def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool
 
 
 def _own_names(node: Started) -> set[str]:
-    """Return the names of a node's topics and services; none if it may have others."""
+    """Return the names of a node's topics and services; empty if it may have others."""
     files = node.sources.around(node.module)
     for source in files.sources.values() if files else ():
-        called = {id(one.func) for one in source.nodes if isinstance(one, ast.Call)}
-        for one in source.nodes:
-            if isinstance(one, ast.Attribute) and one.attr.startswith("create_") and id(one) not in called:
+        called = {id(call.func) for call in source.nodes if isinstance(call, ast.Call)}
+        for inner in source.nodes:
+            if (
+                isinstance(inner, ast.Attribute)
+                and inner.attr.startswith("create_")
+                and id(inner) not in called
+            ):
                 return set()
-        if any(one.target.startswith("rclpy.action") for one in source.imports):
+        if any(imported.target.startswith("rclpy.action") for imported in source.imports):
             return set()
     return _names([files]) if files else set()
 
 
 def _is_among(topic: str, names: set[str], node: Started) -> bool:
-    """Return whether a remapping's first name is one of a node's names, or one that is not written in any source."""
+    """Return whether a remapping's first name is one of a node's names, or may be a hidden one."""
     is_every_nodes = f"/{topic.lstrip('/')}" in every_node.HIDDEN_TOPICS or topic.startswith(("~", "_"))
     is_below_node = node.name in topic.split("/") or ":" in topic
     is_named = topic.lstrip("/") in {name.lstrip("~/") for name in names}
@@ -212,7 +220,7 @@ def _is_among(topic: str, names: set[str], node: Started) -> bool:
 
 
 def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
-    """Say that the first name of a remapping is none of a node's names."""
+    """Return a finding about a remapping whose first name is none of a node's names."""
     there = ", ".join(repr(name) for name in sorted(own))
     cause = f"The launch file remaps {topic!r}, but {node.launched.executable} does not use it: the first name must be the one in the code, which uses {there}."
     is_turned = isinstance(new, str) and new.lstrip("/") in own
@@ -224,14 +232,18 @@ def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
 
 
 def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield an executable that is started twice under one name, beside one that nothing starts."""
+    """Yield an executable that is started twice under the same name, while another is never started."""
     for number, node in enumerate(nodes):
         twin = next(
-            (one for one in nodes[:number] if (one.module, one.full_name) == (node.module, node.full_name)),
+            (
+                earlier
+                for earlier in nodes[:number]
+                if (earlier.module, earlier.full_name) == (node.module, node.full_name)
+            ),
             None,
         )
         points = (node.package.setup.entry_points if node.package.setup else None) or ()
-        started = {one.launched.executable for one in nodes}
+        started = {other.launched.executable for other in nodes}
         left = [point.name for point in points if point.name not in started]
         if twin is not None and left:
             name = node.launched.executable
@@ -242,7 +254,7 @@ def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
 
 
 def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield a parameter file that lets a node wait for a simulated time that nobody gives."""
+    """Yield parameters that make a node wait for simulated time that nothing publishes."""
     if any(name == "/clock" and end.is_publisher for node in nodes for end, _, name in node.ends):
         return
     cause = "use_sim_time makes the node wait for simulated time on /clock, which nothing here publishes, so its timers never fire."
@@ -271,20 +283,22 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
 
 
 def _names(files: Sequence[NodeSources]) -> set[str]:
-    """Return the names of all topics and services, without a slash at their beginning; none if one is not known."""
+    """Return the names of all topics and services, without leading slashes; empty if any is not known."""
     given = [
-        (one.source, value, sources)
+        (creation.source, value, sources)
         for sources in files
-        for one in sources.creations
-        if one.method != "create_timer"
-        for value in [next((v for n, v in (one.arguments or {}).items() if n in ("topic", "srv_name")), None)]
+        for creation in sources.creations
+        if creation.method != "create_timer"
+        for value in [
+            next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
+        ]
     ]
     names = [sources.value(source, value) for source, value, sources in given]
     return {name.lstrip("/") for name in names} if all(isinstance(name, str) for name in names) else set()
 
 
 def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield a section of a parameter file that none of the nodes takes, where one of them takes nothing of it."""
+    """Yield a section of a parameter file that no node takes, where some node takes none of its sections."""
     given: dict[tuple[str, str], list[Started]] = {}
     for node in nodes:
         for package, path in node.launched.files:
@@ -306,7 +320,7 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
             meant = _meant(key, without) or (takers[0] if is_only_one else None)
             if meant is None:
                 continue
-            names = dict.fromkeys(one.runs_as for one in without if one.module == meant.module)
+            names = dict.fromkeys(taker.runs_as for taker in without if taker.module == meant.module)
             cause = (
                 f"{shown} sets parameters for {key}, but the launch file starts {meant.launched.executable} as "
                 f"{' and '.join(names)}, so it silently keeps its defaults."
@@ -317,7 +331,7 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
 
 
 def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
-    """Return the node for which a section was meant, by its own name or that of its executable."""
+    """Return the node that a section was meant for, by its own name or its executable's; else None."""
     last = key.rstrip("/").rpartition("/")[2]
     for node in nodes:
         own = [name for name, (source, _) in node.sources.node_names().items() if source.name == node.module]
@@ -327,7 +341,7 @@ def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
 
 
 def line_of(key: str, text: str) -> int | None:
-    """Return the line in which a section of a parameter file begins."""
+    """Return the line on which a section of a parameter file begins; None if it is not found."""
     last = key.rstrip("/").rpartition("/")[2]
     lines = (line.strip().strip("\"'") for line in text.splitlines())
     return next(
@@ -336,7 +350,7 @@ def line_of(key: str, text: str) -> int | None:
 
 
 def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield two nodes that would meet on a topic, and which the launch file takes apart."""
+    """Yield two nodes that would share a topic if the launch file did not separate them."""
     ends = [(node, *end) for node in nodes for end in node.ends]
     for node, end, plain, name in ends:
         if end.is_publisher or not name or _others(ends, name, is_publisher=True):
@@ -350,7 +364,14 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
                 or not _is_publisher(ends, other, other_plain)
             ):
                 continue
-            moved = next((one for one in (other, node) if one.namespace or one.launched.remappings), None)
+            moved = next(
+                (
+                    candidate
+                    for candidate in (other, node)
+                    if candidate.namespace or candidate.launched.remappings
+                ),
+                None,
+            )
             if moved is None:
                 continue
             meet = f"{other.launched.executable} publishes on {other_name}, but {node.launched.executable} subscribes to {name}"
@@ -359,13 +380,13 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
 
 
 def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Finding:
-    """Say which node a launch file takes away from another one.
+    """Return a finding about a node that a launch file separates from another one.
 
     Args:
         moved: the node.
         meet: what both do now, in a clause.
         plain: the topic without any launch file.
-        are_together: whether both are in one namespace, so that only one of them minds it.
+        are_together: whether both are in the same namespace, which then affects only one of them.
     """
     why = f"in the namespace {moved.namespace}" if moved.namespace else "with a topic remapped"
     way = (
@@ -383,8 +404,8 @@ def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Find
 
 
 def _others(ends: Sequence[tuple[Any, End, str, str]], name: str, *, is_publisher: bool) -> bool:
-    return any(end.is_publisher is is_publisher and other == name for _, end, _, other in ends)
+    return any(end.is_publisher is is_publisher and topic == name for _, end, _, topic in ends)
 
 
 def _is_publisher(ends: Sequence[tuple[Any, End, str, str]], node: Started, plain: str) -> bool:
-    return any(one is node and end.is_publisher and other == plain for one, end, other, _ in ends)
+    return any(owner is node and end.is_publisher and topic == plain for owner, end, topic, _ in ends)

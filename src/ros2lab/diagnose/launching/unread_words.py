@@ -1,4 +1,4 @@
-"""Words that a launch file gives a program which reads none."""
+"""Command-line arguments that a launch file gives a program that reads none."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 
-# Modules with which a program reads the words of its command line; sys is one only for its argv.
+# Modules that read the command line; sys does so only by its argv.
 _READERS = frozenset(("argparse", "optparse", "getopt", "click", "typer", "fire", "docopt", "absl"))
 _OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level"))
 _NAMES = {"__node": "name", "__name": "name", "__ns": "namespace"}
 
 
 def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
-    """Yield what `arguments` gives a program of the workspace that never looks at its command line."""
+    """Yield `arguments` given to a program of the workspace that never reads its command line."""
     package = packages.get(node.package) if isinstance(node.package, str) else None
     words = (
         node.arguments[: node.arguments.index("--ros-args")]
@@ -27,7 +27,7 @@ def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Itera
         else node.arguments
     )
     points = (package.setup.entry_points if package and package.setup else None) or ()
-    module = next((one.module for one in points if one.name == node.executable), None)
+    module = next((point.module for point in points if point.name == node.executable), None)
     if package is None or not words or module is None or module not in package.sources:
         return
     sources = NodeSources(package.sources)
@@ -40,7 +40,7 @@ def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Itera
 
 
 def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
-    """Return where what the words say belongs, by their form."""
+    """Return a fix that puts the words where they belong, by their form."""
     if not _OF_ROS.isdisjoint(words):
         return f"write arguments={['--ros-args', *words]!r}"
     pairs = [word.partition(":=")[::2] for word in words if ":=" in word]
@@ -60,7 +60,7 @@ def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
 
 
 def _value(text: str) -> object:
-    """Return the value that a text stands for, as ROS reads it."""
+    """Return the value of a text as ROS reads it."""
     if text in ("true", "false"):
         return text == "true"
     try:
@@ -71,22 +71,27 @@ def _value(text: str) -> object:
 
 
 def _reads_words(source: PythonSource) -> bool:
-    """Return whether a file may look at the command line."""
-    if any(one.target.partition(".")[0] in _READERS for one in source.imports):
+    """Return whether a file may read the command line."""
+    if any(imported.target.partition(".")[0] in _READERS for imported in source.imports):
         return True
     if "argv" in source.text or "remove_ros_args" in source.text:
         return True
     main = next(
-        (one for one in source.tree.body if isinstance(one, ast.FunctionDef) and one.name == "main"), None
+        (
+            statement
+            for statement in source.tree.body
+            if isinstance(statement, ast.FunctionDef) and statement.name == "main"
+        ),
+        None,
     )
-    taken = [one.arg for one in main.args.args] if main else []
+    taken = [argument.arg for argument in main.args.args] if main else []
     nodes = own_nodes(main) if main else ()
-    # Who hands its arguments to rclpy.init() reads only what comes after --ros-args.
+    # rclpy.init() reads only what comes after --ros-args.
     handed = {
         id(given)
         for node in nodes
         if isinstance(node, ast.Call) and source.resolve(node.func) == "rclpy.init"
-        for given in (*node.args, *(one.value for one in node.keywords))
+        for given in (*node.args, *(keyword.value for keyword in node.keywords))
     }
     return any(
         isinstance(n, ast.Name) and n.id in taken and isinstance(n.ctx, ast.Load) and id(n) not in handed
