@@ -1,1 +1,1 @@
-"""Behind the line of an error: where the value came from that fails there."""
+"""Behind the line of an error: where the value that fails there came from."""

@@ -1,4 +1,4 @@
-"""Errors that come as a class is made: they are raised at its first line, and are about a field in its body."""
+"""Errors raised while a class is created: Python names its first line, but they are about a field."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class _Body:
     Attributes:
         source: the file.
         definition: the class; None where the fields stand in a call, as in `namedtuple('P', 'x y')`.
-        fields: the fields of the class by their names, of each name the last one.
+        fields: the fields of the class by name, the last one of each name.
         name: the field to blame; empty if it is the class itself.
     """
 
     def __init__(self, source: PythonSource, definition: ast.ClassDef | None, name: str, line: int) -> None:
         self.source, self.definition, self.name, self._line = source, definition, name, line
-        self.fields = {one: node for node in _fields(definition) for one in _names(node)}
+        self.fields = {target: node for node in _fields(definition) for target in _names(node)}
 
     @property
     def field(self) -> _Field | None:
@@ -40,8 +40,8 @@ class _Body:
         return self.field.lineno if self.field else self._line
 
     def imported(self, name: str) -> tuple[str, str]:
-        """Return how something of dataclasses is called here, and the import that this needs; empty if it needs none."""
-        known = {one.target: one.local for one in self.source.imports}
+        """Return how a name from dataclasses is written here, and the import that it needs; empty if none."""
+        known = {imported.target: imported.local for imported in self.source.imports}
         if f"dataclasses.{name}" in known:
             return known[f"dataclasses.{name}"], ""
         if "dataclasses" in known:
@@ -50,7 +50,7 @@ class _Body:
 
 
 def of_class_body(kind: str, message: str, spot: Spot) -> Finding | None:
-    """Say which field keeps a class from being made, at its own line; None if the line makes no class.
+    """Return a finding about the field that keeps a class from being created; None if there is none.
 
     Args:
         kind: the exception's class.
@@ -65,8 +65,8 @@ def of_class_body(kind: str, message: str, spot: Spot) -> Finding | None:
     if definition is None and not is_call:
         return None
     words = re.findall(r"\w+", message)
-    known = {one for node in _fields(definition) for one in _names(node)}
-    body = _Body(source, definition, next((one for one in words if one in known), ""), spot.line)
+    known = {target for node in _fields(definition) for target in _names(node)}
+    body = _Body(source, definition, next((word for word in words if word in known), ""), spot.line)
     for pattern, said in _SAYINGS:
         if (match := re.search(pattern, message)) and (told := said(body, match)):
             return Finding("made-wrong", told[0], source.at(body.line), told[1])
@@ -79,12 +79,12 @@ def of_class_body(kind: str, message: str, spot: Spot) -> Finding | None:
 
 
 def _class_at(source: PythonSource, line: int) -> ast.ClassDef | None:
-    """Return the class whose decorators, first line or fields a line belongs to."""
+    """Return the class whose decorators, first line or fields include a line; None if there is none."""
     for node in source.nodes:
         if isinstance(node, ast.ClassDef):
-            begin = min([node.lineno, *(one.lineno for one in node.decorator_list)])
+            begin = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
             if begin <= line < node.body[0].lineno or any(
-                one.lineno <= line <= (one.end_lineno or 0) for one in _fields(node)
+                field.lineno <= line <= (field.end_lineno or 0) for field in _fields(node)
             ):
                 return node
     return None
@@ -97,7 +97,7 @@ def _fields(definition: ast.ClassDef | None) -> list[_Field]:
 
 def _names(node: _Field) -> list[str]:
     targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-    return [ast.unparse(one) for one in targets]
+    return [ast.unparse(target) for target in targets]
 
 
 def _mutable(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
@@ -115,11 +115,13 @@ def _mutable(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
 
 
 def _late(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
-    """Say that a field without a default comes after one that has one."""
+    """Return cause and fix for a field without a default that comes after one with a default."""
     node = body.field
     if node is None:
         return None
-    before = [one for one in body.fields.values() if one.value is not None and one.lineno < node.lineno]
+    before = [
+        field for field in body.fields.values() if field.value is not None and field.lineno < node.lineno
+    ]
     kind = ast.unparse(node.annotation) if isinstance(node, ast.AnnAssign) else ""
     example = {"float": "0.0", "int": "0", "str": "''", "bool": "False"}.get(kind, "None")
     default = f"`{body.name}: {kind} = {example}`"
@@ -146,7 +148,7 @@ def _without_type(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
 
 
 def _twice(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
-    first = next((one for one in _fields(body.definition) if match["name"] in _names(one)), None)
+    first = next((field for field in _fields(body.definition) if match["name"] in _names(field)), None)
     if first is None or body.field is None or first is body.field:
         return None
     cause = f"{body.name} is already on line {first.lineno}, but each member of an Enum needs its own name."
@@ -214,7 +216,7 @@ def _slots(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     return cause, f"remove this line, and set self.{body.name} in __init__"
 
 
-# What Python says as it makes a class, and what that means for its body; the first one that fits counts.
+# What Python says while it creates a class, and what that means for its body; the first match counts.
 _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (r"mutable default .* for field \w+ is not allowed", _mutable),
     (r"(?i)non-default (?:argument|namedtuple field) '?\w+'? (?:follows|cannot follow)", _late),

@@ -1,4 +1,4 @@
-"""Times of two clocks that are compared or subtracted: where that one was made which is not of the node's clock."""
+"""Times of two clocks, compared or subtracted: where the one not from the node's clock was made."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TIME, _CLOCK = "rclpy.time.Time", "rclpy.clock.Clock"
 
 
 def of_clock_types(message: str, spot: Spot) -> Finding | None:
-    """Say which time of a line has the system's clock, where it was made, and how it gets the node's; None if none is seen.
+    """Return a finding about where a line's system-clock time was made; None if none is seen.
 
     Args:
         message: what rclpy says.
@@ -35,7 +35,7 @@ def of_clock_types(message: str, spot: Spot) -> Finding | None:
 
 
 def _of_the_system(made: ast.expr, source: PythonSource) -> Iterator[ast.Call]:
-    """Yield what an expression makes without saying which clock it is of."""
+    """Yield the times and clocks that an expression makes without naming a clock type."""
     for call in [node for node in ast.walk(made) if isinstance(node, ast.Call)]:
         is_named = "clock_type" in {keyword.arg for keyword in call.keywords}
         if not is_named and source.resolve(call.func) in (_TIME, _CLOCK):

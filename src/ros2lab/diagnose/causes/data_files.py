@@ -1,4 +1,4 @@
-"""A fault in a JSON file that a program reads: the file, its line, and what is to be written there."""
+"""Faults in a JSON file that a program reads: the file, its line, and what to write there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules"))
 
 @dataclass(frozen=True)
 class Repair:
-    """A change of a text: what stood there, where, what stands in its place, and why."""
+    """A change to a text: the range to replace, the new text, and why."""
 
     start: int
     end: int
@@ -32,7 +32,7 @@ class Repair:
 
 
 def of_data_file(kind: str, message: str, look: Look | None) -> Finding | None:
-    """Say what is wrong in the file of a workspace that json does not read; None if no file is refused with these words.
+    """Return what is wrong in a JSON file of the workspace; None if no file fails with this message.
 
     Args:
         kind: the exception's class.
@@ -66,7 +66,7 @@ def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
     for repair in _repairs(text, fault.pos):
         after = repair.applied(text)
         later = _fault_of(after)
-        # What comes after it may be another fault.
+        # An error further on may be another fault.
         if later is None or later.pos > fault.pos + len(repair.new):
             line = text.count("\n", 0, repair.start) + 1
             cause = f"json cannot read {name}: {repair.why}."
@@ -82,10 +82,10 @@ def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
 
 
 def _repairs(text: str, at: int) -> Iterator[Repair]:
-    """Yield what may be meant where json stops at a place of a text."""
+    """Yield repairs that may be meant where json stops reading a text."""
     before, here = len(text[:at].rstrip()), text[at : at + 1]
     last = text[before - 1 : before]
-    if here == "," and re.match(r",\s*[}\]]", text[at:]):  # as newer Pythons name it
+    if here == "," and re.match(r",\s*[}\]]", text[at:]):  # where newer Pythons stop
         yield Repair(at, at + 1, "", "there is a comma after the last element, which JSON does not allow")
     if last == "," and here in ("}", "]"):
         yield Repair(

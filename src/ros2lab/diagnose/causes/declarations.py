@@ -1,4 +1,4 @@
-"""Parameters that rclpy does not know yet where they are read, or knows already where they are declared."""
+"""Parameters that are read before they are declared, or declared twice."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class _Use:
     Attributes:
         call: the call.
         named: the expression in it that names them.
-        names: the parameters of which the error speaks.
-        lines: the student's lines through which the error came, as (file, line), the innermost first.
+        names: the parameters that the error is about.
+        lines: the student's lines in the traceback, as (file, line), the innermost first.
     """
 
     look: Look
@@ -49,12 +49,12 @@ class _Use:
 
     @property
     def node(self) -> str:
-        """What stands for the node, such as `self`."""
+        """The expression for the node, such as `self`."""
         return ast.unparse(self.call.func.value) if isinstance(self.call.func, ast.Attribute) else "self"
 
     @property
     def text(self) -> str:
-        """The names in words."""
+        """The names, joined by "and"."""
         return " and ".join(self.names)
 
     @property
@@ -62,17 +62,17 @@ class _Use:
         """Whether its function is a callback, or is called by one."""
         callbacks = [function for _, function in self.sources.callbacks()]
         around = [self.function, *(function for _, function, _ in self.calls)]
-        return any(one is function for one in around if one is not None for function in callbacks)
+        return any(caller is function for caller in around if caller is not None for function in callbacks)
 
     @property
     def calls(self) -> list[tuple[PythonSource, Function | None, ast.Call]]:
-        """The calls of its function; none of a constructor."""
+        """The calls of its function; empty for a constructor."""
         is_called = self.function is not None and self.function.name != "__init__"
         return [*calls_of(self.sources, self.function)] if self.function and is_called else []
 
 
 def declaration_fault(error: ErrorText, look: Look) -> Finding | None:
-    """Return why a parameter is not declared where it is read, or was declared before; None if the error is another one."""
+    """Return why a parameter is undeclared where it is read, or declared twice; None for another error."""
     report = error.reports[-1] if error.reports else None
     told = {
         "ParameterNotDeclaredException": _undeclared,
@@ -86,11 +86,13 @@ def declaration_fault(error: ErrorText, look: Look) -> Finding | None:
 
 
 def _use_of(names: tuple[str, ...], error: ErrorText, look: Look) -> _Use | None:
-    """Return the call in the line of an error that names the parameters of which it speaks; None if none is found."""
+    """Return the call on an error's line that names its parameters; None if there is none."""
     frames = own_frames(error.reports[-1].frames)
-    places = [place_of([one], look).rpartition(":") for one in frames]
+    places = [place_of([frame], look).rpartition(":") for frame in frames]
     spot = spot_at(place_of(frames, look), look)
-    homes = [(look.sources(one), source) for one in look.packages for source in one.sources.values()]
+    homes = [
+        (look.sources(package), source) for package in look.packages for source in package.sources.values()
+    ]
     for sources, source in homes:
         if places and source.shown == places[0][0]:
             lines = tuple((file, int(line)) for file, _, line in places if line.isdigit())
@@ -102,9 +104,9 @@ def _use_of(names: tuple[str, ...], error: ErrorText, look: Look) -> _Use | None
 def _uses_at(
     look: Look, sources: NodeSources, source: PythonSource, spot: Spot, lines: tuple[tuple[str, int], ...]
 ) -> Iterator[_Use]:
-    """Yield what stands in the call of a node's method in a line, and may name parameters."""
+    """Yield a use for each expression in a node's method call on these lines that may name parameters."""
     known = members_of("rclpy.node", "Node")[0]
-    scoped = [one for one in sources.scoped(source) if getattr(one[2], "lineno", 0) in spot.lines]
+    scoped = [entry for entry in sources.scoped(source) if getattr(entry[2], "lineno", 0) in spot.lines]
     for owner, function, call in reversed(scoped):  # the innermost first
         if isinstance(call, ast.Call) and getattr(call.func, "attr", "") in known:
             inside = {id(node) for node in ast.walk(call)}
@@ -114,15 +116,15 @@ def _uses_at(
 
 
 def _about(use: _Use, names: tuple[str, ...]) -> _Use | None:
-    """Return a use with those of its names of which an error speaks; where it names none, with those not declared."""
+    """Return a use with the names that an error is about, or else those not declared; None if none remain."""
     given = names_given(use.sources, use.source, use.function, use.named)
     declared = declared_in(use.sources) or {}
-    meant = tuple(one for one in names or given if one in given and (names or one not in declared))
+    meant = tuple(name for name in names or given if name in given and (names or name not in declared))
     return replace(use, names=meant) if meant else None
 
 
 def _undeclared(use: _Use) -> Finding:
-    """Say that a parameter is read before it is declared, and how it is declared in the terms of that line."""
+    """Return a finding about an undeclared parameter, with a declaration in the terms of the line."""
     name, declared = use.names[0], declared_in(use.sources) or {}
     given = names_given(use.sources, use.source, use.function, use.named)
     _, origin = given[name]
@@ -132,7 +134,9 @@ def _undeclared(use: _Use) -> Finding:
     there = f" Declared are: {', '.join(sorted(declared))}." if declared else ""
     is_list = isinstance(origin, (ast.List, ast.Tuple))
     is_list |= isinstance(use.sources.value(use.source, use.named), list)
-    written = _declaring(use, [one for one in given if one not in declared] if is_list else [])
+    written = _declaring(
+        use, [parameter for parameter in given if parameter not in declared] if is_list else []
+    )
     text, here = ast.unparse(use.named), use.spot.lines.start
     where = f"above line {here}"
     if text == repr(name) and not _is_constructor(use):
@@ -149,15 +153,15 @@ def _undeclared(use: _Use) -> Finding:
 
 
 def _declaring(use: _Use, listed: list[str]) -> str:
-    """Return the lines that declare what is read: each name of a list, or the one that the line names, in its loop."""
+    """Return lines that declare what is read: each name of a list, or the name on the line, in its loop."""
     text, node = ast.unparse(use.named), use.node
-    lines = [f"{node}.declare_parameter({one!r}, {_given_value(one, use.look)})" for one in listed]
+    lines = [f"{node}.declare_parameter({name!r}, {_given_value(name, use.look)})" for name in listed]
     lines = lines or [f"{node}.declare_parameter({text}, {_default(use, use.names[0])})"]
     nodes = use.spot.source.nodes if use.spot.source else ()
     around = (n for n in nodes if isinstance(n, ast.comprehension) and n.iter.lineno in use.spot.lines)
     if loop := next((n for n in around if text in map(ast.unparse, ast.walk(n.target))), None):
         head = f"for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}:"
-        lines = [f"{head} {one}" for one in lines]
+        lines = [f"{head} {line}" for line in lines]
     return ", and ".join(f"`{line}`" for line in lines)
 
 
@@ -166,12 +170,12 @@ def _is_constructor(use: _Use) -> bool:
 
 
 def _default(use: _Use, name: str) -> str:
-    """Return a default for a parameter, as it is written beside the name: a variable, or a value."""
+    """Return a default for a parameter: the variable that comes with its name, or a value."""
     match use.named, use.function:
         case ast.Name(id=own), ast.FunctionDef() as function:
             taken = ("self", "cls", own, use.node)
-            others = [one.arg for one in parameters(function) if one.arg not in taken]
-            if own in [one.arg for one in parameters(function)] and len(others) == 1:
+            others = [parameter.arg for parameter in parameters(function) if parameter.arg not in taken]
+            if own in [parameter.arg for parameter in parameters(function)] and len(others) == 1:
                 return others[0]
             for node in ast.walk(function):
                 match node:
@@ -182,8 +186,8 @@ def _default(use: _Use, name: str) -> str:
     return _given_value(name, use.look, default_by_use(use.source.nodes, use.call) or "...")
 
 
-def _given_value(name: str, look: Look, other: str = "...") -> str:
-    """Return what a file or a launch file gives a parameter; something other if none does."""
+def _given_value(name: str, look: Look, fallback: str = "...") -> str:
+    """Return the value that a file or launch file gives a parameter; the fallback if none does."""
     sections: list[Mapping[Any, Any]] = [n.values for file in look.launch_files for n in file.nodes]
     for path in (path for package in look.packages for path in package.parameter_files):
         try:
@@ -191,12 +195,14 @@ def _given_value(name: str, look: Look, other: str = "...") -> str:
         except ParameterFileError:
             continue
         sections += [values for _, values in sections_of(content)] if isinstance(content, Mapping) else []
-    known = (one[name] for one in sections if name in one)
-    return next((repr(one) for one in known if isinstance(one, (str, int, float, bool, list))), other)
+    known = (section[name] for section in sections if name in section)
+    return next(
+        (repr(value) for value in known if isinstance(value, (str, int, float, bool, list))), fallback
+    )
 
 
 def _declared_before(use: _Use) -> Finding:
-    """Say who has declared a parameter before the line in which it is declared, and what to change."""
+    """Return a finding about what declared a parameter before this line, and what to change."""
     for told in (_by_every_node, _by_another_line, _by_an_option, _by_its_list, _by_another_time):
         if found := told(use):
             return found
@@ -205,7 +211,7 @@ def _declared_before(use: _Use) -> Finding:
 
 
 def _by_every_node(use: _Use) -> Finding | None:
-    own = next((one for one in use.names if one.partition(".")[0] in every_node.PARAMETERS), "")
+    own = next((name for name in use.names if name.partition(".")[0] in every_node.PARAMETERS), "")
     cause = f"Every node declares {own} by itself, so it is there already."
     return Finding("python-error", cause, use.source.at(use.call), _without(use)) if own else None
 
@@ -260,25 +266,25 @@ def _by_another_time(use: _Use) -> Finding | None:
 
 
 def _asked_at(use: _Use) -> str:
-    """Return where a function is called that is given the name which it declares; empty if it names it itself."""
-    names = [one.arg for one in parameters(use.function)] if use.function else []
+    """Return where a function is called with the name that it declares; empty if it names it itself."""
+    names = [parameter.arg for parameter in parameters(use.function)] if use.function else []
     is_given = any(isinstance(n, ast.Name) and n.id in names for n in ast.walk(use.named))
     return "{}:{}".format(*use.lines[1]) if is_given and len(use.lines) > 1 else ""
 
 
 def _others(use: _Use) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Call, ast.expr]]:
-    """Yield the other calls of the same node's classes that declare a parameter, each with the line that names it."""
+    """Yield the other calls of the node's classes that declare a parameter, and the expression naming it."""
     lineage = [None, *use.sources.lineage(use.owner)[0]] if use.owner else [None]
     for source in use.sources.sources.values():
         for owner, function, call in use.sources.scoped(source):
             method = getattr(call.func, "attr", "") if isinstance(call, ast.Call) else ""
             if not isinstance(call, ast.Call) or method not in _DECLARES or owner not in lineage:
                 continue
-            values = [*call.args, *(one.value for one in call.keywords)]
+            values = [*call.args, *(keyword.value for keyword in call.keywords)]
             naming = values[:1] if method == "declare_parameter" else [n for v in values for n in ast.walk(v)]
             for node in naming:
                 given = names_given(use.sources, source, function, node) if isinstance(node, ast.expr) else {}
-                for _, (home, where) in ((one, given[one]) for one in use.names if one in given):
+                for _, (home, where) in ((name, given[name]) for name in use.names if name in given):
                     asked = where if isinstance(where, ast.Call) else call
                     yield from _earlier(use, home, owner, call, asked)
 
@@ -286,21 +292,23 @@ def _others(use: _Use) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Cal
 def _earlier(
     use: _Use, home: PythonSource, owner: NodeClass | None, call: ast.Call, where: ast.expr
 ) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Call, ast.expr]]:
-    """Yield a declaration, unless the error came through its line."""
+    """Yield a declaration unless its line is in the traceback; if it is, the other calls of its function."""
     through = {line for file, line in use.lines if file == home.shown}
     if through.isdisjoint(range(where.lineno, (where.end_lineno or where.lineno) + 1)):
         yield home, owner, call, where
     elif where is not use.call and isinstance(where, ast.Call) and use.function:
-        for source, _, other in calls_of(use.sources, use.function):
-            names = [one.arg for one in parameters(use.function)]
-            texts = [argument_of(use.function, other, name) for name in names]
-            is_same = any(getattr(one, "value", None) in use.names for one in texts if one is not None)
-            if is_same and other.lineno not in {line for file, line in use.lines if file == source.shown}:
-                yield source, owner, call, other
+        for source, _, caller in calls_of(use.sources, use.function):
+            names = [parameter.arg for parameter in parameters(use.function)]
+            texts = [argument_of(use.function, caller, name) for name in names]
+            is_same = any(
+                getattr(argument, "value", None) in use.names for argument in texts if argument is not None
+            )
+            if is_same and caller.lineno not in {line for file, line in use.lines if file == source.shown}:
+                yield source, owner, call, caller
 
 
 def _without(use: _Use) -> str:
-    """Say how a declaration is taken away; what its value is used for reads the parameter instead."""
+    """Return how to remove a declaration; if its value is used, the parameter is read instead."""
     statement = next((n for n in use.source.nodes if isinstance(n, ast.Expr) and n.value is use.call), None)
     names = " and ".join(map(repr, use.names))
     if getattr(use.call.func, "attr", "") == "declare_parameters":

@@ -1,4 +1,4 @@
-"""What is asked of an element of a list, a text or a message, or put into it."""
+"""Elements of lists, strings, dictionaries or messages that do not exist where they are read or set."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ros2lab.diagnose.sources.spelling import nearest
 
 
 def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Return cause and fix of what has no elements."""
+    """Return cause and fix for brackets after something without elements."""
     kind = match["kind"]
     fields = {
         name for home in interfaces.homes_of(kind) for name in interfaces.fields_of(f"{home}.{kind}") or ()
@@ -34,7 +34,7 @@ def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Return cause and fix of an element that is asked for, or replaced, and that is not there."""
+    """Return cause and fix for an element that is read or replaced but does not exist."""
     asked = key_asked(spot)
     if asked is None:
         cause = (
@@ -59,23 +59,23 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def key_asked(spot: Spot, key: str = "") -> ast.Subscript | None:
-    """Return the element that a line asks for; None if it asks for none, or it is not known for which of several.
+    """Return the element that a line asks for; None if there is none, or it is unclear which is meant.
 
     Args:
         spot: the line.
-        key: what is not there, as Python writes it.
+        key: the missing key, as Python writes it.
     """
     asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
     named = [n for n in asked if ast.unparse(n.slice) == key]
     marked = [spot.marked] if isinstance(spot.marked, ast.Subscript) else []
     found = named or marked or asked
-    return found[0] if len({ast.unparse(one) for one in found}) == 1 else None
+    return found[0] if len({ast.unparse(element) for element in found}) == 1 else None
 
 
 def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
-    """Return cause and fix where a certain element is wanted: what made the list is wrong, or what it was made of."""
-    made = [one for one in spot.assigned(name) if isinstance(one, ast.Call)]
-    split = next((one for one in reversed(made) if getattr(one.func, "attr", "") == "split"), None)
+    """Return cause and fix for a fixed index into a list that is too short, such as a split string."""
+    made = [call for call in spot.assigned(name) if isinstance(call, ast.Call)]
+    split = next((call for call in reversed(made) if getattr(call.func, "attr", "") == "split"), None)
     if split is None:
         fix = f"print {name} on the line above, and make sure it has an element {index} whenever this runs"
         return cause, fix
@@ -87,7 +87,7 @@ def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
 
 
 def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Return cause and fix of a key that a dictionary has not."""
+    """Return cause and fix for a key that a dictionary does not have."""
     asked = key_asked(spot, match["name"])
     if asked is None:
         cause = f"The dictionary in `{spot.text}` has no key {match['name']}."
@@ -96,8 +96,8 @@ def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             "check first with `if ... in` whether the key is there, and compare the keys, including upper and lower case",
         )
     name, key = ast.unparse(asked.value), ast.unparse(asked.slice)
-    dicts = [one for one in spot.assigned(name) if isinstance(one, ast.Dict)]
-    keys = [ast.unparse(one) for made in dicts for one in made.keys if one]
+    dicts = [value for value in spot.assigned(name) if isinstance(value, ast.Dict)]
+    keys = [ast.unparse(known) for made in dicts for known in made.keys if known]
     near = nearest(match["name"], keys)
     cause = f"The dictionary {name} has no key {match['name']}{f', but has {near}' if near else ''}."
     if not isinstance(asked.slice, ast.Constant):
@@ -119,7 +119,7 @@ def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def _put(spot: Spot, element: ast.Subscript, name: str) -> str:
-    """Say how the elements of a list are put into it that are assigned one by one, in a loop or in lines of their own."""
+    """Return how to fill a list whose elements are assigned one by one, in a loop or on separate lines."""
     nodes = [*own_nodes(spot.function)] if spot.function else spot.nodes
     values = {
         ast.unparse(node.targets[0].slice): ast.unparse(node.value)

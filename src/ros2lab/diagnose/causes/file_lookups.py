@@ -1,4 +1,4 @@
-"""Files of a package that its programs open, and that are not where they look."""
+"""Files of a package that its programs open but that are not where they look."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _BUILD = "colcon build --packages-select"
 
 
 def of_missing_file(path: str, place: str, look: Look | None) -> Finding | None:
-    """Say of a file that a program opens where it is looked for; None if nothing of the package is called so."""
+    """Return why a file is not where a program opens it; None if the package has no such file."""
     if look is None or path.startswith("~"):
         return None
     return of_shared_file(path, look) if path.startswith("/") else _of_relative_file(path, place, look)
 
 
 def of_shared_file(path: str, look: Look) -> Finding | None:
-    """Say why something is not in the share folder of a package of the workspace; None if it is looked for elsewhere."""
+    """Return why a file is not in its package's share folder; None if it is looked for elsewhere."""
     for package in look.packages:
         _, is_shared, inner = path.partition(f"/share/{package.name}/")
         if is_shared and inner and package.setup is not None:
@@ -36,13 +36,13 @@ def of_shared_file(path: str, look: Look) -> Finding | None:
 def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Finding:
     name, target = PurePosixPath(inner).name, f"share/{package.name}/{PurePosixPath(inner).parent}"
     lies = inner if package.has(inner) else next(_called(name, package), "")
-    if not lies and (other := lies_elsewhere(package, inner)):
-        cause = f"The package {package.name} has no file {inner}: the file lies in {other.folder}."
+    if not lies and (elsewhere := lies_elsewhere(package, inner)):
+        cause = f"The package {package.name} has no file {inner}: the file lies in {elsewhere.folder}."
         row = f"{installing(package, inner, inner)} in data_files"
-        fix = f"{other.command}, with {row}, and build again; or name the package {other.package.name} where the file is looked for"
-        return Finding("data-file-missing", cause, other.shown, fix, (name,))
+        fix = f"{elsewhere.command}, with {row}, and build again; or name the package {elsewhere.package.name} where the file is looked for"
+        return Finding("data-file-missing", cause, elsewhere.shown, fix, (name,))
     if not lies:
-        there = [one.name for one in package.folder.rglob("*") if "__pycache__" not in one.parts]
+        there = [path.name for path in package.folder.rglob("*") if "__pycache__" not in path.parts]
         near = nearest(name, there)
         cause = f"The package {package.name} has no file {inner}{f'; there is {near}' if near else ''}."
         fix = f"write {near} instead of {name}" if near else f"create the file {package.shown(inner)}"
@@ -66,7 +66,7 @@ def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Findi
 
 
 def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
-    package = next((one for one in look.packages if place.startswith(one.shown(""))), None)
+    package = next((candidate for candidate in look.packages if place.startswith(candidate.shown(""))), None)
     if package is None:
         return None
     inner = path.removeprefix(package.shown("")).lstrip("./")
@@ -76,7 +76,12 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
         return Finding(SAID, cause, place, there.fix, (Path(path).name,))
     if not lies:
         alike = next(
-            (one.name for one in package.folder.iterdir() if one.name.lower() == Path(path).name.lower()), ""
+            (
+                entry.name
+                for entry in package.folder.iterdir()
+                if entry.name.lower() == Path(path).name.lower()
+            ),
+            "",
         )
         if alike:
             cause = f"There is no file {path}; there is {alike}, with different upper and lower case."
@@ -107,7 +112,7 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
 
 
 def installing(package: SourcePackage, lies: str, inner: str) -> str:
-    """Return the item of data_files that installs a file, or a folder with files, as `inner` of the share folder."""
+    """Return the item of data_files that installs a file or folder as `inner` in the share folder."""
     if (package.folder / lies).is_dir():
         files, target = f"[str(path) for path in Path({lies!r}).iterdir()]", inner
         return f"('share/{package.name}/{target}', {files}), with `from pathlib import Path` at the top,"
@@ -116,12 +121,12 @@ def installing(package: SourcePackage, lies: str, inner: str) -> str:
 
 
 def _called(name: str, package: SourcePackage) -> Iterator[str]:
-    """Yield the files and folders of a package that have a name."""
+    """Yield the files and folders of a package that have this name."""
     return (
-        one.relative_to(package.folder).as_posix() for one in package.folder.rglob("*") if one.name == name
+        path.relative_to(package.folder).as_posix() for path in package.folder.rglob("*") if path.name == name
     )
 
 
 def _and_above(file: str) -> list[PurePosixPath]:
-    """Return a file, and the folders in which it lies."""
+    """Return a file's path and those of the folders above it."""
     return [PurePosixPath(file), *PurePosixPath(file).parents]

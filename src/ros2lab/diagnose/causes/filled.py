@@ -1,4 +1,4 @@
-"""What was put into a message, a dictionary or a list, and fails only where it is taken out and used."""
+"""Values put into a message, dictionary or list that fail only where they are taken out and used."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ from ros2lab.diagnose.sources.spelling import with_article
 
 
 def of_filled(message: str, spot: Spot) -> Finding | None:
-    """Say which field of a message was given something else than it holds, where publish() fails; None if none is seen.
+    """Return which field of a published message was given another type; None if none is seen.
 
     Args:
-        message: what Python says: what stands in the field lacks what a message of its type has.
+        message: Python's message: the field's value lacks an attribute that its message type has.
         spot: the line with publish().
     """
     said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
     if said is None or spot.function is None or spot.source is None:
         return None
-    wrong = [one for one in _fields_filled(spot) if said["name"] in (interfaces.fields_of(one[1]) or {})]
+    wrong = [
+        field for field in _fields_filled(spot) if said["name"] in (interfaces.fields_of(field[1]) or {})
+    ]
     if not wrong:
         return None
     texts = []
@@ -39,7 +41,7 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
     name = wanted.rpartition(".")[2]
     given = f"{with_article(name)} of rclpy" if said["kind"] == name else kind_in_words(said["kind"])
     cause = f"{ast.unparse(target)} holds the message type {name}, but `{ast.unparse(value)}` is {given}; Python notices only in publish()."
-    more = [f"on line {one[0].lineno} {text}" for one, text in zip(wrong[1:], texts[1:], strict=True)]
+    more = [f"on line {field[0].lineno} {text}" for field, text in zip(wrong[1:], texts[1:], strict=True)]
     return Finding("field-type", cause, spot.source.at(target), "; ".join([texts[0], *more]))
 
 
@@ -48,7 +50,7 @@ def _libraries(kind: str) -> list[str]:
 
 
 def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
-    """Yield every field of the published message that is a message itself and is given no such one: target, type, value."""
+    """Yield the published message's fields of a message type that are given another: target, type, value."""
     assert spot.source is not None
     sent = [
         n.args for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish"
@@ -66,10 +68,10 @@ def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
 
 
 def of_item(message: str, spot: Spot) -> Finding | None:
-    """Say that the functions of a dictionary or a list were called where they should be kept; None if they were not.
+    """Return which functions a dictionary or list calls instead of storing them; None if there are none.
 
     Args:
-        message: what Python says of the item that is called.
+        message: Python's message about the item that is called.
         spot: the line with the call.
     """
     if "'NoneType' object is not callable" not in message or spot.source is None:
@@ -85,12 +87,12 @@ def of_item(message: str, spot: Spot) -> Finding | None:
                 ast.unparse(target) in held
             ):
                 called = [
-                    one
-                    for one in values
-                    if isinstance(one, ast.Call) and kind_of_call(spot.source, one) == "NoneType"
+                    item
+                    for item in values
+                    if isinstance(item, ast.Call) and kind_of_call(spot.source, item) == "NoneType"
                 ]
                 if called:
-                    texts = [f"{ast.unparse(one.func)} instead of {ast.unparse(one)}" for one in called]
+                    texts = [f"{ast.unparse(call.func)} instead of {ast.unparse(call)}" for call in called]
                     first = ast.unparse(called[0])
                     cause = f"`{first}` calls the function right here and stores its return value, None, in {ast.unparse(target)}."
                     return Finding(

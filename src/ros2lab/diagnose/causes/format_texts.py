@@ -1,6 +1,6 @@
-"""Errors that come out of a format text: it is filled again with values like those of the line, and changed until it can be.
+"""Errors from format strings: each is filled again with similar values, and changed until that works.
 
-Only Python's own formatting is called, with plain numbers and texts in the place of the program's values.
+Only Python's own formatting runs, with plain numbers and strings instead of the program's values.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.own_functions import constant_of
 from ros2lab.diagnose.sources.python_source import PythonSource
 
-# What a format text holds that can bring an error about.
+# What a format string must contain to raise each exception.
 _RAISED_BY = {
     "AttributeError": r"\{\w*\.",
     "KeyError": r"\{[^}:]*[^\d}:]|%\(",
@@ -36,20 +36,20 @@ _PLAIN: Mapping[str, object] = {
 }
 _FIELD = re.compile(r"\{([^{}]*)\}")
 _PERCENT = re.compile(r"%(?:\((?P<name>[^)]*)\))?(?P<form>[-+ #0]*\d*(?:\.\d*)?)(?P<letter>.?)", re.DOTALL)
-_WIDEST = 999  # letters of a field, and digits; nobody writes more by hand
+_WIDEST = 999  # characters or digits of a field; nobody writes more by hand
 _Values = tuple[list[object], dict[str, object]]
 
 
 @dataclass(frozen=True)
 class _Use:
-    """A format text that is filled.
+    """A format string that is filled.
 
     Attributes:
-        node: where the text stands.
-        source: the file in which it stands.
-        text: the text, or of an f-string what follows the colon.
-        values: what fills it, by place and by name, as it is written.
-        fill: what fills it.
+        node: the expression that holds the text.
+        source: the file that the text is in.
+        text: the text; of an f-string, the part after the colon.
+        values: the expressions that fill it, each with its name; empty for values by position.
+        fill: the function that fills it.
     """
 
     node: ast.expr
@@ -61,16 +61,16 @@ class _Use:
 
 
 def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
-    """Say which place of a format text has failed, where it is written, and how it is meant; None if none has.
+    """Return which part of a format string failed, and how it was meant; None if none did.
 
     Args:
         kind: the exception's class.
         message: what it says.
-        spot: the line in which the text is filled.
+        spot: the line that fills the string.
     """
     if kind not in _RAISED_BY or spot.source is None:
         return None
-    for use in (one for one in _uses(spot) if re.search(_RAISED_BY[kind], one.text)):
+    for use in (candidate for candidate in _uses(spot) if re.search(_RAISED_BY[kind], candidate.text)):
         for values in _stand_ins(use, message, spot.source):
             if not _is_alike(_said(use, use.text, values), f"{kind}: {message}"):
                 continue
@@ -93,13 +93,15 @@ def _told(use: _Use, old: str, new: str, message: str, spot: Spot) -> Finding:
 
 
 def _uses(spot: Spot) -> Iterator[_Use]:
-    """Yield the format texts that the statement of a line fills."""
+    """Yield the format strings that the statement on a line fills."""
     source = spot.source
     assert source is not None
-    for node in (one for line in spot.lines for one in Spot(source, line).nodes):
+    for node in (inner for line in spot.lines for inner in Spot(source, line).nodes):
         match node:
             case ast.Call(func=ast.Attribute(attr="format", value=named), args=args, keywords=keywords):
-                values = [("", one) for one in args] + [(one.arg or "", one.value) for one in keywords]
+                values = [("", argument) for argument in args] + [
+                    (keyword.arg or "", keyword.value) for keyword in keywords
+                ]
                 filling, changes = _filled, _changed_fields
             case ast.BinOp(left=named, op=ast.Mod(), right=right):
                 values = _right_values(right)
@@ -113,18 +115,20 @@ def _uses(spot: Spot) -> Iterator[_Use]:
                 continue
         if found := constant_of(source, named):
             home, constant = found
-            if isinstance(constant.value, str) and not any(isinstance(one, ast.Starred) for _, one in values):
+            if isinstance(constant.value, str) and not any(
+                isinstance(given, ast.Starred) for _, given in values
+            ):
                 yield _Use(constant, home, constant.value, values, filling, changes)
 
 
 def _right_values(right: ast.expr) -> list[tuple[str, ast.expr]]:
     if isinstance(right, ast.Tuple):
-        return [("", one) for one in right.elts]
+        return [("", element) for element in right.elts]
     if isinstance(right, ast.Dict):
         pairs = zip(right.keys, right.values, strict=True)
         return [
-            (key.value, one)
-            for key, one in pairs
+            (key.value, value)
+            for key, value in pairs
             if isinstance(key, ast.Constant) and isinstance(key.value, str)
         ]
     return [("", right)]
@@ -143,7 +147,7 @@ def _formatted(text: str, values: _Values) -> object:
 
 
 def _said(use: _Use, text: str, values: _Values) -> str:
-    """Return what Python says as it fills a text; empty if it can."""
+    """Return the error that filling a text raises; empty if it works."""
     if any(int(digits) > _WIDEST for digits in re.findall(r"\d+", text)):
         return "too wide"
     try:
@@ -153,22 +157,22 @@ def _said(use: _Use, text: str, values: _Values) -> str:
     return ""
 
 
-def _is_alike(one: str, other: str) -> bool:
-    """Return whether two errors are the same; a later Python says more."""
-    return bool(one) and (one.startswith(other) or other.startswith(one))
+def _is_alike(raised: str, printed: str) -> bool:
+    """Return whether two errors are the same; a later Python may say more."""
+    return bool(raised) and (raised.startswith(printed) or printed.startswith(raised))
 
 
 def _stand_ins(use: _Use, message: str, source: PythonSource) -> Iterator[_Values]:
     """Yield values like those that fill a text, the likeliest first."""
     named = re.search(r"(?:of type |^)'(\w+)'|not '?(\w+)'?$", message)
     said = next(filter(None, named.groups()), "") if named else ""
-    kinds = [_kind(one, source) for _, one in use.values]
-    for other in dict.fromkeys((said, "float", "str", "int")):
-        if other:
+    kinds = [_kind(expression, source) for _, expression in use.values]
+    for fallback in dict.fromkeys((said, "float", "str", "int")):
+        if fallback:
             by_place: list[object] = []
             by_name: dict[str, object] = {}
             for kind, (name, node) in zip(kinds, use.values, strict=True):
-                value = node.value if isinstance(node, ast.Constant) else _value(kind or other)
+                value = node.value if isinstance(node, ast.Constant) else _value(kind or fallback)
                 if name:
                     by_name[name] = value
                 else:
@@ -183,7 +187,7 @@ def _kind(node: ast.expr, source: PythonSource) -> str:
 
 
 def _value(kind: str) -> object:
-    """Return a plain value of a type; of a message one with its fields."""
+    """Return a plain value of a type; for a message, an object with its fields."""
     if kind in _PLAIN:
         return _PLAIN[kind]
     fields = [
@@ -193,7 +197,7 @@ def _value(kind: str) -> object:
 
 
 def _changed_fields(text: str, values: _Values) -> Iterator[tuple[str, str, str]]:
-    """Yield a text for str.format() with one of its fields changed: the whole text, the field before, and after."""
+    """Yield a str.format() text with one field changed: the whole text, the field before, and after."""
     for match in _FIELD.finditer(text):
         for inner in _other_fields(match[1], values):
             new = f"{{{inner}}}"
@@ -214,7 +218,7 @@ def _changed_fields(text: str, values: _Values) -> Iterator[tuple[str, str, str]
 
 
 def _other_fields(inner: str, values: _Values) -> Iterator[str]:
-    """Yield what may have been meant by what stands between two braces."""
+    """Yield what may have been meant by the text between two braces."""
     field, colon, form = inner.partition(":")
     yield from () if colon else _with_form(field)
     yield from (f"{meant}{colon}{form}" for meant in _other_names(field, values))
@@ -222,7 +226,7 @@ def _other_fields(inner: str, values: _Values) -> Iterator[str]:
 
 
 def _with_form(field: str) -> Iterator[str]:
-    """Yield what may have been meant by a field that holds the digits of its format."""
+    """Yield what may have been meant by a field that lacks the colon before its format."""
     if match := re.fullmatch(r"(\w*?)%?[.,](\d+)([a-zA-Z%]?)", field):
         yield f"{match[1]}:.{match[2]}{match[3] or 'f'}"
     if match := re.fullmatch(r"(\d*)%(\.\d+\w|\w)", field):
@@ -230,7 +234,7 @@ def _with_form(field: str) -> Iterator[str]:
 
 
 def _other_names(field: str, values: _Values) -> Iterator[str]:
-    """Yield which value may have been meant: by another name, by its place, or a part of it."""
+    """Yield which value may have been meant: by another name, by position, or by an attribute."""
     by_place, by_name = values
     head, sign, rest = re.match(r"(\w*)(.?)(.*)", field, re.DOTALL).groups()  # type: ignore[union-attr]
     bare = field.strip(" '\"")
@@ -249,7 +253,7 @@ def _other_names(field: str, values: _Values) -> Iterator[str]:
 
 
 def _changed_form(text: str, _values: _Values) -> Iterator[tuple[str, str, str]]:
-    """Yield what may have been meant by what follows the colon in an f-string."""
+    """Yield what may have been meant by the format after the colon in an f-string."""
     yield from ((new, f":{text}", f":{new}".removesuffix(":")) for new in _other_forms(text))
 
 
@@ -266,19 +270,19 @@ def _other_forms(form: str) -> Iterator[str]:
         yield f"{begin}{digits[0].lstrip('0') or ''}.{digits[1]}{letter}"
     if form.endswith("d"):
         yield f"{form[:-1]}.0f"
-    yield re.sub(r"\.\d+", "", plain)  # of a text, it would cut off the rest
+    yield re.sub(r"\.\d+", "", plain)  # a precision would cut off a string
     yield ""
 
 
 def _changed_percents(text: str, values: _Values) -> Iterator[tuple[str, str, str]]:
-    """Yield a text for % with one of its places changed."""
+    """Yield a text for % with one of its placeholders changed."""
     for match in _PERCENT.finditer(text):
         name, form = match["name"], match["form"]
         near = difflib.get_close_matches(name, values[1], n=1, cutoff=0.6) if name else []
         called = f"({name})" if name is not None else ""
         letters = [f"%{called}{form}f"] if "." in form or form.isdigit() else []
-        others = [f"%({one}){form}{match['letter']}" for one in near]
+        others = [f"%({close}){form}{match['letter']}" for close in near]
         for new in [*others, *letters, f"%{called}{re.sub('[.].*', '', form)}s", f"%{match[0]}"]:
-            # What follows is kept, where the letter of the form is missing.
+            # Keep the next character where the conversion letter is missing.
             more = match["letter"] if not match["letter"].isalpha() and not new.startswith("%%") else ""
             yield f"{text[: match.start()]}{new}{more}{text[match.end() :]}", match[0].rstrip(), new.rstrip()

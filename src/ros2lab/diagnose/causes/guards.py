@@ -1,4 +1,4 @@
-"""How what follows in a function is left out while a value is not there."""
+"""How to skip the rest of a function while a value is missing."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ros2lab.diagnose.sources.own_functions import returned
 
 
 def may_be_left(spot: Spot) -> bool:
-    """Return whether the function around a line can be left at it without harm: it makes no object and gives nothing."""
+    """Return whether a function may return early at a line: it is no constructor and returns no value."""
     function = spot.function
     is_plain = isinstance(function, ast.FunctionDef) and function.name != "__init__"
     return is_plain and not returned(function)  # type: ignore[arg-type]
 
 
 def left_out(lacks: str, has: str, name: str, spot: Spot) -> str:
-    """Say how a line is left out while something is not there.
+    """Return how to skip a line while something is missing.
 
     Args:
         lacks: the condition under which the line would fail.
@@ -40,6 +40,8 @@ def left_out(lacks: str, has: str, name: str, spot: Spot) -> str:
 
 
 def _head(spot: Spot, body: list[ast.stmt] | tuple[()]) -> int:
-    """Return the line in which the statement of a body begins that holds a line."""
-    around = (one.lineno for one in body if one.lineno <= spot.line <= (one.end_lineno or 0))
+    """Return the first line of the statement in a body that contains the line."""
+    around = (
+        statement.lineno for statement in body if statement.lineno <= spot.line <= (statement.end_lineno or 0)
+    )
     return next(around, spot.line)

@@ -1,4 +1,4 @@
-"""A service or an action of which an object is made, where one of its request, or of another part, is wanted."""
+"""Service and action types that are instantiated where their request or another part is needed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _CANNOT_BE_MADE = ("NotImplementedError", "TypeError")
 
 
 def of_part(kind: str, spot: Spot) -> Finding | None:
-    """Say which part of a service or an action is to be made in a line; None if none is made there as a whole.
+    """Return which part of a service or action a line should make; None if it makes no whole type.
 
     Args:
         kind: the exception's class.
@@ -48,7 +48,7 @@ def of_part(kind: str, spot: Spot) -> Finding | None:
 
 
 def _parts_meant(call: ast.Call, name: str, parts: tuple[str, ...], spot: Spot) -> Iterator[str]:
-    """Yield the parts that have the fields that are given, and those that are used as what is made is."""
+    """Yield the parts that have the given fields, then those that fit how the object is used."""
     source = spot.source
     assert source is not None
     targets = {
@@ -57,7 +57,7 @@ def _parts_meant(call: ast.Call, name: str, parts: tuple[str, ...], spot: Spot) 
         if isinstance(node, ast.Assign) and node.value is call
         for target in node.targets
     }
-    fields = {one.arg for one in call.keywords if one.arg} | {
+    fields = {keyword.arg for keyword in call.keywords if keyword.arg} | {
         node.attr
         for node in source.nodes
         if isinstance(node, ast.Attribute) and ast.unparse(node.value) in targets
@@ -70,7 +70,7 @@ def _parts_meant(call: ast.Call, name: str, parts: tuple[str, ...], spot: Spot) 
 
 
 def _uses(call: ast.Call, targets: set[str], source: PythonSource, spot: Spot) -> Iterator[str]:
-    """Yield what is made by what is done with it: it is given back, or published."""
+    """Yield the parts that fit how an object is used: returned, or published as feedback."""
 
     def is_it(node: ast.AST | None) -> bool:
         return node is call or (node is not None and ast.unparse(node) in targets)

@@ -1,4 +1,4 @@
-"""What is None because of a call: one that never gives anything back, or one that had nothing to give this time."""
+"""Values that are None because of a call that returns nothing, either always or this time."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from ros2lab.diagnose.sources.spelling import nearest
 if TYPE_CHECKING:
     from ros2lab.diagnose.causes.origins import Origin
 
-_Told = tuple[str, str, str]  # cause, place and fix of what is said
-_DEEPEST = 5  # functions that hand a value on
+_Told = tuple[str, str, str]  # cause, place and fix
+_DEEPEST = 5  # functions and names followed that pass a value on
 
 
 @dataclass(frozen=True)
 class _Leaf:
-    """An expression that has given None, and where it stands; None instead of it is the end of a function."""
+    """An expression that gave None, and where it is; without a node, it is the end of a function."""
 
     node: ast.expr | None
     source: PythonSource
@@ -42,16 +42,16 @@ class _Leaf:
 
 
 def of_call_that_gave_none(origin: Origin, call: ast.Call, spot: Spot) -> _Told | None:
-    """Say where the None comes from that a call has given; None if that is not seen.
+    """Return where the None that a call returned comes from; None if that is not seen.
 
     Args:
-        origin: what holds the value.
-        call: what gave it.
+        origin: the name that holds the value.
+        call: the call that returned it.
         spot: the line that fails because of it.
     """
     leaves = [*_leaves(origin.source, call, spot.function if origin.source is spot.source else None)]
-    # What a function forgets to return comes before what it was not given itself.
-    for leaf in sorted(leaves, key=lambda one: one.node is not None):
+    # A forgotten return comes before a value that the function did not get itself.
+    for leaf in sorted(leaves, key=lambda leaf: leaf.node is not None):
         if leaf.node is None and isinstance(leaf.function, ast.FunctionDef):
             return _of_own_function(leaf.source, leaf.function)
         if told := _of_leaf(leaf, origin, spot):
@@ -62,15 +62,15 @@ def of_call_that_gave_none(origin: Origin, call: ast.Call, spot: Spot) -> _Told 
 def _leaves(
     source: PythonSource, value: ast.expr, function: Function | None, depth: int = _DEEPEST
 ) -> Iterator[_Leaf]:
-    """Yield the expressions from which a value may come, through the functions and names that hand it on."""
+    """Yield the expressions that a value may come from, through the functions and names that pass it on."""
     match value:
         case ast.Constant(value=None):
             yield _Leaf(value, source, function)
         case ast.Await(value=inner) | ast.NamedExpr(value=inner) | ast.BoolOp(values=[*_, inner]):
             yield from _leaves(source, inner, function, depth)
-        case ast.IfExp(body=one, orelse=other):
-            yield from _leaves(source, one, function, depth)
-            yield from _leaves(source, other, function, depth)
+        case ast.IfExp(body=body, orelse=otherwise):
+            yield from _leaves(source, body, function, depth)
+            yield from _leaves(source, otherwise, function, depth)
         case ast.Call() if own := own_function(source, value.func):
             yield from _leaves_of_function(*own, depth - 1) if depth else ()
         case ast.Call():
@@ -99,7 +99,7 @@ def _assigned(source: PythonSource, name: ast.expr, function: Function | None) -
 
 
 def _of_leaf(leaf: _Leaf, origin: Origin, spot: Spot) -> _Told | None:
-    """Say of an expression that it has given None, and what is done about that."""
+    """Return what is said of an expression that gave None; None if there is nothing to say."""
     use = spot.source.at(spot.line) if spot.source else origin.place
     call = leaf.node
     if not isinstance(call, ast.Call):
@@ -132,24 +132,24 @@ def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use:
 
 
 def _kind_given(source: PythonSource, call: ast.Call) -> str:
-    """Return the type of what a call gives, as the type checker or the code of rclpy has it; empty if it is not known."""
+    """Return the type that a call returns, from the type checker or rclpy's code; empty if unknown."""
     kind = type_of(source, call)
     if isinstance(call.func, ast.Attribute) and kind in ("", "Unknown", "Any"):
         owner = type_of(source, call.func.value)
         homes = interfaces.inner_homes_of(owner) if owner.isidentifier() else ()
         methods = [interfaces.method_of(home, owner, call.func.attr) for home in homes]
-        if any(one and not returns_value(one) for one in methods):
+        if any(method and not returns_value(method) for method in methods):
             return "None"
     return kind
 
 
 def _asked_first(name: str, spot: Spot) -> str:
-    """Say how a line is left out while a value is None."""
+    """Return how to skip a line while a value is None."""
     return left_out(f"{name} is None", f"{name} is not None", name, spot)
 
 
 def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
-    """Say that the result of a future is asked for before it is there, and how to wait for it."""
+    """Return what is said of a future's result that is read too early: how to wait for it."""
     assert isinstance(call.func, ast.Attribute)
     future, source = call.func.value, leaf.source
     name = ast.unparse(future)
@@ -172,8 +172,8 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
         f"`{leaf.text}` returns None until the response has arrived, and nothing before this waits for it."
     )
     place = source.at(call)
-    functions = [one for one in (leaf.function, spot.function) if one]
-    if any(_is_called_back(source, one) for one in functions):
+    functions = [function for function in (leaf.function, spot.function) if function]
+    if any(_is_called_back(source, function) for function in functions):
         fix = f"write {name}.add_done_callback(self.answered) instead, and use future.result() in that method: def answered(self, future)"
         return cause, place, fix
     node = _node_of(leaf, future, source)
@@ -184,12 +184,12 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
 
 
 def _is_called_back(source: PythonSource, function: Function) -> bool:
-    """Return whether a method is given to ROS as a callback, or called by one that is."""
+    """Return whether a function is a callback of ROS, or is called by one."""
     given = {
         ast.unparse(value).rpartition(".")[2]
         for n in source.nodes
         if isinstance(n, ast.Call) and getattr(n.func, "attr", "").startswith("create_")
-        for value in (*n.args, *(one.value for one in n.keywords))
+        for value in (*n.args, *(keyword.value for keyword in n.keywords))
         if isinstance(value, (ast.Name, ast.Attribute))
     }
     callers = {
@@ -204,12 +204,12 @@ def _is_called_back(source: PythonSource, function: Function) -> bool:
 
 
 def _node_of(leaf: _Leaf, future: ast.expr, source: PythonSource) -> str:
-    """Return how the node is called where a future is: self in its class, or what asks the service."""
-    names = [one.arg for one in leaf.function.args.args] if leaf.function else []
+    """Return the expression for the node near a future: self in its class, or the client's owner."""
+    names = [argument.arg for argument in leaf.function.args.args] if leaf.function else []
     if "self" in names:
         return "self"
     asked = [future, *_assigned(source, future, leaf.function)]
-    calls = [n for one in asked for n in walk(one) if isinstance(n, ast.Call)]
+    calls = [n for expression in asked for n in walk(expression) if isinstance(n, ast.Call)]
     client = next((n.func.value for n in calls if isinstance(n.func, ast.Attribute)), None)
     if isinstance(client, ast.Name):  # client = node.create_client(...)
         made = [n for n in _assigned(source, client, leaf.function) if isinstance(n, ast.Call)]
@@ -218,7 +218,7 @@ def _node_of(leaf: _Leaf, future: ast.expr, source: PythonSource) -> str:
 
 
 def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
-    """Say that a dictionary has no such key, and what it gives then."""
+    """Return what is said of a dictionary's get() with a key that it does not have."""
     owner, key = ast.unparse(getattr(call.func, "value")), ast.unparse(call.args[0])  # noqa: B009
     place = leaf.source.at(call)
     if owner in ("os.environ", "environ"):
@@ -229,7 +229,7 @@ def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
             f"type export {key.strip(chr(39))}=... in the terminal before you start the program",
         )
     made = [n for n in Spot(leaf.source, call.lineno).assigned(owner) if isinstance(n, ast.Dict)]
-    keys = [ast.unparse(one) for node in made for one in node.keys if one]
+    keys = [ast.unparse(known) for node in made for known in node.keys if known]
     near = nearest(key, keys) if isinstance(call.args[0], ast.Constant) else None
     cause = f"{origin.name} is None on line {spot.line}: `{leaf.text}` returns None for a key that {owner} does not have."
     if near:
@@ -258,7 +258,7 @@ def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told:
 
 
 def of_what_gives_nothing(origin: Origin, call: ast.Call, spot: Spot) -> _Told:
-    """Say that a call gives nothing back, and how it is written so that its name keeps a value."""
+    """Return what is said of a call that returns nothing: how to write it so that its name keeps a value."""
     name, line, written = origin.name, origin.line, ast.unparse(call)
     cause = f"`{written}` returns nothing, so line {line} sets {name} to None."
     if isinstance(call.func, ast.Attribute) and not isinstance(call.func.value, (ast.Name, ast.Attribute)):
@@ -271,13 +271,13 @@ def of_what_gives_nothing(origin: Origin, call: ast.Call, spot: Spot) -> _Told:
         return cause, origin.place, fix
     more = (
         f"and {name} = {kept} below it" if kept != name else f"without {name} ="
-    )  # it has its value already
+    )  # the name has its value already
     return cause, origin.place, f"write {written} on a line of its own, {more}"
 
 
 def _kept(origin: Origin, call: ast.Call, spot: Spot) -> str:
-    """Return what the name of a call that gives nothing was to hold: what the call was made of, or with."""
-    modules = {one.local for one in origin.source.imports}
+    """Return what the name was to hold: the call's object or an argument; empty if neither fits."""
+    modules = {imported.local for imported in origin.source.imports}
     owner = call.func.value if isinstance(call.func, ast.Attribute) else None
     of = [owner] if owner is not None and ast.unparse(owner) not in {*modules, "self"} else []
     given = [*map(ast.unparse, (*of, *call.args))]

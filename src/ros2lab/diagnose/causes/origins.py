@@ -1,7 +1,7 @@
-"""Where a value was made that fails where it is used: the line to mend is seldom the one that Python names.
+"""Where a value that fails was made: the line to fix is seldom the one that Python names.
 
-Python says of what kind the value is; the sources say what made one of that kind. Only where the two agree is anything
-said.
+Python tells the value's type, and the sources what made a value of that type. Only where both agree is
+anything said.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ros2lab.diagnose.sources.own_functions import may_fall_through, own_functio
 from ros2lab.diagnose.sources.python_source import Import, PythonSource, own_nodes
 
 _FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
-# What an error says of one value: its kind, and which part of the line it speaks of.
+# What an error says about a value: its type, and which part of the line it means.
 _SAYS = (
     (r"AttributeError: '(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", "owner"),
     (r"AttributeError: (?P<kind>module) '[\w.]+' has no attribute '(?P<name>\w+)'", "owner"),
@@ -56,10 +56,10 @@ class Origin:
     """What made the value of a name.
 
     Attributes:
-        name: what holds it, as it is written where it is used.
-        value: what made it: an expression, a class or function that it names, or an import.
+        name: the expression that holds it where it is used.
+        value: what made it: an expression (also the name of a class or function), or an import.
         source: the file in which it was made.
-        line: where.
+        line: the line on which it was made.
         kind: the type of the value, as Python calls it; empty if only running would tell.
     """
 
@@ -75,24 +75,26 @@ class Origin:
         return self.source.at(self.line)
 
 
-_Told = tuple[str, str, str]  # cause, place and fix of what is said
+_Told = tuple[str, str, str]  # cause, place and fix
 
 
 def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
-    """Say where the value was made of which an error speaks, and how that is written rightly; None if it is not seen."""
+    """Return where the value that an error is about was made, and how to fix it; None if that is not seen."""
     for pattern, part in _SAYS:
         match = re.search(pattern, f"{kind}: {message}")
         if match is None or spot.source is None:
             continue
         said = match.groupdict()
-        kinds = [one for one in (said["kind"], said.get("kind2")) if one]
+        kinds = [name for name in (said["kind"], said.get("kind2")) if name]
         asked = said.get("name") or ""
         origins = list(_origins(spot, part, asked))
         for wanted in ["NoneType"] if "NoneType" in kinds else kinds:
             for origin in _fitting(origins, wanted):
-                others = [one.kind for one in origins if one.name == origin.name and one.kind != "NoneType"]
+                others = [
+                    other.kind for other in origins if other.name == origin.name and other.kind != "NoneType"
+                ]
                 if wanted == "NoneType" and others and not isinstance(origin.value, ast.Call):
-                    continue  # it is set later: what is asked for is the line of use
+                    continue  # it is set later, so the line of use is to blame
                 if told := _told(origin, kinds, asked, spot):
                     return Finding("made-wrong", *told)
         return None
@@ -100,18 +102,18 @@ def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
 
 
 def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
-    """Say that a function was given a whole message where it works with what the message holds; None if it was not.
+    """Return a finding about a function given a whole message instead of its contents; None if it was not.
 
     Args:
         message: what Python says.
-        spot: the line of the function at which it failed.
-        caller: the line that has called it.
+        spot: the line of the function that failed.
+        caller: the line that called it.
     """
     said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
     field, function = interfaces.only_field(said["kind"]) if said else "", spot.function
     if said is None or not field or function is None or caller.source is None:
         return None
-    names = [one.arg for one in function.args.args]
+    names = [argument.arg for argument in function.args.args]
     for call in (node for node in caller.nodes if isinstance(node, ast.Call)):
         is_method = isinstance(call.func, ast.Attribute) and names[:1] == ["self"]
         if getattr(call.func, "attr", getattr(call.func, "id", "")) != function.name:
@@ -126,7 +128,7 @@ def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
 
 
 def _fitting(origins: list[Origin], kind: str) -> list[Origin]:
-    """Return what made a value of the kind that Python names; of a call that is not known, only if nothing else may have."""
+    """Return the origins of this type; for None, or else those of unknown type if all have one name."""
     fitting = [origin for origin in origins if _is_of(origin.kind, kind)]
     unknown = [origin for origin in origins if not origin.kind]
     is_one = len({origin.name for origin in origins}) == 1
@@ -140,7 +142,7 @@ def _is_of(kind: str, said: str) -> bool:
 
 
 def _origins(spot: Spot, part: str, name: str) -> Iterator[Origin]:
-    """Yield what made each value of the line that an error may speak of."""
+    """Yield the origins of each value on the line that an error may be about."""
     assert spot.source is not None
     for node in (n for line in spot.lines for n in Spot(spot.source, line).nodes):
         match node:
@@ -157,7 +159,7 @@ def _origins(spot: Spot, part: str, name: str) -> Iterator[Origin]:
 
 
 def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
-    """Yield what may have made the value of an expression, the likeliest first."""
+    """Yield the possible origins of an expression's value, the likeliest first."""
     source, name = spot.source, ast.unparse(expression)
     assert source is not None
     if isinstance(expression, ast.Call):
@@ -174,13 +176,15 @@ def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
             yield Origin(name, value, source, line, _kind(source, value))
             if declared := _declared(source, value):
                 yield Origin(name, declared, source, declared.lineno, _kind_of_default(source, declared))
-    imported = next((one for one in source.imports if one.local == name.partition(".")[0]), None)
+    imported = next(
+        (candidate for candidate in source.imports if candidate.local == name.partition(".")[0]), None
+    )
     if imported is not None:
         yield Origin(name, imported, source, imported.line, _kind_of_object(imported, name))
 
 
 def _declared(source: PythonSource, value: ast.expr) -> ast.Call | None:
-    """Return where the parameter is declared whose value is read; None if an expression reads none."""
+    """Return the call that declares the parameter that an expression reads; None if it reads none."""
     match value:
         case ast.Attribute(
             value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[ast.Constant(value=name)])
@@ -188,9 +192,9 @@ def _declared(source: PythonSource, value: ast.expr) -> ast.Call | None:
             for node in source.nodes:
                 match node:
                     case ast.Call(
-                        func=ast.Attribute(attr="declare_parameter"), args=[ast.Constant(value=other), *_]
+                        func=ast.Attribute(attr="declare_parameter"), args=[ast.Constant(value=declared), *_]
                     ):
-                        if other == name:
+                        if declared == name:
                             return node
     return None
 
@@ -206,7 +210,7 @@ def _kind_of_default(source: PythonSource, declared: ast.Call) -> str:
 
 
 def _assigned(node: ast.AST, name: str) -> Iterator[ast.expr]:
-    """Yield what a statement gives a name."""
+    """Yield the value that a statement assigns to a name, if it does."""
     if isinstance(node, ast.Assign):
         targets: list[ast.expr] = node.targets
     else:
@@ -227,7 +231,7 @@ def _class_around(spot: Spot) -> ast.ClassDef | None:
 
 
 def _kind(source: PythonSource, value: ast.expr) -> str:
-    """Return the type of what an expression makes; empty if only running would tell, ? if it is something else."""
+    """Return the type of an expression's value; empty if only running would tell, ? if it is another."""
     if isinstance(value, ast.Constant):
         return type(value.value).__name__
     if isinstance(value, ast.Call):
@@ -238,7 +242,7 @@ def _kind(source: PythonSource, value: ast.expr) -> str:
 
 
 def kind_of_call(source: PythonSource, call: ast.Call) -> str:
-    """Return the type of what a call gives, as Python calls it; empty if only running would tell."""
+    """Return the type of what a call returns, as Python calls it; empty if only running would tell."""
     if own := own_function(source, call.func):
         return "NoneType" if may_fall_through(own[1]) else ""
     name = getattr(call.func, "attr", getattr(call.func, "id", ""))
@@ -259,7 +263,7 @@ def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
 
 
 def _object(name: str) -> Any:
-    """Return what a dotted name means in Python's own library; None if it is not of that."""
+    """Return the object of a dotted name in Python's own library; None if there is none."""
     try:
         return interfaces.own_module(name)
     except ImportError:
@@ -268,13 +272,13 @@ def _object(name: str) -> Any:
 
 
 def _kind_of_object(imported: Import, name: str) -> str:
-    """Return the type of what an imported name means, further names after dots included."""
+    """Return the type of an imported name, including further names after dots; ? if unknown."""
     known = _object(".".join([imported.target, *name.split(".")[1:]]))
     return type(known).__name__ if known is not None else "?"
 
 
 def _told(origin: Origin, kinds: list[str], asked: str, spot: Spot) -> _Told | None:
-    """Return what is said of a value that was made wrong; None if that cannot be told."""
+    """Return what is said of a value that was made wrong; None if there is nothing to say."""
     value = origin.value
     if isinstance(value, Import):
         return _of_import(origin, value, asked, spot)
@@ -303,7 +307,7 @@ def _of_what_is_not_called(origin: Origin, value: ast.AST) -> _Told | None:
 
 
 def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _Told | None:
-    """Say of a text, a list and their like that something else was meant."""
+    """Return what is said of a string, a list or the like where another type was meant."""
     name, line = origin.name, origin.line
     is_number = origin.kind == "str" and re.fullmatch(r"['\"][-+]?\d+(\.\d*)?['\"]", written) is not None
     if is_number and ({"int", "float"} & set(kinds) or kinds == ["str"]):
@@ -318,7 +322,7 @@ def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _
 
 
 def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _Told | None:
-    """Say of a call that what it gives back is not what is needed."""
+    """Return what is said of a call that does not return what is needed."""
     name, written = origin.name, ast.unparse(call)
     store = f"{name} = " if name != written else ""
     if origin.kind == "Parameter":
@@ -338,7 +342,7 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
 
 
 def _of_import(origin: Origin, imported: Import, asked: str, spot: Spot) -> _Told | None:
-    """Say what of a module was meant, where it is used itself, or one of its functions as if it were the module."""
+    """Return what is said of a module used instead of a name in it, or a name instead of its module."""
     name, target, known = origin.name, imported.target, _object(imported.target)
     module, _, last = target.rpartition(".")
     if isinstance(known, ModuleType):
@@ -355,7 +359,7 @@ def _of_import(origin: Origin, imported: Import, asked: str, spot: Spot) -> _Tol
 
 
 def _called_as(name: str, meant: str, spot: Spot) -> str:
-    """Return the call of the line that begins with a name, with another one in its place."""
+    """Return the line's call that begins with a name, with another name instead."""
     calls = (ast.unparse(node) for node in spot.nodes if isinstance(node, ast.Call))
     fitting = [call for call in calls if re.match(rf"{re.escape(name)}\b", call)]
     return meant + fitting[0].removeprefix(name) if fitting else meant

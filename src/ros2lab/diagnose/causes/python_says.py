@@ -1,4 +1,4 @@
-"""What Python's own errors say of a line of the student's, with what stands in that line."""
+"""What Python's own errors mean, in the terms of the student's line that raised them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _Said = Callable[[re.Match[str], Spot], tuple[str, str]]
 
 
 def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
-    """Say what one of Python's errors means at a place; None if that is no error of Python's own."""
+    """Return what an error means at a place; None if nothing is known of it."""
     for pattern, said in _SAYINGS:
         match = re.search(pattern, f"{kind}: {message}")
         if match is not None and (spot.text or not place):
             if not spot.text and said.__name__ == "of_line":
-                continue  # of a line that is not known
+                continue  # it quotes the line, which is not known
             cause, fix = said(match, spot)
             return Finding("python-error", cause, place, fix)
     known = getattr(builtins, kind, None)
@@ -50,7 +50,7 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
 
 
 def _taken_out(message: str, spot: Spot) -> tuple[str, str] | None:
-    """Return the argument, and its type, that holds the value which a function wants itself; None if none does."""
+    """Return the argument that holds the value that a function needs, and its type; None if none does."""
     kind = next((word for word in re.findall(r"[A-Z]\w+", message) if held_in("", word)), None)
     calls = [n for n in spot.nodes if isinstance(n, ast.Call)]
     calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
@@ -74,7 +74,7 @@ def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     name, function, source = match["name"], spot.function, spot.source
     where = f"{function.name}()" if function else "this function"
     cause = f"{where} assigns {name}, so {name} is a local variable everywhere in it, and here it has no value yet"
-    if source and any(one.local == name for one in source.imports):
+    if source and any(imported.local == name for imported in source.imports):
         return (
             f"{cause}: it hides the imported {name}.",
             f"rename the variable, for example to {name.lower()}_",
@@ -136,20 +136,24 @@ def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def _head(spot: Spot) -> int:
-    """Return the line in which the statement begins that stands in a function itself and holds a line."""
+    """Return the first line of the statement in the function's body that contains the line."""
     body = spot.function.body if spot.function else []
-    around = (one.lineno for one in body if one.lineno <= spot.line <= (one.end_lineno or 0))
+    around = (
+        statement.lineno for statement in body if statement.lineno <= spot.line <= (statement.end_lineno or 0)
+    )
     return next(around, spot.line)
 
 
 def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Say which class of a module was meant where the module itself stands for one."""
+    """Return cause and fix for a module that is used as a base class."""
     for node in spot.nodes:
         for base in node.bases if isinstance(node, ast.ClassDef) else ():
             name = ast.unparse(base)
             homes = interfaces.homes_of(name.rpartition(".")[2].capitalize())
             line = (
-                next((one.line for one in spot.source.imports if one.local == name), 0) if spot.source else 0
+                next((imported.line for imported in spot.source.imports if imported.local == name), 0)
+                if spot.source
+                else 0
             )
             if homes and line:
                 meant = name.rpartition(".")[2].capitalize()
@@ -164,7 +168,7 @@ def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Say what calls itself: a function by its name, or a property by the attribute that it is."""
+    """Return cause and fix for a function that calls itself, or a property that uses itself."""
     function = spot.function
     if function is not None and is_property(function):
         own = f"self.{function.name}"
@@ -191,7 +195,7 @@ def _plain(cause: str, fix: str) -> _Said:
     return of_line if "{text}" in cause else said
 
 
-# Of Python's own sentences, which are always the same, what they mean for a beginner; the first one that fits counts.
+# Python's own messages, and what they mean for a beginner; the first match counts.
 _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (r"UnboundLocalError: .*variable '(?P<name>\w+)'", _local),
     (r"TypeError: '(?P<kind>\w+)' object is not callable", _called),
@@ -327,13 +331,18 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
 
 
 def of_function(name: str, place: str, spot: Spot) -> Finding:
-    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
+    """Return a finding about an attribute of a function, as in glob.glob after `from glob import glob`."""
     owners = spot.holds(name)
     owner = owners[0] if owners else "the object before the dot"
     code, cause = "attribute-unknown", f"{owner} is a function, so it has no {name}"
     imports = spot.source.imports if spot.source else ()
     module = next(
-        (one.target.rpartition(".")[0] for one in imports if one.local == owner and one.is_from), ""
+        (
+            imported.target.rpartition(".")[0]
+            for imported in imports
+            if imported.local == owner and imported.is_from
+        ),
+        "",
     )
     if owner.rpartition(".")[2] == name:
         cause = f"{cause}: it was imported with `from {name} import {name}`, so it already is {owner}.{name}."

@@ -1,4 +1,4 @@
-"""What Python's own errors say of the values in a line: numbers, texts, and what is joined or taken apart."""
+"""What Python's own errors mean for the values on a line: numbers, strings, operators, unpacking."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ros2lab.diagnose.sources import interfaces
 
 
 def by_zero(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Say which divisor is 0, and since when."""
+    """Return cause and fix for a division by zero: which divisor is 0, and where it was set."""
     for node in spot.nodes:
         match node:
             case ast.BinOp(op=ast.Div() | ast.FloorDiv() | ast.Mod(), right=divisor) if spot.function:
                 values = spot.assigned(text := ast.unparse(divisor))
-                zeros = [one for one in values if getattr(one, "value", None) in (0, 0.0)]
+                zeros = [value for value in values if getattr(value, "value", None) in (0, 0.0)]
                 if len(zeros) == 1 < len(values):
                     cause = f"{text} is still 0, as line {zeros[0].lineno} sets it, when {spot.function.name}() divides by it: nothing has set it to another value yet."
                     return (
@@ -29,7 +29,7 @@ def by_zero(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Say which other number can be made of a text that is none of the kind that was wanted."""
+    """Return cause and fix for a string that is no number of the wanted type."""
     text = match["name"].strip("'\"")
     with contextlib.suppress(ValueError):
         whole = int(float(text))
@@ -46,11 +46,11 @@ def no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Say of what there are more values than names; to go through a dictionary gives its keys alone."""
+    """Return cause and fix for unpacking a wrong number of values, such as the keys of a dictionary."""
     for node in spot.nodes:
         match node:
             case ast.For(target=ast.Tuple(), iter=gone) if any(
-                isinstance(one, (ast.Dict, ast.DictComp)) for one in spot.assigned(ast.unparse(gone))
+                isinstance(value, (ast.Dict, ast.DictComp)) for value in spot.assigned(ast.unparse(gone))
             ):
                 name = ast.unparse(gone)
                 cause = (
@@ -62,7 +62,7 @@ def taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Say which two kinds of value an operator stands between, and how they become one kind."""
+    """Return cause and fix for an operator between two types that do not fit."""
     left, right = kind_in_words(match["left"]), kind_in_words(match["right"])
     if match["left"] == "sequence":
         cause = f"`{spot.text}` repeats a list or a string, which needs a whole number, but the number is {right}."
@@ -82,12 +82,19 @@ def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    """Say why an object of a class of one's own cannot be hashed, as rclpy does with its nodes."""
+    """Return cause and fix for a value that cannot be hashed, as rclpy does with nodes."""
     kind = match["kind"]
     for node in spot.source.nodes if spot.source else ():
         if not isinstance(node, ast.ClassDef) or node.name != kind:
             continue
-        made = next((ast.unparse(one) for one in node.decorator_list if "dataclass" in ast.unparse(one)), "")
+        made = next(
+            (
+                ast.unparse(decorator)
+                for decorator in node.decorator_list
+                if "dataclass" in ast.unparse(decorator)
+            ),
+            "",
+        )
         what = f"@{made} gives" if made else "__eq__ gives"
         cause = f"{what} the class {kind} its own comparison and removes its hash, which rclpy and Python use to tell objects apart."
         where = f"on line {node.lineno - 1}" if made else f"from the class on line {node.lineno}"

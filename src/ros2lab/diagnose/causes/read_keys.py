@@ -1,4 +1,4 @@
-"""Keys that a program asks of what it has read from a file: the file's own ones, read as the program reads them."""
+"""Keys that a program looks up in data from a file, compared with the keys that the file has."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from ros2lab.diagnose.sources.spelling import nearest
 _READERS = ("DictReader", "load", "safe_load", "loads", "read")
 _DATA = frozenset((".csv", ".tsv", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".txt"))
 _MARK = "\ufeff"
-_MOST_PARTS = 2000  # of one file that are looked into; a few lines of YAML can stand for millions
+_MOST_PARTS = 2000  # nodes of a file's tree that are visited; a few lines of YAML can stand for millions
 _SEPARATORS = ";,\t|"
 
 
 @dataclass(frozen=True)
 class _Read:
-    """A file that a program reads: where, and which keys it has then, each with those above it."""
+    """A file that a program reads, the call that reads it, and its keys, each with those above it."""
 
     path: Path
     shown: str
@@ -40,44 +40,48 @@ class _Read:
 
 
 def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Finding | None:
-    """Say how a key is called in the file from which a program has it; None if that is not seen.
+    """Return how a missing key is called in the file that a program reads; None if that is not seen.
 
     Args:
-        key: the key that is not there.
-        asked: what asks for it.
+        key: the missing key.
+        asked: the subscript that looks it up.
         spot: the line.
         look: the workspace.
     """
     source = spot.source
-    if source is None or any(isinstance(one, ast.Dict) for one in spot.assigned(ast.unparse(asked.value))):
+    if source is None or any(
+        isinstance(value, ast.Dict) for value in spot.assigned(ast.unparse(asked.value))
+    ):
         return None
     read = [*_files_read(source, look)]
-    for one in read:
-        if told := _other_name(key, asked, spot, one) or _deeper(key, asked, spot, one):
+    for file in read:
+        if told := _other_name(key, asked, spot, file) or _deeper(key, asked, spot, file):
             return told
-        if key in {row[-1] for row in one.keys}:
-            return _stale(one, key, look)
+        if key in {row[-1] for row in file.keys}:
+            return _stale(file, key, look)
     if len(read) == 1 and read[0].keys:
-        one = read[0]
-        names = ", ".join(repr(row[-1]) for row in one.keys[:8])
+        file = read[0]
+        names = ", ".join(repr(row[-1]) for row in file.keys[:8])
         cause = (
-            f"{one.shown}, from which {ast.unparse(asked.value)} comes, has no key {key!r}; it has {names}."
+            f"{file.shown}, from which {ast.unparse(asked.value)} comes, has no key {key!r}; it has {names}."
         )
         return Finding("python-error", cause, source.at(spot.line), f"use one of these instead of {key!r}")
     return None
 
 
 def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding | None:
-    """Return what is said of a key that the file has otherwise: with a mark, spaces or capitals, or unseparated."""
+    """Return a finding about a key that the file spells differently, or has in an unsplit column."""
     names = [*dict.fromkeys(row[-1] for row in read.keys)]
     assert spot.source is not None
     if _MARK + key in names and key not in names:
         return _marked(key, spot.source, read)
-    whole = next((one for one in names if key in _parts(one)), "") if key not in names else ""
+    whole = next((name for name in names if key in _parts(name)), "") if key not in names else ""
     if whole:
-        sign = next(one for one in _SEPARATORS if key in [part.strip() for part in whole.split(one)])
+        sign = next(
+            separator for separator in _SEPARATORS if key in [part.strip() for part in whole.split(separator)]
+        )
         cause = f"{read.shown} separates its columns with {sign!r}, but is read as if it had only one column, {whole!r}."
-        given = [one for one in read.call.keywords if one.arg == "delimiter"]
+        given = [keyword for keyword in read.call.keywords if keyword.arg == "delimiter"]
         call = ast.unparse(read.call)
         new = f"delimiter={sign!r}"
         better = call.replace(ast.unparse(given[0]), new) if given else f"{call[:-1]}, {new})"
@@ -99,7 +103,12 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
 
 
 def _parts(name: str) -> list[str]:
-    return [part.strip().lstrip(_MARK) for one in _SEPARATORS if one in name for part in name.split(one)]
+    return [
+        part.strip().lstrip(_MARK)
+        for separator in _SEPARATORS
+        if separator in name
+        for part in name.split(separator)
+    ]
 
 
 def _marked(key: str, source: PythonSource, read: _Read) -> Finding:
@@ -108,7 +117,7 @@ def _marked(key: str, source: PythonSource, read: _Read) -> Finding:
     )
     for node in source.nodes:
         if isinstance(node, ast.Call) and _name(node) in ("open", "read_text"):
-            given = next((one for one in node.keywords if one.arg == "encoding"), None)
+            given = next((keyword for keyword in node.keywords if keyword.arg == "encoding"), None)
             text = ast.unparse(node)
             if given is not None:
                 fix = f"write encoding='utf-8-sig' instead of {ast.unparse(given)}"
@@ -121,7 +130,7 @@ def _marked(key: str, source: PythonSource, read: _Read) -> Finding:
 
 
 def _deeper(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding | None:
-    """Return what is said of a key that stands below another one in the file."""
+    """Return a finding about a key that is below another key in the file; None if it is not."""
     if isinstance(asked.value, ast.Subscript) or any(row == (key,) for row in read.keys):
         return None
     below = [row for row in read.keys if row[-1] == key and len(row) > 1]
@@ -135,7 +144,7 @@ def _deeper(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding 
 
 
 def _stale(read: _Read, key: str, look: Look) -> Finding | None:
-    """Return that the installed copy of a file lacks a key; None if it has it, or is none."""
+    """Return a finding about an installed copy of a file that lacks a key; None if there is none."""
     install = look.root / "install" / read.package.name
     for path in install.rglob(read.path.name) if install.is_dir() else ():
         if path.is_symlink() or key in {row[-1] for row in _keys(path, read.call)}:
@@ -147,7 +156,7 @@ def _stale(read: _Read, key: str, look: Look) -> Finding | None:
 
 
 def _files_read(source: PythonSource, look: Look) -> Iterator[_Read]:
-    """Yield the files of the packages that a program reads, whose names stand in it."""
+    """Yield the files of the packages that a program names and reads."""
     calls = [n for n in source.nodes if isinstance(n, ast.Call) and _name(n) in _READERS]
     names = {
         PurePath(n.value).name
@@ -165,11 +174,11 @@ def _files_read(source: PythonSource, look: Look) -> Iterator[_Read]:
 
 
 def _keys(path: Path, call: ast.Call) -> tuple[tuple[str, ...], ...]:
-    """Return the keys of a file, as a call reads it; empty if it cannot be read so."""
+    """Return the keys of a file as a call reads it; empty if it cannot be read that way."""
     with contextlib.suppress(OSError, ValueError, csv.Error, configparser.Error, RecursionError):
         text = path.read_bytes().decode("utf-8")
         if _name(call) == "DictReader":
-            given = {one.arg: one.value for one in call.keywords}
+            given = {keyword.arg: keyword.value for keyword in call.keywords}
             sign = given.get("delimiter")
             delimiter = sign.value if isinstance(sign, ast.Constant) and isinstance(sign.value, str) else ","
             rows = csv.reader(io.StringIO(text), delimiter=delimiter)

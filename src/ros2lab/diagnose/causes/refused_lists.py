@@ -1,4 +1,4 @@
-"""A value that a field refuses that holds a list of values: what must stand in brackets, or be made of each."""
+"""Values that a list field refuses: what to put in brackets, or how to convert each element."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _GONE_THROUGH = frozenset(
 
 
 def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | None:
-    """Say what a field that holds several values was given, and how that is written; None if it is something else.
+    """Return a finding about a wrong value for a field that holds several; None if nothing can be said.
 
     Args:
         field: the field.
-        what: what it must be, as the message's class says it.
+        what: what it must be, in the words of the message's class.
         value: what it was given.
         spot: the line.
     """
@@ -47,7 +47,7 @@ def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | Non
 
 
 def _told(value: ast.expr, written: str, spot: Spot) -> str:
-    """Return the whole statement as it is to be written, where it only gives this value."""
+    """Return the fix: the whole statement if it only assigns this value, or else the value."""
     for node in spot.nodes:
         if isinstance(node, ast.Assign) and node.value is value:
             return f"write {' = '.join(map(ast.unparse, node.targets))} = {written}"
@@ -55,7 +55,7 @@ def _told(value: ast.expr, written: str, spot: Spot) -> str:
 
 
 def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource) -> tuple[str, str]:
-    """Return a value as the list that is wanted, and in words what it is; both empty if that is not known."""
+    """Return a value as the wanted list, and what the value is in words; both empty if unknown."""
     made = _assigned_once(value, source)
     if isinstance(made, (ast.List, ast.Tuple)):
         return _of_literal(value, made, kind, count)
@@ -77,7 +77,7 @@ def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource
 
 
 def _of_several(text: str, kind: str, count: int | None) -> tuple[str, str]:
-    """Return a list of an unknown length as it is wanted, and what is wrong with it."""
+    """Return a list of unknown length converted as needed, and what is wrong with it."""
     items = f"[{_made(kind, 'one')} for one in {text}]"
     if count is None:
         return items, "a list with values of another type"
@@ -86,23 +86,27 @@ def _of_several(text: str, kind: str, count: int | None) -> tuple[str, str]:
 
 
 def _is_several(made: ast.expr) -> bool:
-    """Return whether an expression makes a list by its form: out of others, or of a shorter one."""
+    """Return whether an expression has the form of a list: a comprehension, or a repeated list."""
     is_repeated = isinstance(made, ast.BinOp) and isinstance(made.left, ast.List)
     return is_repeated or isinstance(made, (ast.ListComp, ast.SetComp, ast.GeneratorExp))
 
 
 def _of_literal(value: ast.expr, made: ast.List | ast.Tuple, kind: str, count: int | None) -> tuple[str, str]:
-    """Return a list that is written out with values of the right type, and what was wrong with it."""
+    """Return a list literal with values of the right type, and what was wrong with it."""
     if count is not None and len(made.elts) ** 2 == count > 1:
         row = f"for row, one in enumerate({ast.unparse(value)})"
         diagonal = f"[{_made(kind, 'one')} if row == column else {_ZERO.get(kind, '0')} {row} for column in range({len(made.elts)})]"
         return diagonal, f"a list of {len(made.elts)}: only the diagonal of {len(made.elts)} rows"
     if count is not None and len(made.elts) != count:
-        more = [ast.unparse(one) for one in made.elts][:count]
+        more = [ast.unparse(element) for element in made.elts][:count]
         filled = ", ".join([*more, *[_ZERO.get(kind, "0")] * (count - len(more))])
         return f"[{filled}]", f"a list of {len(made.elts)}"
-    right = [_item(one, kind) for one in made.elts]
-    wrong = [ast.unparse(one) for one, new in zip(made.elts, right, strict=True) if ast.unparse(one) != new]
+    right = [_item(element, kind) for element in made.elts]
+    wrong = [
+        ast.unparse(element)
+        for element, new in zip(made.elts, right, strict=True)
+        if ast.unparse(element) != new
+    ]
     if made is not value:
         return (
             f"[{_made(kind, 'one')} for one in {ast.unparse(value)}]",
@@ -111,32 +115,35 @@ def _of_literal(value: ast.expr, made: ast.List | ast.Tuple, kind: str, count: i
     return f"[{', '.join(right)}]", f"a list with {', '.join(wrong)} in it"
 
 
-def _item(one: ast.expr, kind: str) -> str:
-    if isinstance(one, ast.Constant):
-        is_right = type(one.value).__name__ == kind
-        return ast.unparse(one) if is_right else fitting(kind, one) or ast.unparse(one)
-    is_called = isinstance(one, ast.Call) and getattr(one.func, "id", getattr(one.func, "attr", "")) == kind
-    is_text = isinstance(one, ast.JoinedStr) and kind == "str"
-    return ast.unparse(one) if is_called or is_text else _made(kind, ast.unparse(one))
+def _item(element: ast.expr, kind: str) -> str:
+    if isinstance(element, ast.Constant):
+        is_right = type(element.value).__name__ == kind
+        return ast.unparse(element) if is_right else fitting(kind, element) or ast.unparse(element)
+    is_called = (
+        isinstance(element, ast.Call)
+        and getattr(element.func, "id", getattr(element.func, "attr", "")) == kind
+    )
+    is_text = isinstance(element, ast.JoinedStr) and kind == "str"
+    return ast.unparse(element) if is_called or is_text else _made(kind, ast.unparse(element))
 
 
 def _made(kind: str, text: str) -> str:
-    """Return how a value of a plain type is made of another one."""
+    """Return how to convert an expression to a plain type; unchanged for other types."""
     return f"{kind}({text})" if kind in ("float", "int", "str", "bool") else text
 
 
 def _assigned_once(value: ast.expr, source: PythonSource) -> ast.expr:
-    """Return what made a value, where the file says it in one place alone: also in the body of its class."""
+    """Return the value assigned to a name if it is assigned only once, also in a class body; else itself."""
     found = Spot(source, value.lineno).assigned(ast.unparse(value))
     if not found and isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name):
         bodies = [node.body for node in source.nodes if isinstance(node, ast.ClassDef)]
-        rows = [one for body in bodies for one in body if isinstance(one, ast.Assign)]
+        rows = [statement for body in bodies for statement in body if isinstance(statement, ast.Assign)]
         found = [row.value for row in rows if value.attr in map(ast.unparse, row.targets)]
     return found[0] if len(found) == 1 and isinstance(value, (ast.Name, ast.Attribute)) else value
 
 
 def _type_name(value: ast.expr, source: PythonSource) -> str:
-    """Return the name of the class of a value; empty if it is not known, or one of several."""
+    """Return the class name of a value; empty if it is unknown or ambiguous."""
     if isinstance(value, ast.Constant):
         return type(value.value).__name__
     if isinstance(value, ast.JoinedStr):

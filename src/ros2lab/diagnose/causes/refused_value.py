@@ -1,4 +1,4 @@
-"""A value that the field of a message refuses, at the line that gives it: from where it comes, and what takes it."""
+"""Values that a message's field refuses: where they come from, and what to write or use instead."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>
 
 
 def of_refused(message: str, spot: Spot) -> Finding | None:
-    """Say which value of a line a field of a message refuses; None if nothing of the line is known to be given to it.
+    """Return a finding about the value that a field refuses; None if it is not clear which value that is.
 
     Args:
         message: what the message's class says.
@@ -39,17 +39,19 @@ def of_refused(message: str, spot: Spot) -> Finding | None:
 
 
 def _given(spot: Spot) -> Iterator[tuple[str, ast.expr]]:
-    """Yield the fields to which the marked part of a line, or else the line, gives a value, with the value."""
+    """Yield the fields that the marked part of a line, or else the line, sets, each with its value."""
     marked = spot.marked
     for node in walk(marked) if isinstance(marked, ast.Call) else spot.nodes:
         match node:
             case ast.Call(keywords=keywords):
-                yield from ((one.arg, one.value) for one in keywords if one.arg)
+                yield from ((keyword.arg, keyword.value) for keyword in keywords if keyword.arg)
             case ast.Assign(targets=[ast.Attribute(attr=name)], value=value):
                 yield name, value
             case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)):
                 pairs = zip(targets, values, strict=False)
-                yield from ((one.attr, value) for one, value in pairs if isinstance(one, ast.Attribute))
+                yield from (
+                    (target.attr, value) for target, value in pairs if isinstance(target, ast.Attribute)
+                )
 
 
 def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[str]) -> Finding:
@@ -75,7 +77,7 @@ def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[s
 
 
 def _range_of(name: str, field: str) -> tuple[int, int] | None:
-    """Return the least and the greatest number that a field holds; None if it holds no whole numbers."""
+    """Return the least and greatest number that a field can hold; None if it holds no whole numbers."""
     kind = (interfaces.fields_of(name) or {}).get(field, "")
     match = re.fullmatch(r"(?P<sign>u?)int(?P<bits>\d+)", {"byte": "uint8", "octet": "uint8"}.get(kind, kind))
     if match is None:
@@ -85,13 +87,13 @@ def _range_of(name: str, field: str) -> tuple[int, int] | None:
 
 
 def _larger(name: str, field: str, least: int, most: int) -> str:
-    """Return the next larger message of the same form; empty if there is none."""
+    """Return the next larger message type with the same field; empty if there is none."""
     module, found = name.rpartition(".")[0], []
-    for other in interfaces.names_in(module) or ():
-        there = _range_of(f"{module}.{other}", field)
-        is_alike = [*(interfaces.fields_of(f"{module}.{other}") or {})] == [field]
+    for candidate in interfaces.names_in(module) or ():
+        there = _range_of(f"{module}.{candidate}", field)
+        is_alike = [*(interfaces.fields_of(f"{module}.{candidate}") or {})] == [field]
         if is_alike and there and there[0] <= least and there[1] > most:
-            found.append(((there[0] < 0) != (least < 0), there[1], other))
+            found.append(((there[0] < 0) != (least < 0), there[1], candidate))
     return min(found)[2] if found else ""
 
 
@@ -108,14 +110,14 @@ def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> F
 
 
 def _declared_as_int(source: PythonSource, value: ast.expr) -> tuple[str, ast.expr] | None:
-    """Return the parameter from which a value comes, and its default, if that is an int."""
+    """Return the parameter that a value comes from, and its default, if that is an int; else None."""
     text = ast.unparse(value)
     made = [
         node.value
         for node in source.nodes
         if isinstance(node, ast.Assign) and text in map(ast.unparse, node.targets)
     ]
-    calls = [node for one in (value, *made) for node in walk(one) if isinstance(node, ast.Call)]
+    calls = [node for expression in (value, *made) for node in walk(expression) if isinstance(node, ast.Call)]
     asked = {_first_text(call) for call in calls if getattr(call.func, "attr", "") == "get_parameter"}
     own = {id(call) for call in calls}
     for node in source.nodes:

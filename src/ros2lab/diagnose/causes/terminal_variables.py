@@ -1,4 +1,4 @@
-"""A variable that a program asks of its terminal, and what was typed there that should have set it."""
+"""Environment variables that a program reads, and what was typed in its terminal to set them."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _OTHER_TERMINAL = re.compile(r"(?i)\bterminal\b|\btab\b|\bwindow\b|\bfenster\b")
 
 
 def of_variable(name: str, place: str, error: ErrorText) -> Finding:
-    """Say why a program does not see a variable, and what is typed so that it does.
+    """Return a finding about why a program does not see a variable, and what to type so that it does.
 
     Args:
         name: the variable.
-        place: the line that asks for it.
+        place: the line that reads it.
         error: what was typed and printed.
     """
-    # A note of the student's, such as `# terminal 2`, is not typed, and tells where the next command was.
+    # A student's note such as `# terminal 2` is no command, but tells where the next one was typed.
     shown = [line for step in error.steps for line in (step.command, *step.lines)]
     typed = _before_the_program([line for line in shown if line in error.typed or line.startswith("#")])
     for line in reversed(typed):
@@ -52,7 +52,7 @@ def _before_the_program(typed: Sequence[str]) -> list[str]:
 
 
 def _of_line(line: str, name: str, typed: Sequence[str]) -> tuple[str, str] | None:
-    """Return why a line that was typed does not set a variable for a program, and the command that does."""
+    """Return why a typed line does not set a variable, and the command that does; None if it is unrelated."""
     if re.match(rf"unset +(?:-v +)?{name}\b", line):
         return f"`{line}` removes the variable {name}.", f"export {name}=..."
     if (kept := _KEPT.search(line)) and kept["name"] == name:
@@ -66,7 +66,7 @@ def _of_line(line: str, name: str, typed: Sequence[str]) -> tuple[str, str] | No
         if not match["export"]:
             cause = f"`{match[0].strip('; &')}` sets {name} only for the shell: the programs it starts see only exported variables."
             return cause, command
-        if any(_OTHER_TERMINAL.search(one) for one in after):
+        if any(_OTHER_TERMINAL.search(later) for later in after):
             cause = f"`{command}` applies only to the terminal where it was typed, but the program was started in another one."
             return cause, command
     if (misset := _MISSET.match(line)) and misset["name"] == name:

@@ -1,4 +1,4 @@
-"""Behind the line of an error: where that was made, set, written or read which is used there."""
+"""Look behind the line of an error: where what it uses was made, set, written or read."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 
 
 def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
-    """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
+    """Return what is wrong where a value, class or function used on an error's line was made."""
     report = error.reports[-1] if error.reports else ErrorReport("", "")
     frames = own_frames(report.frames)
     spot = spot_at(place_of(frames[:1], look), look)
@@ -35,14 +35,16 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
         return []
     message, lines = report.message, _lines_of_use(source, spot)
     by_comma = {f"{source.shown}:{line}" for line in {*lines, *spot.lines}}
-    if commas := [one for one in known if one.code == "comma-tuple" and one.place in by_comma]:
+    if commas := [
+        finding for finding in known if finding.code == "comma-tuple" and finding.place in by_comma
+    ]:
         return commas
     if early := _told_at_once(report, spot, look):
         return [early]
     if report.kind == "KeyError" and (missing := _of_key(message, spot, error, look)):
         return [missing]
     places = {f"{source.shown}:{line}" for line in lines - {spot.line}}
-    found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+    found = [finding for finding in known if finding.place in places and finding.code in _MAKES_WRONG]
     if found or report.kind not in ("AttributeError", "TypeError"):
         return found
     caller = spot_at(place_of(frames[1:2], look), look)
@@ -51,7 +53,7 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
 
 
 def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding | None:
-    """Return what an error's words and its line tell together, without what is known of other lines."""
+    """Return what an error's message and its line tell together; None if they tell nothing."""
     kind, message = report.kind, report.message
     return (
         of_filled(message, spot)
@@ -66,7 +68,7 @@ def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding
 
 
 def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
-    """Return the lines of a file that make what a line of it uses."""
+    """Return the lines of a file that define what one of its lines uses."""
     used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
     used |= {ast.unparse(n.target) for n in spot.nodes if isinstance(n, ast.AugAssign)}
     lines: set[int] = set()
@@ -80,14 +82,14 @@ def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
             returns = (n.lineno for n in own_nodes(node) if isinstance(n, ast.Return))
             lines |= {node.lineno, *(returns)}
         elif isinstance(node, ast.Assign) and used & {
-            whole for one in node.targets for whole in _with_owners(one)
+            whole for target in node.targets for whole in _with_owners(target)
         }:
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     return lines
 
 
 def _with_owners(target: ast.expr) -> Iterator[str]:
-    """Yield what is set, and each object of which it is a part, as `msg.header` and `msg` of `msg.header.stamp`."""
+    """Yield a target and each object that it is part of, as `msg.header` and `msg` for `msg.header.stamp`."""
     yield ast.unparse(target)
     while isinstance(target, ast.Attribute):
         target = target.value
@@ -95,7 +97,7 @@ def _with_owners(target: ast.expr) -> Iterator[str]:
             yield ast.unparse(target)
 
 
-# What makes a value or a class other than was meant, so that what uses it fails.
+# Findings about values or classes made other than was meant, so that using them fails.
 _MAKES_WRONG = frozenset(
     ("comma-tuple", "comma-missing", "super-misspelt", "super-missing", "parameter-type", "name-shadowed")
 )
@@ -106,7 +108,7 @@ def _is_load(node: ast.Name | ast.Attribute) -> bool:
 
 
 def _of_key(message: str, spot: Spot, error: ErrorText, look: Look | None) -> Finding | None:
-    """Say of a key that is not there what the terminal, or the file from which it is read, has in its place."""
+    """Return a finding about a missing key of the environment or of a file; None if it is neither."""
     asked = key_asked(spot, message)
     if asked is None or spot.source is None or not (spot.is_innermost or ast.unparse(asked.slice) == message):
         return None
