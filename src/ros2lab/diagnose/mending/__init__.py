@@ -1,1 +1,1 @@
-"""Fixes that are tried before they are told."""
+"""Fixes that are tried before they are suggested."""

@@ -1,7 +1,7 @@
-"""Small changes of a line, and of the lines that made its values; nothing of them knows a mistake.
+"""Small changes to a line and to the lines that made its values, for no mistake in particular.
 
-A value is called, or not called, taken out of what holds it, asked of something else, given by its name, or written as
-another type.
+A value is called, or not called, taken out of what holds it, asked of another object, passed by keyword, or
+converted to another type.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class Change:
 
     Attributes:
         edit: what is changed.
-        cost: how much it changes; of several that stand, the cheapest is meant.
-        is_one_of_many: whether nothing but that it stands speaks for it, so that no other of its cost may.
+        cost: how much it changes; of several that work, the cheapest is meant.
+        is_one_of_many: whether all that speaks for it is that it works: it counts only if few others of its cost do.
     """
 
     edit: Edit
@@ -44,18 +44,18 @@ class Change:
     is_one_of_many: bool = False
 
 
-# What a change costs, from a slip of the fingers to another value.
+# What a change costs, from a typing error to another value.
 _SLIP, _FORM, PLACE, _VALUE, LESS = 1, 2, 3, 4, 5
 MOST = 150  # changes that are tried, about half a second
-MOST_TOLD = 3  # changes of which nothing tells which is meant
+MOST_TOLD = 3  # changes that are equally likely
 
 
 def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
-    """Yield the changes of a line, and of the lines that made its values.
+    """Yield changes to a line and to the lines that made its values.
 
     Args:
         trial: the line.
-        said: what is said of it, which may name the class that is wanted.
+        said: what is said of it, which may name the wanted class.
     """
     yield from _as_said(trial, said)
     if isinstance(trial.statement, ast.FunctionDef):
@@ -81,8 +81,8 @@ def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
 
 
 def _as_said(trial: Trial, said: str) -> Iterator[Change]:
-    """Yield what a file gives back as an object of a class that is named, and a text as one that may stand there."""
-    wanted = [one for one in dict.fromkeys(re.findall(r"\b[A-Z]\w+", said)) if launch_homes_of(one)]
+    """Yield a returned value put into a class that is named, and a string replaced by an allowed one."""
+    wanted = [word for word in dict.fromkeys(re.findall(r"\b[A-Z]\w+", said)) if launch_homes_of(word)]
     value = trial.statement.value if isinstance(trial.statement, ast.Return) else None
     if value is not None:
         yield from (Change(Edit(value, f"{name}({ast.unparse(value)})"), _FORM) for name in wanted)
@@ -90,18 +90,18 @@ def _as_said(trial: Trial, said: str) -> Iterator[Change]:
     for node in trial.expressions():
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value not in choices:
             near = difflib.get_close_matches(node.value, choices, n=1, cutoff=_ALIKE)
-            yield from (Change(Edit(node, repr(one)), _SLIP) for one in near)
+            yield from (Change(Edit(node, repr(choice)), _SLIP) for choice in near)
 
 
 def _of_definition(function: ast.FunctionDef, trial: Trial) -> Iterator[Change]:
-    """Yield a function that takes the context, with which launch calls those that it is given."""
-    given = [one.value for n in trial.source.nodes if isinstance(n, ast.Call) for one in n.keywords]
-    if not function.args.args and any(ast.unparse(one) == function.name for one in given):
+    """Yield a function with a parameter for the context that launch passes to it."""
+    given = [keyword.value for n in trial.source.nodes if isinstance(n, ast.Call) for keyword in n.keywords]
+    if not function.args.args and any(ast.unparse(value) == function.name for value in given):
         yield Change(Edit(_head(function), f"{function.name}(context)"), _FORM)
 
 
 def _head(function: ast.FunctionDef) -> ast.Name:
-    """Return the place of the name and the empty parentheses in a function's first line."""
+    """Return a node with the range of a function's name and empty parentheses."""
     begin = function.col_offset + len("def ")
     here = ast.Name(function.name, lineno=function.lineno, col_offset=begin)
     here.end_lineno, here.end_col_offset = function.lineno, begin + len(function.name) + len("()")
@@ -109,7 +109,7 @@ def _head(function: ast.FunctionDef) -> ast.Name:
 
 
 def _of_form(node: ast.expr, trial: Trial) -> Iterator[Change]:
-    """Yield a function called; or the function itself, where the line does more than to call it."""
+    """Yield a call of a function; or the function itself, where the line does more than call it."""
     text = ast.unparse(node)
     if isinstance(node, (ast.Name, ast.Attribute)):
         yield Change(Edit(node, f"{text}()"), _FORM)
@@ -119,25 +119,25 @@ def _of_form(node: ast.expr, trial: Trial) -> Iterator[Change]:
 
 
 def _of_separators(node: ast.expr) -> Iterator[Change]:
-    """Yield two neighbours of a list as a member of the first: there is a comma where a dot was meant."""
+    """Yield two neighbours in a list joined by a dot, where the comma may be a typing error."""
     values = node.args if isinstance(node, ast.Call) else getattr(node, "elts", ())
-    for one, other in pairwise(values):
-        joined = f"{ast.unparse(one)}.{ast.unparse(other)}"
-        if one.end_lineno == other.lineno and isinstance(_first_of(other), ast.Name):
-            both = ast.Tuple([one, other], lineno=one.lineno, col_offset=one.col_offset)
-            both.end_lineno, both.end_col_offset = other.end_lineno, other.end_col_offset
+    for left, right in pairwise(values):
+        joined = f"{ast.unparse(left)}.{ast.unparse(right)}"
+        if left.end_lineno == right.lineno and isinstance(_first_of(right), ast.Name):
+            both = ast.Tuple([left, right], lineno=left.lineno, col_offset=left.col_offset)
+            both.end_lineno, both.end_col_offset = right.end_lineno, right.end_col_offset
             yield Change(Edit(both, joined), _SLIP)
 
 
 def _first_of(node: ast.expr) -> ast.expr:
-    """Return what an expression begins with."""
+    """Return the leftmost part of a chain of calls, attributes and subscripts."""
     while isinstance(node, (ast.Call, ast.Attribute, ast.Subscript)):
         node = node.func if isinstance(node, ast.Call) else node.value
     return node
 
 
 def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator[Change]:
-    """Yield another member of the same, the member of something else, and an item instead of a member."""
+    """Yield another member of the same object, the member of another object, and an item instead."""
     if not isinstance(node, ast.Attribute):
         return
     before = ast.unparse(node.value)
@@ -149,7 +149,7 @@ def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator
     if kind.startswith("dict["):
         yield Change(Edit(node, f"{before}[{node.attr!r}]"), _FORM)
     if node.attr in known or kind.startswith("<module "):
-        return  # a function of a module is no method of something else
+        return  # a module's function is no method of another object
     for name in _never_read(trial.owner) if before == "self" and trial.owner else ():
         yield Change(Edit(node, f"self.{name}"), _SLIP, is_one_of_many=True)
     for holder in trial.names:
@@ -160,7 +160,7 @@ def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator
 def _of_the_same(
     node: ast.Attribute, known: Collection[str], trial: Trial, call: ast.Call | None
 ) -> Iterator[Change]:
-    """Yield the members of a nearly equal name; of a call whose value nobody uses, those that give nothing."""
+    """Yield members with similar names; for a call whose value is unused, those that return nothing."""
     before = ast.unparse(node.value)
     for name in difflib.get_close_matches(node.attr, {*known} - {node.attr}, n=3, cutoff=_ALIKE):
         yield Change(Edit(node, f"{before}.{name}"), _SLIP)
@@ -172,7 +172,7 @@ def _of_the_same(
 
 
 def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
-    """Yield what a value holds instead of the value."""
+    """Yield what a value holds instead of the value itself."""
     text = ast.unparse(node)
     kind = trial.kind(text)
     name = _class_name(kind)
@@ -194,20 +194,20 @@ def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
 
 
 def _fields(message: str) -> Sequence[str]:
-    """Return the fields of a message; none of any other class."""
+    """Return the fields of a message; empty for any other class."""
     fields = (fields_of(f"{home}.{message}") for home in homes_of(message))
     return [*next(filter(None, fields), {})]
 
 
 def _never_read(owner: NodeClass) -> list[str]:
-    """Return the attributes that a class sets and never reads: one may be called otherwise where it is read."""
+    """Return attributes that a class sets but never reads: it may read one by a wrong name."""
     own = [n for n in ast.walk(owner.definition) if is_self_attribute(n)]
     read = {n.attr for n in own if not isinstance(n.ctx, ast.Store)}
     return sorted({n.attr for n in own} - read)
 
 
 def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterator[Change]:
-    """Yield a member of something else, and a call of it with less."""
+    """Yield a member of another object, and its call with one argument less."""
     if call is None:
         yield Change(Edit(node, f"{holder}.{node.attr}"), PLACE, is_one_of_many=True)
         return
@@ -219,7 +219,7 @@ def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterat
 
 
 def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
-    """Yield a call whose values are exchanged, given by their names, put into one list, one more, or one less."""
+    """Yield a call with arguments swapped, passed by keyword, put into a list, added or removed."""
     function, given = ast.unparse(call.func), [*map(ast.unparse, call.args)]
     named = [*map(_keyword, call.keywords)]
     rules = {row.rule for row in trial.objections}
@@ -231,12 +231,12 @@ def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
         swapped = [*given[:number], given[number + 1], given[number], *given[number + 2 :]]
         yield Change(written(*swapped), PLACE)
     signature = signature_of(trial.source, call)
-    for one in signature.parameters if signature else ():
-        if given and one.name not in {keyword.arg for keyword in call.keywords}:
+    for parameter in signature.parameters if signature else ():
+        if given and parameter.name not in {keyword.arg for keyword in call.keywords}:
             last = call.args[-1]
-            is_list = heads_of(one.type) <= LISTS
-            text = given[-1] if one.takes(last) else as_list(last) if is_list else ""
-            yield from [Change(written(*given[:-1], f"{one.name}={text}"), PLACE)] if text else []
+            is_list = heads_of(parameter.type) <= LISTS
+            text = given[-1] if parameter.takes(last) else as_list(last) if is_list else ""
+            yield from [Change(written(*given[:-1], f"{parameter.name}={text}"), PLACE)] if text else []
     for name in trial.names if "missing-argument" in rules else ():
         yield Change(written(*given, name), PLACE, is_one_of_many=True)
     if len(given) > 1 and rules & {"too-many-positional-arguments", "invalid-argument-type"}:
@@ -249,32 +249,32 @@ def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
 
 
 def _of_wanted(call: ast.Call, signature: Signature | None) -> Iterator[Change]:
-    """Yield a value made into an object of the class that a parameter asks for, or into a list."""
+    """Yield an argument converted to the class that a parameter asks for, or to a list."""
     rows = signature.parameters if signature else ()
-    places = [one for one in rows if one.is_positional]
-    named = {one.name: one for one in rows}
+    places = [row for row in rows if row.is_positional]
+    named = {row.name: row for row in rows}
     pairs = [*zip(places, call.args, strict=False)]
-    pairs += [(named[one.arg], one.value) for one in call.keywords if one.arg in named]
+    pairs += [(named[keyword.arg], keyword.value) for keyword in call.keywords if keyword.arg in named]
     for parameter, value in pairs:
         text, heads = ast.unparse(value), heads_of(parameter.type)
         if "Callable" in heads and isinstance(value, ast.Call):
             yield Change(Edit(value, ast.unparse(value.func)), _FORM)
-        known = [one for head in sorted(heads) if head[:1].isupper() for one in launch_classes_below(head)]
+        known = [name for head in sorted(heads) if head[:1].isupper() for name in launch_classes_below(head)]
         makers = filter(_takes_one, known)
-        yield from (Change(Edit(value, f"{one}({text})"), _VALUE, is_one_of_many=True) for one in makers)
+        yield from (Change(Edit(value, f"{name}({text})"), _VALUE, is_one_of_many=True) for name in makers)
         if heads & LISTS:
             yield Change(Edit(value, as_list(value)), _VALUE)
 
 
 def _takes_one(name: str) -> bool:
-    """Return whether an object of a class of launch is made of one value."""
+    """Return whether a class of launch can be instantiated with a single argument."""
     signature = signature_by_name(f"{launch_homes_of(name)[0]}.{name}")
     first, *others = signature.parameters if signature and signature.parameters else (None,)
-    return first is not None and first.is_positional and all(one.default for one in others)
+    return first is not None and first.is_positional and all(parameter.default for parameter in others)
 
 
 def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
-    """Yield a value as one of another type, or with what stands for it where it may be None."""
+    """Yield a value converted to another type, or with a default where it may be None."""
     text, kind = ast.unparse(node), trial.kind(ast.unparse(node))
     match node:
         case ast.List(elts=[ast.Name() | ast.Attribute() as only]):
@@ -282,13 +282,13 @@ def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             yield Change(Edit(node, f"{ast.unparse(left)} // {ast.unparse(right)}"), _FORM)
         case ast.BinOp(left=left, op=ast.Add(), right=right):
-            kinds = [_class_name(trial.kind(ast.unparse(one))) for one in (left, right)]
-            is_joined = any(map(launch_homes_of, kinds))  # as launch joins texts and what stands for one
+            kinds = [_class_name(trial.kind(ast.unparse(side))) for side in (left, right)]
+            is_joined = any(map(launch_homes_of, kinds))  # as launch joins strings and substitutions
             cost = PLACE if is_joined else LESS
             yield Change(Edit(node, f"[{ast.unparse(left)}, {ast.unparse(right)}]"), cost)
         case ast.Name(id=name) if trial.is_undefined(name):
             yield from (Change(Edit(node, f"{module}.{name}"), _SLIP) for module in trial.modules_with(name))
-            yield from (Change(Edit(node, one), _SLIP) for one in trial.names if one == f"self.{name}")
+            yield from (Change(Edit(node, known), _SLIP) for known in trial.names if known == f"self.{name}")
             yield Change(Edit(node, repr(name)), LESS)
     if kind.endswith("| None"):
         empty = _EMPTY.get(kind.removesuffix(" | None"), "...")
@@ -297,8 +297,8 @@ def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
     for made in _made_of(kind):
         if literal is None or made == "range({})":
             yield Change(Edit(node, made.format(text)), _VALUE)
-    for one in _as_others(literal) if literal is not None else ():
-        yield Change(Edit(node, repr(one)), _VALUE if isinstance(one, str) else _FORM)
+    for converted in _as_others(literal) if literal is not None else ():
+        yield Change(Edit(node, repr(converted)), _VALUE if isinstance(converted, str) else _FORM)
 
 
 def _literal(node: ast.expr) -> object:
@@ -307,7 +307,7 @@ def _literal(node: ast.expr) -> object:
 
 
 def _as_others(literal: object) -> Iterator[object]:
-    """Yield a value that is written out as one of another type: a number, a text, each item of a list."""
+    """Yield a literal converted to other types: a number, a string, each item of a list."""
     if isinstance(literal, bytes):
         yield literal.decode("latin-1")
         return
@@ -319,7 +319,7 @@ def _as_others(literal: object) -> Iterator[object]:
 
 
 def _as_one(kind: type[int | float | str], value: Any) -> object:
-    """Return a value as one of another type; None if it is none, or if something of it is lost on the way."""
+    """Return a value converted to another type; None if it cannot be, or loses something."""
     with contextlib.suppress(ValueError, TypeError, OverflowError):
         is_lost = kind is not str and (isinstance(value, bool) or kind(value) != float(value))
         return None if is_lost else kind(value)
@@ -327,9 +327,9 @@ def _as_one(kind: type[int | float | str], value: Any) -> object:
 
 
 def _made_of(kind: str) -> Sequence[str]:
-    """Return what is made of a value of a type where another one is wanted: a text of all but a few."""
+    """Return templates that convert a value of a type to other types; for most types, to a string."""
     name = _class_name(kind)
-    # What launch fills in later is no text yet.
+    # What launch fills in later is not a string yet.
     is_no_text = not kind or _NO_TEXT.match(kind) or launch_homes_of(name)
     return _MADE_OF.get(name, () if is_no_text else ("str({})",))
 
@@ -351,7 +351,7 @@ _MADE_OF: Mapping[str, Sequence[str]] = {
 
 
 def origins_of(expressions: Iterable[ast.expr], trial: Trial) -> dict[str, ast.expr]:
-    """Return what is assigned to each name of a line, of those to which it is only once, and in another line."""
+    """Return the value of each name of a line that is assigned only once, and on another line."""
     texts = {ast.unparse(n) for n in expressions if isinstance(n, (ast.Name, ast.Attribute))}
     values: dict[str, list[ast.expr]] = {}
     scope: Function | ast.ClassDef | ast.Module
@@ -368,12 +368,12 @@ def origins_of(expressions: Iterable[ast.expr], trial: Trial) -> dict[str, ast.e
     }
 
 
-def _keyword(one: ast.keyword) -> str:
-    return f"{one.arg}={ast.unparse(one.value)}" if one.arg else f"**{ast.unparse(one.value)}"
+def _keyword(keyword: ast.keyword) -> str:
+    return f"{keyword.arg}={ast.unparse(keyword.value)}" if keyword.arg else f"**{ast.unparse(keyword.value)}"
 
 
 def _class_name(kind: str) -> str:
-    """Return the name of the class of which a type is."""
+    """Return the class name of a type; for a literal, that of its value."""
     kind = kind.removesuffix(" | None").replace("LiteralString", "str")
     if literal := re.match(
         r"Literal\[(?:(?P<enum>[A-Z]\w*)\.\w|(?P<text>['\"])|(?P<bytes>b)|(?P<number>-?\d))", kind

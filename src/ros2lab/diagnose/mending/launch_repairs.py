@@ -1,4 +1,4 @@
-"""A launch file that launch refuses: changes of it are loaded on copies, and that with which it starts most is told."""
+"""A launch file that launch refuses: load changed copies of it, and suggest what starts most."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ros2lab.diagnose.mending.changes import MOST, MOST_TOLD, PLACE, Change, cha
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import PythonSource
 
-_TOLD = 0  # what a change costs that is what was told already
+_TOLD = 0  # the cost of a change that is suggested already
 
 
 @dataclass(frozen=True)
 class _Way:
-    """A change, with the lines of which it is one."""
+    """A change, with the trial of the line that it changes."""
 
     trial: Trial
     change: Change
@@ -31,26 +31,26 @@ class _Way:
 
     @property
     def told(self) -> str:
-        """What is to be written."""
+        """What to write."""
         return self.trial.told(self.change.edit)
 
 
 def loaded(
     finding: Finding, source: PythonSource, line: int, look: Look, passed_on: Finding
 ) -> Finding | None:
-    """Return a finding with the cheapest change with which launch loads a file and starts most; None if none is known.
+    """Return a finding with the cheapest change by which launch starts most; None if none is known.
 
     Args:
         finding: what is known.
         source: the file.
-        line: of it; 0 if launch names none.
+        line: its line; 0 if launch names none.
         look: the workspace.
         passed_on: what launch says.
     """
     path = source.path
     if path is None or load_copies(path, [source.text.encode()], look.packages) != [None]:
         return None
-    trials = [Trial(source, Spot(source, one), look) for one in ([line] if line else _lines(source))]
+    trials = [Trial(source, Spot(source, number), look) for number in ([line] if line else _lines(source))]
     ways = [
         _Way(trial, Change(edit, _TOLD))
         for trial in trials
@@ -59,7 +59,7 @@ def loaded(
     is_guess = bool(ways)
     ways += _changes(trials, f"{finding.cause} {passed_on.cause}")
     if finding in look.findings and finding.code != SAID:
-        # What a rule says of the line is right: only what says the same in other words may stand in its place.
+        # What a rule says of the line is right: only a small change may replace its fix.
         ways = [way for way in ways if way.cost <= PLACE]
     good = _best(sorted(ways, key=lambda way: way.cost)[:MOST], source, look)
     if not good:
@@ -69,15 +69,19 @@ def loaded(
     texts = _told(good)
     if len(texts) > MOST_TOLD:
         return None
-    known = passed_on if is_guess else finding  # what was told does not help
+    known = passed_on if is_guess else finding  # the fix so far does not help
     place = source.at(good[0].change.edit.node)
     return replace(known, place=place, fix=f"write {', or '.join(texts)}")
 
 
 def _lines(source: PythonSource) -> list[int]:
-    """Return the lines of a file's functions, and of what stands in them."""
+    """Return the lines of a file's functions and of the statements in them."""
     statements = [node for node in source.nodes if isinstance(node, ast.stmt)]
-    return [one.lineno for one in statements if one.col_offset or isinstance(one, ast.FunctionDef)]
+    return [
+        statement.lineno
+        for statement in statements
+        if statement.col_offset or isinstance(statement, ast.FunctionDef)
+    ]
 
 
 def _changes(trials: Sequence[Trial], said: str) -> Iterator[_Way]:
@@ -86,16 +90,16 @@ def _changes(trials: Sequence[Trial], said: str) -> Iterator[_Way]:
 
 
 def _best(ways: Sequence[_Way], source: PythonSource, look: Look) -> list[_Way]:
-    """Return the changes with which launch starts most; where it starts nothing, those of form alone."""
+    """Return the changes by which launch starts most; where it starts nothing, only the small ones."""
     assert source.path is not None
     copies = [way.trial.copy_with(way.change.edit) for way in ways]
     counts = load_copies(source.path, copies, look.packages)
     most = max((count for count in counts if count is not None), default=0)
-    # Where something from elsewhere is missing, the file goes on further with any value.
+    # Where something outside the file is missing, any other value gets launch further.
     return [way for way, n in zip(ways, counts, strict=True) if n == most and (n or way.cost <= PLACE)]
 
 
 def _told(good: Sequence[_Way]) -> list[str]:
-    """Return what the cheapest of some changes make of their lines: of one alone, unless nothing speaks for one."""
+    """Return what the cheapest changes write: only the first, unless nothing speaks for any of them."""
     same = [way.told for way in good if way.cost == good[0].cost]
     return [*dict.fromkeys(same if good[0].change.is_one_of_many else same[:1])]

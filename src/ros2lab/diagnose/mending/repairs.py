@@ -1,6 +1,6 @@
-"""A line at which Python stops: changes of it are tried on copies of its file, and what the type checker takes is told.
+"""A line at which Python stops: try changes on copies of its file, and suggest what the type checker accepts.
 
-A fix that is known already is tried first, as a student would apply it, word by word.
+A fix that is known already is tried first, word by word, as a student would apply it.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 def tried(
     finding: Finding, look: Look, part: str = "", *, is_sure: bool = False, passed_on: Finding | None = None
 ) -> Finding:
-    """Return a finding about a line of Python with a fix that stands, if one is known or found.
+    """Return a finding about a line of Python with a fix that works, if one is known or found.
 
-    A fix that can be applied word by word stays if the type checker takes it; else a change that it takes is told in
-    its place. Without the type checker, or where it has no objection to begin with, nothing is changed.
+    A fix that can be applied word by word stays if the type checker accepts it; otherwise a change that it accepts
+    replaces it. Without the type checker, or where it has no objection to begin with, nothing changes.
 
     Args:
         finding: what is known.
         look: the workspace.
-        part: what of the line has failed, as Python marks it.
+        part: the part of the line that failed, as Python marks it.
         is_sure: whether a fix that cannot be applied word by word is right all the same.
         passed_on: what launch itself says, if it could not go on.
     """
@@ -48,7 +48,7 @@ def tried(
 
 
 def worth_typing(finding: Finding, look: Look | None) -> Finding:
-    """Return a finding whose fix names the imports that it needs, and none that would change nothing."""
+    """Return a finding whose fix names the imports that it needs; a fix that changes nothing is removed."""
     spot = spot_at(finding.place, look)
     if spot.source is not None and finding.fix.startswith("write "):
         statement = statement_of(spot)
@@ -60,7 +60,7 @@ def worth_typing(finding: Finding, look: Look | None) -> Finding:
 
 
 def _with_imports(finding: Finding, look: Look | None) -> Finding:
-    """Return a finding whose fix names the import of each class that it writes into a file of Python without one."""
+    """Return a finding whose fix names the missing imports of the classes that it writes into Python."""
     is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
     source = spot_at(finding.place, look).source if is_written else None
     lines = missing_imports(source, finding.fix) if source and source.text else []
@@ -69,7 +69,7 @@ def _with_imports(finding: Finding, look: Look | None) -> Finding:
 
 
 def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
-    """Return a finding about a line to which the type checker objects, with a fix to which it does not."""
+    """Return a finding about a line that the type checker objects to, with a fix that it accepts."""
     if nothing := _of_nothing(trial):
         return nothing
     said = [*edits_told(finding.fix, trial.statement, trial.expressions())]
@@ -86,7 +86,7 @@ def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
 
 
 def _of_nothing(trial: Trial) -> Finding | None:
-    """Say which call gives nothing back whose value the line uses; None if there is none."""
+    """Return a finding about a call that returns nothing, whose value the line uses; None if none."""
     for text, value in origins_of(trial.expressions(), trial).items():
         if trial.kind(text) == "None" and isinstance(value, ast.Call):
             origin = Origin(text, value, trial.source, value.lineno, "NoneType")
@@ -98,27 +98,32 @@ def _source_at(place: str, look: Look) -> tuple[PythonSource | None, int]:
     file, _, line = place.rpartition(":")
     number = int(line) if line.isdigit() else 0
     file = file if number else place
-    known = (one for package in look.packages for one in package.sources.values() if one.shown == file)
+    known = (
+        candidate
+        for package in look.packages
+        for candidate in package.sources.values()
+        if candidate.shown == file
+    )
     path = look.root / file
     source = next(known, None) or (read_source(path, path.stem, file) if path.suffix == ".py" else None)
     return source if source and source.tree.body else None, number
 
 
 def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
-    """Return the cheapest change that stands, or the few of which nothing tells which is meant; none if many are."""
-    stands = trial.stands([one.edit for one in changes])
+    """Return the cheapest change that works, or a few equally likely ones; empty if there are many."""
+    stands = trial.stands([change.edit for change in changes])
     good = [change for change, is_good in zip(changes, stands, strict=True) if is_good]
     good = [change for change in good if trial.is_right(change.edit)]
-    # A value of an unknown type stands anywhere, and has any member; what a call with less gives is what it gave before.
+    # A value of unknown type fits anywhere and has any member; a call with less still returns the same type.
     asked = {change: trial.asked_of(change.edit) for change in good}
     texts = [*(change.edit.text for change in good), *itertools.chain(*asked.values())]
     kinds = trial.kinds_of(list(dict.fromkeys(texts))) if good else {}
     unknown = {text for text, kind in kinds.items() if UNKNOWN_TYPE.search(kind)}
-    # So nothing that is known is given up for something of which nothing is.
+    # So a value of known type is never given up for one of unknown type.
     good = [c for c in good if not trial.kind(ast.unparse(c.edit.node)) or unknown.isdisjoint(asked[c])]
     known = [c for c in good if c.cost == LESS or not UNKNOWN_TYPE.search(kinds.get(c.edit.text, ""))]
-    for change in [*known, *(one for one in good if not one.is_one_of_many)]:
-        same = [one.edit for one in known if one.cost == change.cost and one.is_one_of_many]
+    for change in [*known, *(other for other in good if not other.is_one_of_many)]:
+        same = [other.edit for other in known if other.cost == change.cost and other.is_one_of_many]
         if not change.is_one_of_many:
             return [change.edit]
         if len(same) <= MOST_TOLD:
