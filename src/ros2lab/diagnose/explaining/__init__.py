@@ -1,1 +1,1 @@
-"""From what was printed, or from a look at a workspace, to the finding that explains it."""
+"""Explain what was printed: the findings to which its words and the workspace lead."""

@@ -1,4 +1,4 @@
-"""What pytest shows of tests that failed: two values that are not equal, a function that returns nothing, a node before init."""
+"""Explains failed tests: unequal values, a function that returns nothing, a node made before init."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from ros2lab.diagnose.printed.spots import place_of, spot_at
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_text
 from ros2lab.diagnose.sources.static_value import evaluate, expression
 
-_MOST_OF_TESTS = 20_000  # characters of what pytest has written
-_NEAR = 1e-6  # of 32-bit floats, and of what 64-bit ones add up to
-# Of two long values pytest shows only in which element they differ.
+_MOST_OF_TESTS = 20_000  # characters of the test results
+_NEAR = 1e-6  # relative; enough for 32-bit floats and for sums of 64-bit ones
+# For two long values pytest shows only the element in which they differ.
 _FAILED = re.compile(
     r"^E +(?:(?:AssertionError: )?assert (?P<left>.+?) == (?P<right>.+)|At index \d+ diff: (?P<one>.+?) != (?P<other>.+))$",
     re.MULTILINE,
 )
-# After the lines of code, or before them.
+# It comes after the lines of code, or before them.
 _PLACE = re.compile(r"^(\S+\.py):(\d+): (?:AssertionError|in )", re.MULTILINE)
 
 
 def results_of_tests(error: ErrorText, root: Path) -> str:
-    """Return what pytest has written of failed tests into the files that a text names; empty if nothing."""
+    """Return what pytest wrote about failed tests into the files that a text names; empty if nothing."""
     texts = []
     for name in re.findall(r"^(build/[\w-]+/pytest\.xml):", error.text, re.MULTILINE):
         with contextlib.suppress(OSError, ElementTree.ParseError):
@@ -41,7 +41,7 @@ def results_of_tests(error: ErrorText, root: Path) -> str:
 
 
 def of_assertion(error: ErrorText, look: Look) -> Finding | None:
-    """Say why two values are not equal; None if their assertion does not tell."""
+    """Say why two values are not equal; None if no assertion explains it."""
     for match in _FAILED.finditer(error.text):
         places = _PLACE.findall(error.text[: match.end()])[-1:] or _PLACE.findall(error.text[match.end() :])
         file, line = places[0] if places else ("", "")
@@ -72,7 +72,7 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
 
 
 def of_test_without_init(error: ErrorText, look: Look) -> Finding | None:
-    """Say where a test makes a node before rclpy.init(); None if it is no test, or about something else."""
+    """Say that a test makes a node before rclpy.init(); None for any other error."""
     report = error.reports[-1] if error.reports else None
     outer = own_frames(report.frames)[-1:] if report else []
     if report is None or "init" not in report.message or not outer or not is_test(outer[0].file):
@@ -85,13 +85,13 @@ def of_test_without_init(error: ErrorText, look: Look) -> Finding | None:
 
 
 def is_test(file: str) -> bool:
-    """Return whether pytest takes a file for one of tests."""
+    """Return whether pytest collects tests from a file of this name."""
     name = PurePath(file).name
     return name.startswith("test_") or name.endswith("_test.py")
 
 
 def _is_near(left: object, right: object) -> bool:
-    """Return whether two values are nearly equal numbers, or lists or dictionaries of such."""
+    """Return whether two values are nearly equal: numbers, or lists or dictionaries of them."""
     match left, right:
         case ((int() | float()), (int() | float())):
             return math.isclose(left, right, rel_tol=_NEAR)
@@ -108,7 +108,7 @@ def _literal(text: str) -> object:
 
 
 def _returns_nothing(tested: ast.expr, look: Look) -> tuple[PythonSource, ast.FunctionDef] | None:
-    """Return a function of the workspace that a test calls and that has no return, with its file."""
+    """Return the function that a test calls, with its source, if it returns no value; else None."""
     name = (
         getattr(tested.func, "attr", getattr(tested.func, "id", "")) if isinstance(tested, ast.Call) else ""
     )

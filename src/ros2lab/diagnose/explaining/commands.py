@@ -1,4 +1,4 @@
-"""A command as it was meant: each of its words against what the workspace and ROS have at that place."""
+"""Corrects commands: compares each word with what the workspace and ROS have in its place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
-# What stands where after each verb of ros2; what follows is not looked at.
+# What the words after each verb of ros2 are; further words are not checked.
 _PLACES = {
     "run": ("package", "executable"),
     "launch": ("package", "launch file"),
@@ -40,7 +40,7 @@ _LEVELS = ("debug", "info", "warn", "error", "fatal")
 _VALUED = frozenset(
     ("-r", "--rate", "-t", "--times", "-w", "--qos-profile", "--keep-alive", "--log-level", "-p")
 )
-# What ROS's own variables may hold: a pattern, that in words, and an example.
+# The values that ROS's own variables may have: a pattern, a description and an example.
 _VARIABLES = {
     "ROS_DOMAIN_ID": (r"\d{1,2}|10[01]", "a whole number from 0 to 101", "7"),
     "ROS_AUTOMATIC_DISCOVERY_RANGE": (
@@ -57,14 +57,14 @@ _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?")
 
 @dataclass(frozen=True)
 class Corrected:
-    """A command as it was meant, and what was wrong with it, as a sentence."""
+    """A corrected command, and a sentence that says what was wrong with it."""
 
     line: str
     why: str
 
 
 def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
-    """Return a command with its first wrong word put right; None if none is known to be wrong.
+    """Correct the first wrong word of a command; None if no word is known to be wrong.
 
     Args:
         line: what was typed.
@@ -107,19 +107,19 @@ def _of_colcon(line: str, words: list[str], look: Look) -> Corrected | None:
 
 
 def _of_variable(setting: str) -> Corrected | None:
-    """Return the setting of one of ROS's variables with a value that it takes."""
+    """Correct the value of one of ROS's variables; None if it is valid or the variable is not known."""
     name, _, value = setting.partition("=")
-    pattern, what, right = _VARIABLES.get(name, ("", "", ""))
+    pattern, allowed, right = _VARIABLES.get(name, ("", "", ""))
     if not pattern or re.fullmatch(pattern, value):
         return None
     return Corrected(
         f"export {name}={right}",
-        f"The variable {name} must be {what}, but is set to {value!r}; check ~/.bashrc too.",
+        f"The variable {name} must be {allowed}, but is set to {value!r}; check ~/.bashrc too.",
     )
 
 
 class _Known:
-    """What there is at each place of a command."""
+    """The names that exist for each place in a command."""
 
     def __init__(self, look: Look, rest: list[str]) -> None:
         self.look, self.rest = look, rest
@@ -155,13 +155,16 @@ class _Known:
 
     def service(self) -> list[str]:
         creations = [
-            one for sources in self.sources for one in sources.creations if one.method == "create_service"
+            creation
+            for sources in self.sources
+            for creation in sources.creations
+            if creation.method == "create_service"
         ]
-        names = ((one.arguments or {}).get("srv_name") for one in creations)
+        names = ((creation.arguments or {}).get("srv_name") for creation in creations)
         return [f"/{str(n.value).lstrip('/')}" for n in names if isinstance(n, ast.Constant)]
 
     def default(self, parameter: str) -> object:
-        """Return the default of a parameter."""
+        """Return the default of a parameter; UNKNOWN if no node declares it."""
         found = {name: value for s in self.sources for name, value in (declared_in(s) or {}).items()}
         return found.get(parameter, UNKNOWN)
 
@@ -172,7 +175,7 @@ class _Known:
         return place in ("executable", "launch file") and self.rest[0] not in self.package()
 
     def at(self, place: str) -> list[str]:
-        """Return the names that there are at a place."""
+        """Return the names that exist for a place, such as "topic"."""
         ways: Mapping[str, Callable[[], list[str]]] = {
             "package": self.package,
             "executable": self.executable,
@@ -196,7 +199,7 @@ class _Command:
         ]
 
     def faults(self) -> Iterator[Corrected]:
-        """Yield what is wrong with it, each time with that alone put right."""
+        """Yield the command with one fault corrected at a time."""
         places = _PLACES[self.verb]
         yield from self._shifted(places)
         for number, place in enumerate(places):
@@ -210,13 +213,13 @@ class _Command:
 
     def _with(self, old: str, new: str) -> str:
         for text in (f"'{old}'", f'"{old}"', old):
-            # Whole: the word may be the beginning of another one.
+            # Only a whole word: it may be the beginning of another one.
             if match := re.search(rf" {re.escape(text)}(?![\w/.-])", self.line):
                 return f"{self.line[: match.start()]} {in_shell(new)}{self.line[match.end() :]}"
         return self.line
 
     def _shifted(self, places: tuple[str, ...]) -> Iterator[Corrected]:
-        """Yield a command whose first word is left out; launch takes a file alone."""
+        """Yield corrections if the package name is missing, which launch allows for a path, or misplaced."""
         is_two = places in (_PLACES["run"], _PLACES["launch"])
         if not is_two or not self.plain or self.plain[0] in self.known.package():
             return
@@ -258,7 +261,7 @@ class _Command:
             return
         elif (names := self.known.at(place)) and word not in names and not self.known.is_foreign(place, word):
             near = _meant(word, names)
-            # Only a launch file knows which namespace stands before a topic.
+            # Only a launch file knows the namespace of a topic.
             if near and not (place == "topic" and f"/{word}".endswith(f"/{near.lstrip('/')}")):
                 why = f"There is no {place} {word}; there is {near}."
                 yield Corrected(self._with(word, near), why)
@@ -267,7 +270,7 @@ class _Command:
         right_verb = {"srv": "service call", "msg": "topic pub"}.get(word.partition("/")[2].partition("/")[0])
         if right_verb and self.verb in ("service call", "topic pub") and self.verb != right_verb:
             what = f"the type of a {right_verb.partition(' ')[0]}"
-            plain = [in_shell(one) for one in self.plain]
+            plain = [in_shell(word) for word in self.plain]
             yield Corrected(f"ros2 {right_verb} {' '.join(plain)}", f"{word} is {what}: ros2 {right_verb}.")
             return
         right = self.known.types.get(self.plain[0].lstrip("/")) if self.verb == "topic pub" else None
@@ -284,7 +287,7 @@ class _Command:
             yield Corrected(self._with(word, full), f"The type must include its package: {full}.")
 
     def _message(self, word: str) -> Iterator[Corrected]:
-        """Yield a message that is no dictionary with the type's fields."""
+        """Yield a correction if a message is not a YAML dictionary with the fields of its type."""
         kind = self.plain[1].replace("/msg/", ".msg.")
         fields = interfaces.fields_of(kind if ".msg." in kind else kind.replace("/", ".msg."))
         if not fields:
@@ -335,7 +338,7 @@ class _Command:
                 yield Corrected(better, why)
 
     def _declared(self) -> Collection[str] | None:
-        """Return the arguments of the launch file: as launch loads it, or as Python has them; None if neither tells."""
+        """Return the arguments that the launch file declares; None if they are not known."""
         look = self.known.look
         for file, path in zip(look.launch_files, look.launch_paths, strict=True):
             if len(self.plain) > 1 and path.name == self.plain[1]:
@@ -368,7 +371,7 @@ class _Command:
                 yield Corrected(self._with(word, f"{name}:={value}"), why)
 
     def _without_option(self) -> Iterator[Corrected]:
-        """Yield a parameter or a rule after --ros-args that no option announces."""
+        """Yield corrections for settings after --ros-args that lack their option."""
         after = self.rest[self.rest.index("--ros-args") :] if "--ros-args" in self.rest else []
         for before, word in itertools.pairwise(after):
             name, sign, _ = word.partition(":=")
@@ -379,7 +382,7 @@ class _Command:
                 yield Corrected(self.line.replace(f" {word}", f" {option} {word}", 1), why)
 
     def _file(self, word: str) -> Iterator[Corrected]:
-        """Yield a file that lies elsewhere in the workspace."""
+        """Yield a correction if a parameter file is in another folder of the workspace."""
         root = self.known.look.root
         there = [file for package in self.known.look.packages for file in package.parameter_files]
         lies = next((file for file in there if file.name == word.rpartition("/")[2]), None)
@@ -389,25 +392,29 @@ class _Command:
 
 
 def _alike_type(word: str) -> str:
-    """Return the type that is meant by one in other letters, or without its middle part; empty if it is right, or none is."""
+    """Return the type that a word means apart from case or its middle part; empty if there is none."""
     package, *middle, name = word.split("/") if "/" in word else ("", "")
     for kind in middle or ("msg", "srv", "action"):
         known = interfaces.names_in(f"{package}.{kind}") or ()
-        same = [one for one in known if one.lower() == name.lower() and one[:1].isupper()]
+        same = [
+            known_name
+            for known_name in known
+            if known_name.lower() == name.lower() and known_name[:1].isupper()
+        ]
         if same and (same[0] != name or not middle):
             return f"{package}/{kind}/{same[0]}"
     return ""
 
 
 def in_shell(word: str) -> str:
-    """Return a word as it is typed in a shell, in quotes if it needs some, and in those that are easily read."""
+    """Return a word as it is typed in a shell, in the most readable quotes if it needs any."""
     if re.fullmatch(r"[\w./:=@,+~-]+", word):
         return word
     return f'"{word}"' if "'" in word and not set(word) & set('"$`\\!') else shlex.quote(word)
 
 
 def _meant(word: str, names: list[str]) -> str | None:
-    """Return the name that a word means: without an ending or a slash too much, in other letters, or nearly so."""
+    """Return the name that a word means apart from case, punctuation, endings and typos; None if none is."""
     bare = re.sub(r"\W|_", "", word.removesuffix(".py")).lower()
     same = [
         name for name in names if re.sub(r"\W|_", "", name).lower() == bare or name.partition(".")[0] == word

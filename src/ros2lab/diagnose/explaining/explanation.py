@@ -1,4 +1,4 @@
-"""From an error's text to its cause: what it may mean, looked up in the sources that it names."""
+"""Explains the text of an error: what it may mean, checked against the sources that it names."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from ros2lab.diagnose.printed.transcript import LABELLED, Step, step_with
 from ros2lab.diagnose.sources.calls import call_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 
-# These are all about a package or its files, so the place in a program that an error names does not tell them apart.
+# Codes about a package or its files: the line of code that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
     r"entry-point|setup|package|marker|manifest|build-type|init-file|install|not-|launch|depend|param|executable"
 )
@@ -50,10 +50,10 @@ _BUILD_FAILED = re.compile(
     re.M,
 )
 _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
-_SHELLS = re.compile(r" *(?:&&|\|\||;|\|) +")  # between two commands of a line
+_SHELLS = re.compile(r" *(?:&&|\|\||;|\|) +")  # between two commands on a line
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
-_MOST_CORRECTIONS = 4  # words of a command that are put right
+_MOST_CORRECTIONS = 4  # words of a command that are corrected
 
 
 def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, loads: bool) -> list[Finding]:
@@ -69,51 +69,56 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     error = _whole(error, text, look)
     known = [*_beside(error, sources, look), *of_needed(look.findings, error, look)]
     shown = [*shown_values(error, look), *sections_read(error, look)[0]] if not error.reports else []
-    return [worth_typing(one, look) for one in shown] or _of_error(error, text, known, look)
+    return [worth_typing(finding, look) for finding in shown] or _of_error(error, text, known, look)
 
 
 def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look | None) -> list[Finding]:
-    """Return what an error leads to, or what is wrong beside it."""
+    """Return the findings that explain an error; else those that are known of its files or workspace."""
     known = [*beside]
     found = _explained(error, known, look)
     if not error.reports and (quiet := of_quiet_program(text, look)):
-        return [quiet, *(one for one in found or known if one.place != quiet.place)]
+        return [quiet, *(finding for finding in found or known if finding.place != quiet.place)]
     if not found and not (error.is_clear and (error.reports or not own_words(error.decisive, look))):
         return known or _undecided(error, look)
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
-    return [worth_typing(one, look) for one in (_first_tried(found, error, look) if look else found)]
+    return [worth_typing(finding, look) for finding in (_first_tried(found, error, look) if look else found)]
 
 
 def _undecided(error: ErrorText, look: Look | None) -> list[Finding]:
-    """Return that a text is not known, where it may hold an error; nothing where all that was typed did well."""
+    """Say that an error is unknown; empty with a workspace, or if the text need not contain an error."""
     did_well = all(step.ended_well or step.is_answer for step in error.steps if step.text.strip())
     is_plain = not error.decisive or LABELLED.match(error.decisive) is not None
     return [] if look or did_well or is_plain else [_unknown(error, look)]
 
 
 def _whole(error: ErrorText, text: str, look: Look) -> ErrorText:
-    """Return an error with what is written in the workspace of it: results of tests, and lines that were cut."""
+    """Complete an error from the workspace: with test results, and with all lines of its statements."""
     if more := results_of_tests(error, look.root):
         error = read_error(f"{text}\n{more}")
     return replace(error, reports=tuple(_whole_report(report, look) for report in error.reports))
 
 
 def _explained(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
-    """Return what is to be said of an error; before words that say neither where nor what to do, what is known."""
+    """Return the findings for an error, after the known ones if they name neither place nor fix."""
     checked = _checked(error, known, look) if look else []
     found = _with_command(_of_what_was_said(error, known, checked, look), error, known, look)
-    if error.decisive and all(one.code in (SAID, UNKNOWN) and not one.fix and not one.place for one in found):
+    if error.decisive and all(
+        finding.code in (SAID, UNKNOWN) and not finding.fix and not finding.place for finding in found
+    ):
         return [*known, *found]
     return found
 
 
 def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Finding]:
-    """Return findings of which the first has a fix that was tried; what an origin or an import says is right as it is.
+    """Return the findings, the first with a fix that was tried.
 
-    So is what is to be written in another line, which the fix then names.
+    Fixes that concern an origin, an import or another line are not tried: they are right as they are.
     """
     if "Caught exception in launch" in error.text:
-        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
+        found = [
+            finding if finding.place else replace(finding, place=launch_line(error, look))
+            for finding in found
+        ]
     first, *others = found
     own = own_frames(error.reports[-1].frames) if error.reports else []
     is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
@@ -125,7 +130,7 @@ def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Fin
 def _of_what_was_said(
     error: ErrorText, known: list[Finding], checked: list[Finding], look: Look | None
 ) -> list[Finding]:
-    """Return what the words of an error mean, what they lead to, or what the tool says well itself."""
+    """Return what an error message means, what caused it elsewhere, or what the tool says itself."""
     found = _worded(error, [*known, *checked], look)
     told = _made_elsewhere(error, known, look) if look else None
     if told and not (found and found[0] in known and stops_build(found[0])):
@@ -142,13 +147,13 @@ def _of_what_was_said(
 
 
 def _with_choice(error: ErrorText, look: Look | None) -> list[Finding]:
-    """Return what launch says where it names what may stand there: nothing else is known better."""
+    """Return the finding of a launch error that names the allowed values; empty if it names none."""
     said = of_launch(error, look) if not error.reports else None
     return [said] if said and said.fix.startswith("write ") else []
 
 
 def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
-    """Return what lies behind an error whose own line is right; None if nothing is known to."""
+    """Return the cause of an error whose own line is right; None if no such cause is known."""
     return (
         of_assertion(error, look)
         or of_test_without_init(error, look)
@@ -160,22 +165,24 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
 
 
 def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
-    """Return what the words of an error mean."""
+    """Return the findings for the meanings of an error's lines."""
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
     for line in lines_of(error):
         if line not in exceptions:
-            # What else was printed counts only where no exception explains itself, or names a faulty file.
-            found = found or [one for one in known if any(_names(said, one.place) for said in exceptions)]
+            # Other lines count only if no exception explains itself or names a faulty file.
+            found = found or [
+                finding for finding in known if any(_names(said, finding.place) for said in exceptions)
+            ]
             if found:
                 break
-        meaning = next((one for one in MEANINGS if one.pattern.search(line)), None)
+        meaning = next((candidate for candidate in MEANINGS if candidate.pattern.search(line)), None)
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
     return found
 
 
-# What the command itself may be to blame for: then the same command, as it was meant, is the fix.
+# Codes for which the command itself may be wrong: then the corrected command is the fix.
 _OF_THE_COMMAND = frozenset(
     f"{SAID} {UNKNOWN} package-not-found executable-missing file-not-found topic-near-miss topic-type typed-wrong "
     "parameter-name parameter-type".split()
@@ -185,7 +192,7 @@ _OF_THE_COMMAND = frozenset(
 def _with_command(
     found: list[Finding], error: ErrorText, known: list[Finding], look: Look | None
 ) -> list[Finding]:
-    """Return findings whose fix is the command that was typed, as it was meant, where that is what is wrong."""
+    """Make the corrected command the fix of the first finding if the command was wrong."""
     first = found[0] if found else Finding(UNKNOWN, "")
     is_told = first.code not in (SAID, UNKNOWN)
     is_refused = _REFUSED.search(error.text) is not None
@@ -195,8 +202,8 @@ def _with_command(
         return found
     blamed = step_with(error.decisive, error.steps)
     lines = [step.command for step in reversed(error.steps) if step is blamed or not _did_well(step)]
-    parts = [as_keyed(part) for line in lines if line for part in _SHELLS.split(line)]
-    meant = next((one for part in parts if (one := _as_meant(part, error, look))), None)
+    commands = [as_keyed(command) for line in lines if line for command in _SHELLS.split(line)]
+    meant = next((better for command in commands if (better := _as_meant(command, error, look))), None)
     if meant is None:
         return found
     first = first if is_told and not is_refused else Finding("typed-wrong", meant.why)
@@ -204,46 +211,46 @@ def _with_command(
 
 
 def _did_well(step: Step) -> bool:
-    """Return whether what a command has printed shows that it did well."""
+    """Return whether the output of a command shows that it succeeded."""
     is_told = any(meaning.pattern.search(line) for meaning in MEANINGS for line in step.lines)
     return step.is_answered and not is_told
 
 
 def _as_meant(line: str, error: ErrorText, look: Look) -> Corrected | None:
-    """Return a command with every wrong word put right, and what was wrong first; None if nothing is known to be."""
+    """Return a command with all wrong words corrected, and the first fault; None if no fault is known."""
     meant = None
     for _ in range(_MOST_CORRECTIONS):
-        # What the parser of ros2 does not take comes first: whether its words exist is asked of what it takes.
+        # Errors of the parser come first: words are looked up only in a command that it accepts.
         form = accepted_form(line) if _REFUSED.search(error.text) or meant else None
-        one = Corrected(*form) if form else corrected(line, look, error.text)
-        if one is None or one.line == line:
+        better = Corrected(*form) if form else corrected(line, look, error.text)
+        if better is None or better.line == line:
             break
-        line = one.line
-        meant = replace(one, why=meant.why if meant else one.why)
+        line = better.line
+        meant = replace(better, why=meant.why if meant else better.why)
     return meant
 
 
 def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
-    """Return what a type checker and the libraries' own signatures say of the lines through which an error came."""
+    """Return what the type checker and the libraries' signatures say about the lines of a traceback."""
     named = [place_of([frame], look) for frame in own_frames(error.frames)[:8]]
     paths = {_file(place): look.root / _file(place) for place in named if _file(place).endswith(".py")}
     if "Caught exception in launch" in error.text:
-        # It seldom says where: all lines may be meant.
+        # launch seldom names the line: any line may be meant.
         files = zip(look.launch_files, look.launch_paths, strict=True)
         paths |= {file.shown: path for file, path in files if path.suffix == ".py"}
         named += [
             f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)
         ]
-    # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
+    # Wrong types raise built-in exceptions; a library's own exceptions explain themselves.
     is_pythons = not error.reports or hasattr(builtins, error.reports[-1].kind)
     said = error.reports[-1].message if error.reports else ""
     asked = (*called_at_once(look), *type_faults(look, known, named, said)) if named and is_pythons else ()
-    found = [one for one in asked if one.place in named]
+    found = [finding for finding in asked if finding.place in named]
     innermost = error.reports[-1].frames[-1:] if error.reports else ()
     if not found and not own_frames(innermost):
         for shown, path in paths.items():
-            # Of what is known of a line already nothing else is said.
-            told = {one.place for one in known if stops_node(one)}
+            # A line with a known fault is not checked again.
+            told = {finding.place for finding in known if stops_node(finding)}
             lines = {int(place.rpartition(":")[2]) for place in {*named} - told if _file(place) == shown}
             found += call_faults(read_source(path, path.stem, shown), lines, said, stands_trial)
     return found
@@ -254,22 +261,25 @@ def _file(place: str) -> str:
 
 
 def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
-    """Return what is wrong on the very line of an error, or, below a spin, in the callbacks of its file."""
-    near = {one: _nearness(one, error, error.decisive) for one in known}
-    # What only surprises in a line of code is no reason for an exception.
-    is_code = {one: bool(error.reports) and ".py:" in one.place for one in known}
-    # What a library refuses may be how it is called at all.
+    """Return the findings on the line of an error; else, if it came from a spin, those in the same file."""
+    near = {finding: _nearness(finding, error, error.decisive) for finding in known}
+    # A fault that does not stop the node does not explain an exception.
+    is_code = {finding: bool(error.reports) and ".py:" in finding.place for finding in known}
+    # An exception raised inside a library may come from when or by whom it is called.
     inner = error.reports[-1].frames[-1:] if error.reports else ()
     is_librarys = bool(inner) and not own_frames(inner)
     on_it = [
-        one
-        for one in known
-        if near[one] == 3 and (stops_node(one) or not is_code[one] or (is_librarys and is_about_life(one)))
+        finding
+        for finding in known
+        if near[finding] == 3
+        and (stops_node(finding) or not is_code[finding] or (is_librarys and is_about_life(finding)))
     ]
-    return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
+    return on_it or [
+        finding for finding in known if near[finding] == 2 and stops_node(finding) and "spin" in error.text
+    ]
 
 
-# What keeps launch from loading a file, whatever it says of it.
+# Codes of faults that keep launch from loading a file, whatever its message is.
 _REFUSED_BY_LAUNCH = frozenset(
     ("import-wrong", "launch-argument", "launch-function", "launch-syntax", "comma-tuple", "comma-missing")
 )
@@ -281,36 +291,36 @@ _NOT_THERE = frozenset(("not-built", "package-not-found", "executable-missing"))
 def _asked_first(
     error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
 ) -> list[Finding]:
-    """Return what keeps from being built or loaded what failed to be, or is wrong in the line that names what was run."""
+    """Return the faults of a failed build or launch, or else of the entry point that was run."""
     if refused := _refused_by_launch(error, known, found, look):
         return refused
     if found and found[0] in known and stops_build(found[0]):
         return []
-    if _BUILD_FAILED.search(error.text) and (stops := [one for one in known if stops_build(one)]):
+    if _BUILD_FAILED.search(error.text) and (stops := [finding for finding in known if stops_build(finding)]):
         return stops
     is_of_setup = bool(error.reports) and is_setup(place_of(own_frames(error.reports[-1].frames), look))
     if is_of_setup and found and found[0].code in _NOT_THERE:
-        return said_by_tools(error, look)  # what could not be built is not found afterwards
-    named = [one for one in known if error.command and error.command[2] in one.about]
-    return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
+        return said_by_tools(error, look)  # a package that could not be built is not found later
+    named = [finding for finding in known if error.command and error.command[2] in finding.about]
+    return [finding for finding in named if finding.code.startswith("entry-point")] if error.reports else []
 
 
 def _refused_by_launch(
     error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
 ) -> list[Finding]:
-    """Return what is wrong in a launch file that launch could not load, or of which it could not start a program."""
-    stops = [one for one in known if one.code in _REFUSED_BY_LAUNCH]
+    """Return the faults in a launch file that launch could not load, or whose program it could not start."""
+    stops = [finding for finding in known if finding.code in _REFUSED_BY_LAUNCH]
     if "exception occurred while executing process" in error.text:
         return stops
     if look is None or "Caught exception in launch" not in error.text:
         return []
     files = {file.shown for file in look.launch_files}
     is_told = bool(found) and found[0].code in _REFUSED_BY_LAUNCH
-    return [] if is_told else [one for one in stops if one.place.partition(":")[0] in files]
+    return [] if is_told else [finding for finding in stops if finding.place.partition(":")[0] in files]
 
 
 def _whole_report(report: ErrorReport, look: Look) -> ErrorReport:
-    """Return an error with all lines of the statement at which it came; the line that Python names stays the last."""
+    """Add frames for all lines of the failing statement; the line that Python names stays last."""
     own = own_frames(report.frames)
     if not own:
         return report
@@ -325,7 +335,7 @@ def _whole_report(report: ErrorReport, look: Look) -> ErrorReport:
 
 
 def _names(line: str, place: str) -> bool:
-    """Return whether a line names the file of a place by its path."""
+    """Return whether a line contains the path of the file of a place."""
     file = place.partition(":")[0]
     return "/" in file and f"/{file}'" in line
 
@@ -338,23 +348,23 @@ def _meant(
     groups = match.groupdict(default="")
     if asked := _asked_for(meaning, groups, error, look):
         return [asked]
-    near = {one: _nearness(one, error, line) for one in known}
+    near = {finding: _nearness(finding, error, line) for finding in known}
     has_place = bool(own_frames(error.frames))
 
-    def may_cause(one: Finding) -> bool:
-        is_near = near[one] or not meaning.cause
-        return near[one] >= 2 or not has_place or bool(is_near and _OF_THE_PACKAGE.match(one.code))
+    def may_cause(finding: Finding) -> bool:
+        is_near = near[finding] or not meaning.cause
+        return near[finding] >= 2 or not has_place or bool(is_near and _OF_THE_PACKAGE.match(finding.code))
 
     causes = sorted(
-        (one for one in known if one.code in meaning.codes and may_cause(one)),
-        key=lambda one: (-near[one], meaning.codes.index(one.code) if near[one] < 2 else 0),
+        (finding for finding in known if finding.code in meaning.codes and may_cause(finding)),
+        key=lambda finding: (-near[finding], meaning.codes.index(finding.code) if near[finding] < 2 else 0),
     )
     if not causes:
-        # Words alone say little: what is wrong on a line through which the error came says more.
-        causes = [one for one in known if near[one] == 3 and stops_node(one)]
+        # A fault on a line of the traceback says more than the words alone.
+        causes = [finding for finding in known if near[finding] == 3 and stops_node(finding)]
     if not causes and not error.reports:
-        # So does what is wrong with the very package or file that is named.
-        causes = [one for one in known if near[one] and stops_build(one)]
+        # So does a fault of the very package or file that is named.
+        causes = [finding for finding in known if near[finding] and stops_build(finding)]
     return causes or said_of(meaning, groups, line, error, look)
 
 
@@ -377,7 +387,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
 def _asked_for(
     meaning: Meaning, groups: Mapping[str, str], error: ErrorText, look: Look | None
 ) -> Finding | None:
-    """Answer what a command asked of a workspace and did not get; None if this is about something else."""
+    """Say why a command did not find a package, an executable or a file; None for other errors."""
     if meaning.codes[0] == "package-not-found":
         return no_package(groups["name"] or groups["name2"], look, error)
     if meaning.codes[0] == "command-not-found" and look:
@@ -404,7 +414,7 @@ def _unknown(error: ErrorText, look: Look | None) -> Finding:
 
 
 def _workspace_of(error: ErrorText) -> Path | None:
-    """Return the workspace to which a file belongs that the text names, if it is on this disk."""
+    """Return the workspace of the first file in the traceback that exists here; None if there is none."""
     for frame in own_frames(error.frames):
         path = Path(frame.file)
         if path.is_absolute() and path.is_file():
@@ -415,12 +425,14 @@ def _workspace_of(error: ErrorText) -> Path | None:
 
 
 def _beside(error: ErrorText, sources: Mapping[str, str], look: Look | None) -> Iterator[Finding]:
-    """Yield what is wrong in files that the text names and that belong to no workspace, and in cells."""
+    """Yield faults in the cells and the files outside any workspace that a traceback names."""
     for file in dict.fromkeys(frame.file for frame in own_frames(error.frames)):
         path = Path(file)
         if file in sources:
-            # What a cell does not define, an earlier one may.
+            # A name that this cell does not define may come from an earlier one.
             alone = text_faults(PythonSource("cell", file, sources[file]))
-            yield from (one for one in alone if one.code not in ("name-undefined", "parameter-undeclared"))
+            yield from (
+                finding for finding in alone if finding.code not in ("name-undefined", "parameter-undeclared")
+            )
         elif look is None and path.suffix == ".py" and path.is_file():
             yield from text_faults(read_source(path, path.stem, file))

@@ -1,4 +1,4 @@
-"""What an error means by its words alone, where nothing in the sources explains it."""
+"""Explains an error by its message alone, if nothing in the sources explains it."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
 from ros2lab.diagnose.sources.python_source import Import, own_nodes
 
-_MOST_OFFERED = 6  # names that are like the one that was missed
+_MOST_OFFERED = 6  # similar names that are suggested
 
 
 def said_of(
     meaning: Meaning, groups: Mapping[str, str], line: str, error: ErrorText, look: Look | None
 ) -> list[Finding]:
-    """Explain an error by its words alone."""
+    """Explain an error by its message alone; empty if that says nothing."""
     place = place_of(own_frames(error.frames), look)
     told = None
     if meaning.codes[0] == "parameter-file-syntax":
@@ -60,7 +60,7 @@ def said_of(
 def _in_words(
     meaning: Meaning, groups: Mapping[str, str], place: str, error: ErrorText, look: Look | None
 ) -> Finding:
-    """Say what the words of an error always mean, with what they name."""
+    """Return the finding of a meaning, with the names in the message filled in."""
     code, cause = meaning.codes[0], meaning.cause.format(**groups).replace(" ()", "")
     do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
     if code == "parameter-type" and groups.get("name"):
@@ -96,7 +96,7 @@ def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool)
 
 
 def _made_in(name: str, spot: Spot) -> ast.FunctionDef | None:
-    """Return the function of the file's top level, other than the one around a line, that assigns a name of its own."""
+    """Return another top-level function that assigns this name to a local variable; None if there is none."""
     for function in spot.source.tree.body if spot.source and spot.source.tree else ():
         if isinstance(function, ast.FunctionDef) and function is not spot.function:
             names = (n for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == name)
@@ -106,7 +106,7 @@ def _made_in(name: str, spot: Spot) -> ast.FunctionDef | None:
 
 
 def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
-    """Say how the value that stands in a line is put into a field of a message; empty if that is not found there."""
+    """Say how to set a message field to the value on a line; empty if the line does not set it."""
     wanted = re.search(r"type '(\w+)'", groups["what"])
     home = (homes_of(wanted[1]) if wanted and wanted[1][:1].isupper() else ()) or ("",)
     for node in spot.nodes:
@@ -114,7 +114,11 @@ def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
         kind = f"{home[0]}.{wanted[1]}".lstrip(".") if wanted else ""
         if kind and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
             return set_field(target, kind, node.value)  # type: ignore[attr-defined]
-        fields = [one for one in getattr(target, "elts", ()) if getattr(one, "attr", "") == groups["name"]]
+        fields = [
+            element
+            for element in getattr(target, "elts", ())
+            if getattr(element, "attr", "") == groups["name"]
+        ]
         if kind and fields:
             new = set_field(fields[0], kind, ast.Constant(0)).partition(" = ")[0]
             return f"{new} instead of {ast.unparse(fields[0])}, and likewise for what it is combined with"
@@ -131,7 +135,7 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
             "attribute-unknown", message, place
         )
     if groups.get("module") and (inner := _submodule(owner, name, spot_at(place, look), look)):
-        above = max((one.line for one in _imports(owner, spot_at(place, look))), default=0)
+        above = max((imported.line for imported in _imports(owner, spot_at(place, look))), default=0)
         where = f"below line {above}" if above else "at the top"
         cause = f"{owner}.{name} is a module of its own: `import {owner}` alone does not import it."
         return Finding("import-wrong", cause, place, f"write `import {inner}` {where}")
@@ -152,22 +156,26 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
 
 
 def _submodule(owner: str, name: str, spot: Spot, look: Look | None) -> str:
-    """Return the module of a package that a line asks for and that its file does not import; empty if there is none.
+    """Return the submodule that a line uses and that its file does not import; empty if there is none.
 
-    It may lie deeper than the first that is missed, as in `xml.etree.ElementTree`.
+    It may be nested more deeply than the missing attribute, as in `xml.etree.ElementTree`.
     """
     imports = spot.source.imports if spot.source else ()
     is_hidden = spot.source and spot.source.path and spot.source.path.with_name(f"{owner}.py").is_file()
-    if is_hidden or any(f"{one.target}.".startswith(f"{owner}.{name}.") for one in imports):
+    if is_hidden or any(f"{imported.target}.".startswith(f"{owner}.{name}.") for imported in imports):
         return ""
     own = {module for package in (look.packages if look else ()) for module in package.sources}
-    named = {one.local: owner for one in _imports(owner, spot)}
+    named = {imported.local: owner for imported in _imports(owner, spot)}
     asked = [ast.unparse(node).split(".") for node in spot.nodes if isinstance(node, ast.Attribute)]
     written = [".".join([named.get(first, first), *rest]) for first, *rest in asked]
-    inner = {f"{owner}.{name}", *(one for one in written if one.startswith(f"{owner}.{name}."))}
-    return max((one for one in inner if one in own or is_module(one)), key=len, default="")
+    inner = {f"{owner}.{name}", *(module for module in written if module.startswith(f"{owner}.{name}."))}
+    return max((module for module in inner if module in own or is_module(module)), key=len, default="")
 
 
 def _imports(owner: str, spot: Spot) -> list[Import]:
-    """Return what imports a package in the file of a line, under whatever name."""
-    return [one for one in (spot.source.imports if spot.source else ()) if owner in (one.local, one.target)]
+    """Return the imports of a package in the file of a line, under any name."""
+    return [
+        imported
+        for imported in (spot.source.imports if spot.source else ())
+        if owner in (imported.local, imported.target)
+    ]

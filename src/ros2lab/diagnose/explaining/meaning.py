@@ -1,4 +1,4 @@
-"""How the words of an error are looked up: what they may mean, where to look for its cause, and what to say of it."""
+"""A meaning of an error message: the words, the faults that cause it, and what to say about it."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ class Meaning:
     """What an error may mean.
 
     Attributes:
-        pattern: the words; its groups fill in `cause` and `fix`.
-        codes: what may have caused it; a finding of one of them in the sources explains it best.
-        cause: what is said where there is none; the code is then the first one. Empty: nothing is said.
-        fix: what to do then; or a function that says it, given the groups by their names.
+        pattern: matches the message; its groups fill in `cause` and `fix`.
+        codes: the faults that may have caused it; a finding with one of these codes explains it best.
+        cause: what to say if there is no such finding, with the first code; empty if nothing is to be said.
+        fix: what to do then; or a function that returns it, with the groups as keyword arguments.
     """
 
     pattern: re.Pattern[str]
@@ -25,5 +25,5 @@ class Meaning:
 
 
 def meaning(pattern: str, codes: str, cause: str = "", fix: str | Callable[..., str] = "") -> Meaning:
-    """Return a meaning of the words that a regular expression finds; the codes stand in one text, with spaces between."""
+    """Return a meaning for a regular expression; the codes are separated by spaces."""
     return Meaning(re.compile(pattern), tuple(codes.split()), cause, fix)

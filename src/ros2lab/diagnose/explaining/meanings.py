@@ -1,4 +1,4 @@
-"""What the words of an error may mean: where to look for its cause, and what to say where none is found."""
+"""The meanings of error messages: which faults cause them, and what to say if none is found."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from ros2lab.diagnose.explaining.meaning import Meaning, meaning
 from ros2lab.diagnose.explaining.node_meanings import NODE_MEANINGS
 from ros2lab.diagnose.sources.interfaces import nearest_module
 
-# The first one that fits counts, so what is special comes before what is general.
+# The first match counts, so special meanings come before general ones.
 MEANINGS: tuple[Meaning, ...] = (
     # Building
     meaning(

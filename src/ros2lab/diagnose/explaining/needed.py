@@ -1,4 +1,4 @@
-"""What of a workspace's findings is about what a terminal shows: the packages that it needs, the files that were not read."""
+"""Selects the findings of a workspace that matter for the commands of a terminal."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ _BUILDS_ALL = re.compile(r"\bcolcon build\b(?!.*--packages-(?:select|up-to|start
 
 
 def of_needed(findings: Sequence[Finding], error: ErrorText, look: Look) -> list[Finding]:
-    """Return findings without those of packages that were not built and that no command needs, and of files that were read.
+    """Drop findings about unbuilt packages that no command needs, and about parameter files that were read.
 
-    Where no command names a package of the workspace, or one builds them all, each of them is needed.
+    If no command names a package of the workspace, or one builds them all, every package is needed.
     """
     _, served = sections_read(error, look)
     findings = [
-        one
-        for one in findings
-        if one.code != "parameter-file-node" or one.place.partition(":")[0] not in served
+        finding
+        for finding in findings
+        if finding.code != "parameter-file-node" or finding.place.partition(":")[0] not in served
     ]
     by_name = {package.name: package for package in look.packages}
     said = error.decisive if error.is_clear else ""
@@ -33,19 +33,21 @@ def of_needed(findings: Sequence[Finding], error: ErrorText, look: Look) -> list
         return findings
     new = set(needed)
     while new:
-        new = {name for one in new for name in _uses(by_name[one], look)} & by_name.keys() - needed
+        new = {name for user in new for name in _uses(by_name[user], look)} & by_name.keys() - needed
         needed |= new
     passed_over = {by_name[name].shown("") for name in by_name.keys() - needed}
-    return [one for one in findings if one.code != "not-built" or one.place not in passed_over]
+    return [
+        finding for finding in findings if finding.code != "not-built" or finding.place not in passed_over
+    ]
 
 
 def _uses(package: SourcePackage, look: Look) -> Iterator[str]:
     """Yield the names of what a package depends on, imports, or starts in its launch files."""
     if package.manifest is not None:
         for kind in ("build_depends", "exec_depends", "buildtool_depends"):
-            yield from (one.name for one in getattr(package.manifest, kind))
+            yield from (dependency.name for dependency in getattr(package.manifest, kind))
     for source in package.sources.values():
-        yield from (one.target.partition(".")[0] for one in source.imports)
+        yield from (imported.target.partition(".")[0] for imported in source.imports)
     own = {package.shown(str(path.relative_to(package.folder))) for path in package.launch_files}
     for file in look.launch_files:
         if file.shown in own:

@@ -1,4 +1,4 @@
-"""What the words of an error may mean that a running node, or a message, has brought about."""
+"""The meanings of error messages that come from running nodes and from messages."""
 
 from __future__ import annotations
 
@@ -190,7 +190,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     ),
     # Messages
     meaning(
-        # Numbers so near 0 that they are hardly ever meant: they are bytes of an int, read as a float.
+        # Numbers so near 0 are hardly ever meant: they are the bytes of an int, read as a float.
         r"\b(?P<value>\d(?:\.\d+)?e-3(?:0[89]|1\d|2[0-4]))\b",
         "int-in-float",
         "{value} is practically 0, and nobody wrote it: an int was put into a field that holds a float, and ROS read the wrong bytes.",

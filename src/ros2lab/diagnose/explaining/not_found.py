@@ -1,4 +1,4 @@
-"""What a command asked of a workspace and did not get: a package, an executable, a file."""
+"""Says why a command does not find a package, an executable, a file or a module."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, nearest_
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
 
-# Why an executable that setup.py names is not where `ros2 run` looks, the likeliest first.
+# Faults that keep an executable from the folder where `ros2 run` looks, the likeliest first.
 _LOSE_EXECUTABLES = (
     "setup-value",
     "setup-cfg-missing",
@@ -32,7 +32,7 @@ _LOSE_EXECUTABLES = (
 )
 
 
-# What `setup.bash` sets, and what hides it if it is set anew.
+# The variables that `setup.bash` sets; setting one again hides the workspace.
 _VARIABLE = re.compile(
     r"^(?:export |unset )?(?P<name>AMENT_PREFIX_PATH|PYTHONPATH|PATH|COLCON_PREFIX_PATH)\b(?P<to>=.*)?$"
 )
@@ -41,7 +41,7 @@ _RUNS_IT = re.compile(r"^(?:(?:ba|z)?sh +|\./)?(?P<file>\S*install/(?:local_)?se
 
 
 def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Finding:
-    """Say why a package that is built is not found, by what was typed in that terminal."""
+    """Say why a package that is built is not found, judging by what was typed in that terminal."""
     fix, cause = (
         f"source {root}/install/setup.bash",
         f"The package {name} is built, but this terminal has not sourced the workspace",
@@ -83,9 +83,7 @@ def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     if look is None or package is None:
         return _unknown_package(name, look)
     if not package.has("package.xml"):
-        return next(
-            manifest_faults(package, ())
-        )  # whatever it was meant for, as a package of ROS it was asked for
+        return next(manifest_faults(package, ()))  # the command needs it as a ROS package
     if package.manifest_fault and (invalid := _fault_of(package, look, ("manifest-invalid",))):
         return invalid
     if prefix_of(look.root, name) is not None:
@@ -100,16 +98,16 @@ def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
 
 
 def _unknown_package(name: str, look: Look | None) -> Finding:
-    """Say where a package is that colcon does not see, or which one was meant."""
-    for one in look.passed_over if look else ():
-        if one.package.name == name:
-            return hidden(one)
+    """Say where colcon does not see a package, or which name was meant."""
+    for passed_over in look.passed_over if look else ():
+        if passed_over.package.name == name:
+            return hidden(passed_over)
     if look and (found := next(outside(look.root, name), None)):
         return found
     named = [f for f in look.findings if f.code == "package-name" and name in f.about] if look else []
     if named:
         return named[0]
-    names = [one.name for one in look.packages] if look else []
+    names = [package.name for package in look.packages] if look else []
     cause = f"ROS finds no package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
     near = nearest(name, names)
     do = "check the name, build the workspace, and source install/setup.bash in this terminal"
@@ -153,7 +151,7 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
 
 
 def _no_entry_point(package: SourcePackage, name: str) -> Finding:
-    """Say that no entry point calls a module of a package."""
+    """Say that a module exists, but that no entry point calls it."""
     module = f"{package.name}.{name}"
     return Finding(
         "executable-missing",
@@ -163,18 +161,18 @@ def _no_entry_point(package: SourcePackage, name: str) -> Finding:
     )
 
 
-# Why a file may not be where ROS looks.
+# Faults that keep a file from the folder where ROS looks.
 _UNINSTALLED = frozenset(("not-in-data-files", "installed-elsewhere", "install-stale", "setup-value"))
 
 
 def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
-    """Say why `ros2 launch` does not find a file; None if that is told already."""
+    """Say why `ros2 launch` does not find a file."""
     package = _package(package_name, look)
     names = [path.name for path in package.launch_files] if package else []
-    for one in look.findings if look else ():
-        if one.code in _UNINSTALLED and {name, "data_files"} & {*one.about}:
-            return one
-    begun = [one for one in names if one.startswith(f"{name}.")]
+    for finding in look.findings if look else ():
+        if finding.code in _UNINSTALLED and {name, "data_files"} & {*finding.about}:
+            return finding
+    begun = [file for file in names if file.startswith(f"{name}.")]
     if begun:
         return Finding(
             "file-not-found",
@@ -200,24 +198,24 @@ def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
 
 
 def _package(name: str, look: Look | None) -> SourcePackage | None:
-    return next((one for one in look.packages if one.name == name), None) if look else None
+    return next((package for package in look.packages if package.name == name), None) if look else None
 
 
 def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str, ...]) -> Finding | None:
-    """Return the first fault of a package, or of any, that has the first of these codes."""
+    """Return a finding with the earliest possible code, about a package or, without one, any package."""
     folder = package.shown("-").removesuffix("-") if package else ""
-    found = [one for one in look.findings if one.place.startswith(folder)] if look else []
-    found = [one for one in found if one.code != "replaced" or "/setup.py:" in one.place]
-    return next((one for code in codes for one in found if one.code == code), None)
+    found = [finding for finding in look.findings if finding.place.startswith(folder)] if look else []
+    found = [finding for finding in found if finding.code != "replaced" or "/setup.py:" in finding.place]
+    return next((finding for code in codes for finding in found if finding.code == code), None)
 
 
 def no_module(name: str, place: str, look: Look | None) -> Finding | None:
-    """Say where a module is that Python does not find; None if nothing here is called so.
+    """Say why Python does not find a module; None if it may be misspelled, or without a workspace.
 
     Args:
-        name: of the module, as it is imported.
-        place: of the import.
-        look: at the workspace; None if there is none.
+        name: the name of the module, as it is imported.
+        place: the place of the import.
+        look: the workspace; None if there is none.
     """
     top = name.partition(".")[0]
     if top in PACKAGES and is_installed(top):
@@ -234,7 +232,7 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
     if found := _own_module(name, place, look):
         return found
     own = {part for package in look.packages for module in package.sources for part in module.split(".")}
-    if top in own or nearest_module(name) or any(is_near_miss(top, one) for one in own):
+    if top in own or nearest_module(name) or any(is_near_miss(top, own_name) for own_name in own):
         return None
     return Finding(
         "module-missing",
@@ -245,7 +243,7 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
 
 
 def _own_module(name: str, place: str, look: Look) -> Finding | None:
-    """Say why a module that lies in the workspace is not found; None if none is called so."""
+    """Say why a module of the workspace is not found; None if the workspace has no such module."""
     for package in look.packages:
         if not place.startswith("cell") and (unlisted := not_built(package, name)):
             return unlisted

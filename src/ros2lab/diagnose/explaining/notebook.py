@@ -1,4 +1,4 @@
-"""What a notebook shows under a cell that has failed: the likeliest cause, its place and its fix."""
+"""Shows under a failed notebook cell the likeliest cause, its place and its fix."""
 
 from __future__ import annotations
 
@@ -19,19 +19,21 @@ _EXPLAIN_THEMSELVES = frozenset(("CheckError", "SystemExit", "WorkspaceError"))
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
-    """Explain each cell that fails, from now on; loading it twice does no harm."""
+    """Explain each cell that fails from now on; loading it twice does no harm."""
     unload_ipython_extension(shell)
     shell.events.register("post_run_cell", explain_cell)
 
 
 def unload_ipython_extension(shell: InteractiveShell) -> None:
-    """Explain no more."""
-    for known in [one for one in shell.events.callbacks["post_run_cell"] if one is explain_cell]:
+    """Stop explaining cells."""
+    for known in [
+        callback for callback in shell.events.callbacks["post_run_cell"] if callback is explain_cell
+    ]:
         shell.events.unregister("post_run_cell", known)
 
 
 def explain_cell(result: Any) -> None:
-    """Show the first finding about a cell that has failed, and nothing about any other. Never raises."""
+    """Show the first finding about a failed cell; do nothing after any other cell. Never raises."""
     error = result.error_in_exec or result.error_before_exec
     if error is None:
         return
@@ -42,27 +44,27 @@ def explain_cell(result: Any) -> None:
 
             display(Explanation(finding, is_folded=_is_in_exercise(error)))  # type: ignore[no-untyped-call]
     except Exception:
-        # The student has an error already, and is not helped by one of ours.
+        # The student has an error already; one of ours would not help.
         return
 
 
 def find_cause(error: BaseException) -> Finding | None:
-    """Return the likeliest cause of a cell's error; None if there is nothing to add to what it says itself."""
+    """Return the likeliest cause of a cell's error; None if there is nothing to add to its message."""
     if type(error).__name__ in _EXPLAIN_THEMSELVES or isinstance(error, KeyboardInterrupt):
         return None
     from ros2lab.diagnose import of_text
     from ros2lab.diagnose.finding import SAID, UNKNOWN
 
-    shown = getattr(error, "shown", None)  # what a terminal has printed before its command failed
+    shown = getattr(error, "shown", None)  # what a terminal printed before its command failed
     if shown is not None:
         findings = of_text(shown, _workspace_of(error.folder)) if shown else []  # type: ignore[attr-defined]
     else:
         text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
         cells = _cells(error)
         findings = [_with_cells_named(finding, cells) for finding in of_text(text, sources=cells)]
-    # What is only passed on stands above it already, unless there is something to type.
+    # A message that is only passed on is shown above already, unless there is something to type.
     is_typed = shown is not None
-    # The line of a cell stands above it, too, with what Python says of it; and a cell shows what it computes.
+    # So are a cell's line and Python's message; and a cell displays the value of its last expression.
     is_above = {UNKNOWN, "python-error", "no-effect"} if shown is None else {UNKNOWN}
     return next(
         (f for f in findings if f.code not in is_above and (f.code != SAID or (f.fix and is_typed))), None
@@ -70,7 +72,7 @@ def find_cause(error: BaseException) -> Finding | None:
 
 
 def _cells(error: BaseException) -> dict[str, str]:
-    """Return the texts of the cells through which an error came, by the names that they have in its traceback."""
+    """Return the sources of the cells in an error's traceback, by their file names there."""
     names = {frame.filename for frame in traceback.extract_tb(error.__traceback__)}
     if isinstance(error, SyntaxError) and error.filename:
         names.add(error.filename)
@@ -79,7 +81,7 @@ def _cells(error: BaseException) -> dict[str, str]:
 
 
 def _with_cells_named(finding: Finding, cells: Iterable[str]) -> Finding:
-    """Return a finding that calls cells what IPython calls them above it, and not by the names of files."""
+    """Return a finding with cells named as in IPython's traceback, and not by their file names."""
     cause, place, fix = finding.cause, finding.place, finding.fix
     for name in cells:
         shown = _name_of_cell(name)
@@ -105,7 +107,7 @@ def _workspace_of(terminal_folder: str) -> Path | None:
 
 
 def _is_in_exercise(error: BaseException) -> bool:
-    """Return whether a command has failed in a workspace in which a finding is told step by step."""
+    """Return whether a command failed in a workspace in which findings are told step by step."""
     from ros2lab import course
     from ros2lab.diagnose.explaining.steps import is_text_step_by_step
 
@@ -117,8 +119,8 @@ class Explanation:
     """A finding as a notebook shows it.
 
     Args:
-        finding: what is shown.
-        is_folded: whether all but the cause is shown only when it is clicked.
+        finding: the finding to show.
+        is_folded: whether everything but the cause is hidden until it is clicked.
     """
 
     def __init__(self, finding: Finding, *, is_folded: bool = False) -> None:
@@ -141,7 +143,7 @@ class Explanation:
 
     @staticmethod
     def _row(name: str, text: str, *, is_folded: bool) -> str:
-        # Of the classes each is for one release of MathJax, for which $base … $base is a formula.
+        # A class for each major version of MathJax, which would take $base … $base for a formula.
         classes = "mathjax_ignore tex2jax_ignore"
         shown = f'<span class="{classes}" style="white-space:pre-wrap">{html.escape(text)}</span>'
         if is_folded:

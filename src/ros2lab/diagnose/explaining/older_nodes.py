@@ -1,4 +1,4 @@
-"""Nodes of one name of which a terminal has started fewer than there are: an older one still runs somewhere."""
+"""Nodes with the same name of which a terminal started fewer than exist: an older one is still running."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _ECHOED = re.compile(r"data: '?(?P<text>[^\W\d][^'\n]*[^\W\d])'?$", re.MULTILINE
 
 
 def of_older_node(error: ErrorText, look: Look) -> Finding | None:
-    """Say that a node of an earlier start still runs; None if all that there are were started in the text, or none was.
+    """Say that a node of an earlier start still runs; None if the text shows no or all starts.
 
     Args:
-        error: the text, in which nodes of one name are listed.
+        error: the text, which lists nodes with the same name.
         look: the workspace.
     """
     listed = Counter(
@@ -33,7 +33,7 @@ def of_older_node(error: ErrorText, look: Look) -> Finding | None:
     for name, number in listed.items():
         makers = {*_makers(name.rpartition("/")[2], look)}
         starts = [match.groups() for line in error.typed for match in _STARTED.finditer(line)]
-        begun = [one for one in starts if one in makers]
+        begun = [start for start in starts if start in makers]
         is_launched = any(line.startswith("ros2 launch") for line in error.typed)
         if number > 1 and len(makers) == 1 and not is_launched and 0 < len(begun) < number:
             package, executable = begun[0]
@@ -48,7 +48,7 @@ def _times(number: int) -> str:
 
 
 def _makers(name: str, look: Look) -> Iterator[tuple[str, str]]:
-    """Yield the packages and executables whose file gives a node this name."""
+    """Yield the package and executable of each file that contains this node name."""
     for package in look.packages:
         for point in (package.setup.entry_points if package.setup else None) or ():
             source = package.sources.get(point.module)
@@ -60,10 +60,10 @@ def _makers(name: str, look: Look) -> Iterator[tuple[str, str]]:
 
 
 def _not_in_the_sources(error: ErrorText, look: Look) -> str:
-    """Say which text is received that stands in no file any more; empty if each does, or none is made of a fixed text."""
+    """Say which received text is in no source file any more; empty if all are, or if none is."""
     echoed = [*dict.fromkeys(match["text"] for step in error.steps for match in _ECHOED.finditer(step.text))]
     files = [source.text for package in look.packages for source in package.sources.values()]
     gone = [text for text in echoed if not any(text in file for file in files)]
     if len(gone) == len(echoed):
-        return ""  # they are put together when it runs
+        return ""  # they are put together at run time
     return f" Its text {gone[0]!r} is no longer in any file." if gone else ""

@@ -1,4 +1,4 @@
-"""An error of what ran before a file was changed."""
+"""Errors that come from an older build of a file that has been changed since."""
 
 from __future__ import annotations
 
@@ -10,18 +10,22 @@ from ros2lab.diagnose.printed.spots import place_of
 
 
 def of_earlier(error: ErrorText, look: Look) -> Finding | None:
-    """Return that an error is of an installed copy, where its file was changed since; None if none was."""
+    """Say that an error comes from an installed copy of a file that has changed; None if it does not."""
     own = own_frames(error.reports[-1].frames) if error.reports else []
     frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
-    stale = next((one for one in look.findings if one.code == "install-stale"), None) if frames else None
+    stale = (
+        next((finding for finding in look.findings if finding.code == "install-stale"), None)
+        if frames
+        else None
+    )
     if stale is None:
         return None
     prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)
     changed = {
-        one.shown: one
+        source.shown: source
         for package, prefix in prefixes
         if prefix
-        for one, _ in changed_sources(prefix, package)
+        for source, _ in changed_sources(prefix, package)
     }
     for place, frame in frames.items():
         file = place.rpartition(":")[0]

@@ -1,4 +1,4 @@
-"""What the student's own code says: its warnings and its refusals are meant so, and no tool has said them."""
+"""Recognizes messages and warnings of the student's own code, which are no errors of ROS or Python."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ros2lab.diagnose.printed.transcript import WARNING
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 
 _GIVES_ONE = re.compile(r"\s*(?:warnings\.)?warn\(")
-_SHORTEST = 8  # characters of a text that is known again
-_VALUE = re.compile(r"%[-+ 0#]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")  # the place of one in a format text
+_SHORTEST = 8  # characters of a text that is recognized
+_VALUE = re.compile(r"%[-+ 0#]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")  # a placeholder in a format string
 
 
 def without_own_warnings(text: str, look: Look | None) -> str:
-    """Leave the warnings out of a text that the code gives which was run, each with the line of code below it."""
+    """Remove the warnings of the student's own code from a text, each with the line of code below it."""
     lines = text.splitlines()
     left, n = [], 0
     while n < len(lines):
@@ -34,7 +34,7 @@ def without_own_warnings(text: str, look: Look | None) -> str:
 
 
 def own_words(line: str, look: Look | None) -> Finding | None:
-    """Return where the words of a line come from that the student's own code has said; None if it has not."""
+    """Say where the student's own code contains the text of a line; None if it does not."""
     said = [
         (text, source.at(node))
         for package in (look.packages if look else ())
@@ -44,7 +44,7 @@ def own_words(line: str, look: Look | None) -> Finding | None:
     ]
     if not said:
         return None
-    text, place = max(said, key=lambda one: len(one[0]))
+    text, place = max(said, key=lambda text_and_place: len(text_and_place[0]))
     return Finding(
         SAID,
         f"{text!r} is a message of your own code, not an error from ROS or Python.",
@@ -58,7 +58,7 @@ def _is_own(warning: re.Match[str], below: str, look: Look | None) -> bool:
         return False
     if _GIVES_ONE.match(below):
         return True
-    # With a stacklevel it names the line that called what gives it.
+    # With a stacklevel, a warning names the line of the caller.
     return any(
         text in warning["message"] for source in _files(warning["file"], look) for text, _ in _texts(source)
     )
@@ -73,7 +73,7 @@ def _files(file: str, look: Look | None) -> Iterator[PythonSource]:
 
 
 def _texts(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
-    """Yield the longer texts of a file with their places; of one with values in it, what stands between these."""
+    """Yield the longer strings of a file with their nodes; of format strings, the parts between values."""
     if source.tree is None or source.fault:
         return
     for node in source.nodes:

@@ -1,4 +1,4 @@
-"""A file of Python that was run and has printed nothing, because nothing in it calls what it defines."""
+"""Python files that were run and printed nothing, because nothing in them calls what they define."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _GUARD = "`if __name__ == '__main__':`"
 
 
 def of_quiet_program(text: str, look: Look | None) -> Finding | None:
-    """Say why a file that was run has done nothing; None if none was, or it does something.
+    """Say why a file that was run did nothing; None if no such file was run.
 
     Args:
         text: what was typed and printed.
@@ -35,10 +35,10 @@ def of_quiet_program(text: str, look: Look | None) -> Finding | None:
 
 
 def _run_by(line: str, look: Look | None) -> Iterator[tuple[SourcePackage, PythonSource]]:
-    """Yield the files of the workspace that a command may run by itself."""
-    for part in re.split(r" *(?:&&|;) *", line):
+    """Yield the files of the workspace that a command may run directly, each with its package."""
+    for command in re.split(r" *(?:&&|;) *", line):
         try:
-            words = [word for word in shlex.split(part) if not re.match(r"\w+=", word)]
+            words = [word for word in shlex.split(command) if not re.match(r"\w+=", word)]
         except ValueError:
             continue
         program = words[0] if words else ""
@@ -62,29 +62,29 @@ def _files(package: SourcePackage) -> Iterator[PythonSource]:
 
 
 def _is_meant(path: str, source: PythonSource) -> bool:
-    """Return whether a path that was typed somewhere in a workspace ends as that of a file does."""
+    """Return whether a path that was typed ends like the path of a file."""
     parts = [part for part in PurePath(path).parts if part not in (".", "..", "~", "/")]
     there = [*PurePath(source.shown).parts]
-    # Where it was typed is not known, and so neither what stands before the part that both have.
+    # The folder in which it was typed is not known, so only the last parts are compared.
     return there[-1:] == parts[-1:] and (len(parts) == 1 or there[-2:] == parts[-2:])
 
 
 def _does_nothing(source: PythonSource, package: SourcePackage) -> Finding | None:
-    """Say that a file only defines something, and how it is run; None if it does more."""
+    """Say that a file only contains definitions, and how to run it; None if it does more."""
     guards = [node for node in source.nodes if isinstance(node, ast.If) and _is_guard(node)]
-    if any(not _only_defines(one) for one in source.tree.body if one not in guards):
+    if any(not _only_defines(statement) for statement in source.tree.body if statement not in guards):
         return None
     functions = [node for node in source.tree.body if isinstance(node, ast.FunctionDef)]
     if found := _of_others(source, package, [node.name for node in functions]):
         return found
     main = _main(source, package, functions)
     if guards:
-        return next((found for one in guards if (found := _of_guard(one, source, main))), None)
+        return next((found for guard in guards if (found := _of_guard(guard, source, main))), None)
     return _never_called(source, package, main)
 
 
 def _of_others(source: PythonSource, package: SourcePackage, names: list[str]) -> Finding | None:
-    """Say what calls the functions of a launch file, and those of a test."""
+    """Say what calls the functions of a launch file or a test; None if it is neither."""
     file, called = PurePath(source.shown).name, ""
     if "generate_launch_description" in names:
         called, by, fix = (
@@ -103,7 +103,7 @@ def _of_others(source: PythonSource, package: SourcePackage, names: list[str]) -
 def _never_called(
     source: PythonSource, package: SourcePackage, main: ast.FunctionDef | None
 ) -> Finding | None:
-    """Say that nothing calls what a file defines, and where a call belongs."""
+    """Say that nothing calls what a file defines, and where the call belongs; None if it defines nothing."""
     file = PurePath(source.shown).name
     kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     made = next((node.name for node in source.tree.body if isinstance(node, kinds)), "")
@@ -127,19 +127,19 @@ def _points(package: SourcePackage) -> list[EntryPoint]:
 def _main(
     source: PythonSource, package: SourcePackage, functions: list[ast.FunctionDef]
 ) -> ast.FunctionDef | None:
-    """Return the function that begins the program: the one of an entry point, main, or the last without parameters."""
+    """Return the main function: an entry point, `main`, or the last function without required parameters."""
     points = [point.function for point in _points(package) if point.module == source.name]
-    free = [one for one in functions if len(one.args.args) == len(one.args.defaults)]
-    named = [one for one in free if one.name in (*points, "main")]
+    free = [function for function in functions if len(function.args.args) == len(function.args.defaults)]
+    named = [function for function in free if function.name in (*points, "main")]
     return next(iter(named), free[-1] if free else None)
 
 
 def _is_guard(node: ast.If) -> bool:
-    return "__name__" in {one.id for one in ast.walk(node.test) if isinstance(one, ast.Name)}
+    return "__name__" in {n.id for n in ast.walk(node.test) if isinstance(n, ast.Name)}
 
 
 def _of_guard(guard: ast.If, source: PythonSource, main: ast.FunctionDef | None) -> Finding | None:
-    """Say what is wrong with the lines that should call main; None if they do."""
+    """Say what is wrong with a `__main__` guard; None if it calls something."""
     test = ast.unparse(guard.test)
     if guard not in source.tree.body:
         cause = f"`if {test}:` is indented, so it belongs to the block above it and is not reached when the file is run."
@@ -149,7 +149,7 @@ def _of_guard(guard: ast.If, source: PythonSource, main: ast.FunctionDef | None)
     if test not in ("__name__ == '__main__'", "'__main__' == __name__"):
         cause = f"`if {test}:` is not true when the file is run: __name__ is then '__main__'."
         return Finding("never-called", cause, source.at(guard), "write if __name__ == '__main__':")
-    if all(isinstance(one, ast.Pass) or (isinstance(one, ast.Expr) and isinstance(one.value, (ast.Name, ast.Constant, ast.Attribute))) for one in guard.body):  # fmt: skip
+    if all(isinstance(statement, ast.Pass) or (isinstance(statement, ast.Expr) and isinstance(statement.value, (ast.Name, ast.Constant, ast.Attribute))) for statement in guard.body):  # fmt: skip
         name = main.name if main else "main"
         cause = f"`{ast.unparse(guard.body[0])}` only names a function without calling it."
         return Finding("never-called", cause, source.at(guard.body[0]), f"write {name}()")
@@ -157,7 +157,7 @@ def _of_guard(guard: ast.If, source: PythonSource, main: ast.FunctionDef | None)
 
 
 def _only_defines(node: ast.stmt) -> bool:
-    """Return whether a statement at the top of a file does nothing that is seen."""
+    """Return whether a top-level statement has no visible effect."""
     if isinstance(
         node, (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Pass)
     ):
@@ -165,4 +165,4 @@ def _only_defines(node: ast.stmt) -> bool:
     if isinstance(node, ast.Expr):
         return isinstance(node.value, (ast.Constant, ast.Name, ast.Attribute))
     is_set = isinstance(node, (ast.Assign, ast.AnnAssign))
-    return is_set and not any(isinstance(one, ast.Call) for one in ast.walk(node))
+    return is_set and not any(isinstance(n, ast.Call) for n in ast.walk(node))

@@ -1,4 +1,4 @@
-"""An error in a function that has taken the place of another one."""
+"""Explains errors that come from a name that replaces or hides another one."""
 
 from __future__ import annotations
 
@@ -10,22 +10,27 @@ from ros2lab.diagnose.sources.interfaces import members_of
 
 
 def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
-    """Return that something of rclpy's was taken away in the file through which its error came; None if nothing was."""
+    """Return the known finding that the file of an error hides a member of Node; None if there is none."""
     frames = error.reports[-1].frames if error.reports else ()
     own = own_frames(frames)
     if not own or frames[-1] in own:
         return None
     file = place_of(own[:1], look).rpartition(":")[0]
     return next(
-        (one for one in known if one.code == "node-property" and one.place.startswith(f"{file}:")), None
+        (
+            finding
+            for finding in known
+            if finding.code == "node-property" and finding.place.startswith(f"{file}:")
+        ),
+        None,
     )
 
 
 def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
-    """Return that a method in which an error came has taken the place of one of every node; None if it has not."""
+    """Say that the failing method hides a method of Node that rclpy calls itself; None if it does not."""
     frames = error.reports[-1].frames if error.reports else ()
     own = own_frames(frames)
-    if len(own) < 2 or frames.index(own[0]) - frames.index(own[1]) < 2:  # nobody stands between the two
+    if len(own) < 2 or frames.index(own[0]) - frames.index(own[1]) < 2:  # they call each other directly
         return None
     spot = spot_at(place_of(own[:1], look), look)
     name = spot.function.name if spot.function else ""
@@ -46,10 +51,10 @@ def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
 
 
 def made_twice(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
-    """Return that the function in which an error came has replaced another one of its name; None if it has not."""
+    """Return the known finding that the failing function replaces one of the same name; else None."""
     frames = own_frames(error.reports[-1].frames) if error.reports else []
     spot = spot_at(place_of(frames, look), look) if frames else Spot(None, 0)
     if spot.source is None or spot.function is None:
         return None
     place = f"{spot.source.shown}:{spot.function.lineno}"
-    return next((one for one in known if one.code == "replaced" and one.place == place), None)
+    return next((finding for finding in known if finding.code == "replaced" and finding.place == place), None)

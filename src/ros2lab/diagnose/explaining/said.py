@@ -1,4 +1,4 @@
-"""What tools, shells and Python say well themselves: passed on, with the nearest right word and the place."""
+"""Passes on what tools, shells and Python say, with the nearest valid word and the place."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _NO_COMMAND = re.compile(
     r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
 )
 _SCRIPT = re.compile(r"^(?P<file>\S+\.py): line \d+: ")
-# How ros2, launch and colcon begin a sentence that says what is wrong.
+# How ros2, launch and colcon begin an error message.
 _SENTENCE = re.compile(
     r"(?:unknown|unable|could not|cannot|can't|failed to|malformed|invalid|the passed|there is no|no such|node not|fatal"
     r"|error|ignoring unknown|not a|no matching)\b",
@@ -60,7 +60,7 @@ _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
 
 
 def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
-    """Return what a tool's, a shell's or the system's own sentence says, with what to do; None if it is none."""
+    """Pass on a message of a tool, a shell or the system, with what to do; None if the line is none."""
     line = line.strip()
     if script := _SCRIPT.match(line):
         file = script["file"]
@@ -83,16 +83,19 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
 
 
 def _concerns(warning: re.Match[str], step: Step) -> bool:
-    """Return whether a warning is worth telling: not how a library is written, where the program did well or will for years."""
-    # pytest warns at a line of its own, and names the test.
+    """Return whether a warning is worth telling.
+
+    It must not be about later versions, and it must be about the student's code unless the command failed.
+    """
+    # pytest warns at a line of its own code, and names the test.
     is_own = ".py" in warning["message"] or bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
     return not OF_LATER.search(warning["kind"]) and (is_own or not step.ended_well)
 
 
 def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
-    """Return what ros2, launch or colcon says in a sentence of its own; None if it is none.
+    """Return the error message of ros2, launch or colcon; None if the line is none.
 
-    What it only warns of is told where it is known what was meant.
+    A mere warning is passed on only if it is known what was meant.
     """
     sentence = PREFIX.sub("", line, count=1)
     if _SENTENCE.match(without_data(sentence)) and not error.reports:
@@ -129,8 +132,8 @@ def _no_command(tool: str, name: str) -> Finding:
         cause = f"{name} is the prompt, which the terminal itself prints; it is not part of the command."
         return Finding(SAID, cause, "", f"type only what comes after {name}")
     folders = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
-    commands = [one.name for folder in folders if folder.is_dir() for one in folder.iterdir()]
-    close = nearest(name, [one for one in commands if abs(len(one) - len(name)) < 2])
+    commands = [program.name for folder in folders if folder.is_dir() for program in folder.iterdir()]
+    close = nearest(name, [command for command in commands if abs(len(command) - len(name)) < 2])
     if keyword.iskeyword(name):
         fix = "type python3 first, or put it into a file and run that with python3"
         return Finding(SAID, f"{name} belongs to Python; the shell has no such command.", "", fix)
@@ -160,7 +163,7 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
             fix = "put the whole value in quotes: '{data: hello}'"
             return Finding(SAID, f"{tool} reads the value as several words, because of its spaces.", "", fix)
         if " " in match[1] and "[ERROR]" in error.text:
-            # Two arguments that a terminal gives one by one stand in one text.
+            # Two arguments are in one string, where a terminal would pass two.
             pieces = ", ".join(map(repr, shlex.split(match[1])))
             cause = f"{tool} is given {match[1]!r} as one argument, but it is {len(shlex.split(match[1]))}."
             return Finding(SAID, cause, "", f"write {pieces} instead of {match[1]!r} in the launch file")
@@ -177,7 +180,7 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
 
 
 def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
-    """Explain what the operating system says of a file."""
+    """Explain an error of the operating system about a file; None if it names no file."""
     quoted = re.findall(
         r"(?<!\w)[\u2018'\"]([^\u2019'\"]+)[\u2019'\"]", said["after"] or said["before"] or ""
     )
@@ -231,7 +234,7 @@ def _denied(path: str, *, is_run: bool) -> Finding:
     if is_run or (path.startswith("./") and Path(path).is_file()):
         fix = f"chmod +x {path}; a node is started with ros2 run"
         return Finding(SAID, f"The file {path} cannot be run: it is not marked as executable.", "", fix)
-    home = next((one for one in (Path(path), *Path(path).parents) if one.exists()), Path(path))
+    home = next((folder for folder in (Path(path), *Path(path).parents) if folder.exists()), Path(path))
     is_roots = home.exists() and home.stat().st_uid == 0 and path.startswith(str(Path.home()))
     cause = f"You have no permission to use {path}{', because it belongs to root' if is_roots else ''}."
     return Finding(
@@ -245,7 +248,7 @@ def _denied(path: str, *, is_run: bool) -> Finding:
 
 
 def _alike(path: str, look: Look) -> Iterator[str]:
-    """Yield the files and folders of a workspace that are meant by a path, or are called as it ends, or nearly so."""
+    """Yield the paths in a workspace that a wrong path may mean: of a similar path, or of a similar name."""
     wanted, meant = Path(path).name, look.root
     for part in Path(path).parts:
         inside = os.listdir(meant) if meant.is_dir() else []  # noqa: PTH208
@@ -264,7 +267,7 @@ def _alike(path: str, look: Look) -> Iterator[str]:
 
 
 def _names(look: Look) -> Iterator[str]:
-    """Yield everything that has a name in a workspace: packages, executables, launch files, nodes, topics."""
+    """Yield the names of the packages, executables, launch files, nodes and topics of a workspace."""
     from ros2lab.diagnose.nodes.topic_faults import ends_of
 
     for package in look.packages:
@@ -277,7 +280,7 @@ def _names(look: Look) -> Iterator[str]:
 
 
 def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
-    """Pass on why launch cannot go on, with the line of the launch file that names what it speaks of; None if it does not."""
+    """Pass on the exception of launch, with the place in the launch file; None if there is none."""
     match = re.search(r"Caught exception in launch[^:]*: (?P<said>.+)", error.text)
     if match is None:
         return None
@@ -300,25 +303,29 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
 
 
 def _refused_here(error: ErrorText, look: Look | None) -> Finding | None:
-    """Return what launch has against a file of the workspace, if an error says just that."""
+    """Return the fault that launch found in a file of the workspace, if the error is the same; else None."""
     files = look.launch_files if look else []
     faults = (
-        one for file in files if _is_refusal(file, error.text) for one in file.faults if one.code == SAID
+        fault
+        for file in files
+        if _is_refusal(file, error.text)
+        for fault in file.faults
+        if fault.code == SAID
     )
     return next(faults, None)
 
 
 def _is_refusal(file: LaunchFile, said: str) -> bool:
-    """Return whether launch says of a file what it has said here; where an object is in memory differs each time."""
+    """Return whether launch rejects a file with this very message; addresses in memory are ignored."""
     return bool(file.refusal) and file.refusal.partition(" at 0x")[0] in said
 
 
-# Of the seven substitutions of ROS 1 those that have another name now; http://wiki.ros.org/roslaunch/XML.
+# Substitutions of ROS 1 that have another name now; see http://wiki.ros.org/roslaunch/XML.
 _RENAMED = {"arg": "var", "find": "find-pkg-share", "optenv": "env"}
 
 
 def _other_substitution(said: str) -> str:
-    """Say which substitution was meant by one that launch does not know; empty if it is about something else."""
+    """Say which substitution was meant by an unknown one; empty if the error is about something else."""
     unknown = re.search(r"Unknown substitution: ([\w-]+)", said)
     if unknown is None:
         return ""
@@ -328,11 +335,11 @@ def _other_substitution(said: str) -> str:
     known = sorted(expose.substitution_parse_methods)
     if near := _RENAMED.get(unknown[1]) or nearest(unknown[1], known):
         return f"write $({near} ...) instead of $({unknown[1]} ...)"
-    return f"write one that launch has: {', '.join(f'$({one} ...)' for one in known)}"
+    return f"write one that launch has: {', '.join(f'$({substitution} ...)' for substitution in known)}"
 
 
 def launch_line(error: ErrorText, look: Look | None) -> str:
-    """Return the line of the launch file that names what launch speaks of; the file alone if none does."""
+    """Return the line of the launch file that an error is about; else the file, if only one is possible."""
     files = [*zip(look.launch_files, look.launch_paths, strict=True)] if look else []
     run = [pair for pair in files if error.command and pair[1].name == Path(error.command[2]).name]
     run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
@@ -358,7 +365,7 @@ def launch_line(error: ErrorText, look: Look | None) -> str:
 
 
 def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
-    """Return what one of Python's own exceptions says of a line of the student's; None if there is no such line."""
+    """Explain an exception that Python or a library raised at a line of the student's; else None."""
     if said := _SYSTEM_SAYS.match(report.message):
         number, words = SYSTEM[said["said"]], re.findall(r"'([^']+)'", said["after"] or "")
         if number == errno.ENOENT and words and (found := of_missing_file(words[0], place, look)):
@@ -379,7 +386,7 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
 
 
 def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
-    """Say which value a library refuses, as launch does: `Expected 'parameters' to be a list, but got '{}'`."""
+    """Say which value a library rejects, as in `Expected 'parameters' to be a list`; else None."""
     match = re.search(
         r"Expected '(?P<name>\w+)' to be (?P<wanted>.+?), but got '?(?P<given>.+?)'? of type '<class '(?P<kind>\w+)'>'",
         report.message,
@@ -402,7 +409,7 @@ def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | N
 
 
 def _in_launch(look: Look | None, keyword_name: str) -> str:
-    """Return where launch files give an argument of this name; else the only launch file there is."""
+    """Return where a launch file passes this keyword argument; else the only launch file, or nothing."""
     files = look.launch_files if look else []
     for path, file in ((p, f) for p in (look.packages if look else ()) for f in p.launch_files):
         source = read_source(file, file.stem, path.shown(str(file.relative_to(path.folder))))

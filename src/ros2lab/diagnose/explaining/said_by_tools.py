@@ -1,4 +1,4 @@
-"""What a text says well itself: the exception, or the sentence of a tool, that is passed on."""
+"""Passes on what explains itself: an exception, or the sentence of a tool."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "Term
 
 
 def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
-    """Return what an error says well itself."""
+    """Return the message of an exception or a tool; empty if there is none to pass on."""
     reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
     harmless = harmless_lines(error.steps)
     said = (
@@ -24,19 +24,19 @@ def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
         if reports
         else [passed_on(line, error, look) for line in lines_of(error) if line not in harmless]
     )
-    found = [one for one in said if one is not None][:1]
+    found = [finding for finding in said if finding is not None][:1]
     if not found and look and "Caught exception in launch" in error.text:
-        found = [one for one in [of_launch(error, look)] if one]
+        found = [finding for finding in [of_launch(error, look)] if finding]
     if found and "Warning: " in error.decisive and step_with(error.decisive, error.steps).ended_well:
         only = "The command succeeded; this is only a warning."
-        return [replace(one, cause=f"{only} {one.cause}") for one in found]
+        return [replace(finding, cause=f"{only} {finding.cause}") for finding in found]
     return found
 
 
 def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
-    """Return what an exception says of a line of the student's, or a warning that was printed in its form."""
+    """Return what an exception says about a line of the student's, or a warning that is printed like one."""
     place = place_of(own_frames(report.frames), look)
-    # It comes after its place, as Python warns; an exception begins its line.
+    # Python prints a warning after its place; an exception is at the beginning of its line.
     if report.kind.endswith("Warning") and f": {report.line}" in error.text:
         frame = report.frames[-1] if report.frames else None
         said = of_warning(f"{frame.file}:{frame.line}: {report.line}", error.text, look) if frame else None
@@ -45,7 +45,7 @@ def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Find
 
 
 def lines_of(error: ErrorText) -> list[str]:
-    """Return what may hold the error's words: its exceptions, the last one first, then every other line."""
+    """Return the lines that may name the error: the exceptions, the last first, then all other lines."""
     exceptions = [report.line for report in reversed(error.reports) if report.kind not in _SAY_NOTHING]
     return [
         *exceptions,

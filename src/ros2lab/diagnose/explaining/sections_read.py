@@ -1,4 +1,4 @@
-"""Sections of the parameter files that a program was given, against the full name under which its node really ran."""
+"""Compares the sections of parameter files with the full names of the nodes that were started with them."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class _Ran:
     """A node of the workspace that was started with a parameter file.
 
     Attributes:
-        runs_as: its full name.
-        names: what a section may have been called that was meant for it.
+        runs_as: its full name at run time.
+        names: the names that a section meant for it may have.
         file: the name of the file.
     """
 
@@ -39,11 +39,11 @@ class _Ran:
 
 
 def sections_read(error: ErrorText, look: Look) -> tuple[list[Finding], set[str]]:
-    """Return which sections no node has read, and which files were read by a node, as they are shown."""
+    """Return findings about sections that no node reads, and the shown paths of files that a node reads."""
     found, served = list[Finding](), set[str]()
     for ran in (ran for step in error.steps for ran in _ran(step, look)):
         for package in look.packages:
-            for path in (one for one in package.parameter_files if one.name == ran.file):
+            for path in (file for file in package.parameter_files if file.name == ran.file):
                 shown, text = package.shown(path.relative_to(package.folder).as_posix()), read_text(path)
                 try:
                     content = read_parameter_file(text)
@@ -60,7 +60,7 @@ def sections_read(error: ErrorText, look: Look) -> tuple[list[Finding], set[str]
 
 
 def _ran(step: Step, look: Look) -> Iterator[_Ran]:
-    """Yield the nodes that a command has started with a parameter file."""
+    """Yield the nodes that a command started with a parameter file."""
     try:
         words = shlex.split(step.command)
     except ValueError:
@@ -73,13 +73,13 @@ def _ran(step: Step, look: Look) -> Iterator[_Ran]:
 
 
 def _run(package: str, program: str, rest: list[str], logged: set[str], look: Look) -> Iterator[_Ran]:
-    """Yield the node of a program with the files and names that it was given in the command."""
+    """Yield the node of a program, once for each parameter file that the command gives it."""
     pairs = [*pairwise(rest)]
     files = [value for option, value in pairs if option == "--params-file"]
     given = dict(
         value.split(":=", 1) for option, value in pairs if option in ("-r", "--remap") and ":=" in value
     )
-    home = next((one for one in look.packages if one.name == package), None)
+    home = next((known for known in look.packages if known.name == package), None)
     points = (home.setup.entry_points if home and home.setup else None) or ()
     module = next((point.module for point in points if point.name == program), "")
     if home is None or not files:
@@ -96,8 +96,10 @@ def _run(package: str, program: str, rest: list[str], logged: set[str], look: Lo
 
 
 def _launched(file: str, step: Step, look: Look) -> Iterator[_Ran]:
-    """Yield the nodes that a launch file has started with a parameter file, and that have logged something."""
-    started = [one for one in look.launched.values() if one.launched.place.partition(":")[0].endswith(file)]
+    """Yield the nodes that a launch file started with a parameter file and that logged something."""
+    started = [
+        node for node in look.launched.values() if node.launched.place.partition(":")[0].endswith(file)
+    ]
     for node in started:
         logged = _logged(step, str(node.launched.executable))
         if len(logged) == 1:
@@ -107,6 +109,6 @@ def _launched(file: str, step: Step, look: Look) -> Iterator[_Ran]:
 
 
 def _logged(step: Step, process: str = "") -> set[str]:
-    """Return the full names of the nodes that have logged something: a logger's name has dots instead of slashes."""
+    """Return the full names of the nodes that logged something; logger names have dots instead of slashes."""
     matches = filter(None, map(_LOGGED.match, step.lines))
     return {f"/{match['name'].replace('.', '/')}" for match in matches if (match["process"] or "") == process}

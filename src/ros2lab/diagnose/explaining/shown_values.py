@@ -1,4 +1,4 @@
-"""Values that a program shows and that no error is made of: nan, with which every comparison is false."""
+"""Explains odd values that a program prints without an error: nan, with which every comparison is false."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 from ros2lab.diagnose.sources.uses import is_log
 
 _NAN = re.compile(r"(?<![\w.])-?nan(?![\w.])")
-# What is made of many values, and of nan as soon as that is one of them: min and max depend on where it stands.
+# Functions of many values whose result is nan if one value is; for min and max, its position matters.
 _OF_MANY = frozenset(
     ("min", "max", "sum", "sorted", "mean", "average", "median", "amin", "amax", "std", "fmean")
 )
 
 
 def shown_values(error: ErrorText, look: Look) -> Iterator[Finding]:
-    """Yield where a value that a line shows as nan was made of several."""
+    """Yield where a value that is printed as nan was computed from several values."""
     lines = [line for line in error.text.splitlines() if _NAN.search(line)]
     for package in look.packages if lines else ():
         sources = look.sources(package)
@@ -33,11 +33,13 @@ def shown_values(error: ErrorText, look: Look) -> Iterator[Finding]:
 
 
 def _shows(call: ast.Call, line: str) -> bool:
-    """Return whether a line holds all that a call shows in any case, with something between."""
+    """Return whether a line contains all fixed text of a logging call that also shows values."""
     texts = [n.value for n in walk(call) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
     fixed = [part for text in texts for part in re.split(r"%[-+ #0]*[\d.]*[sdrfgeG]|\{[^{}]*\}", text)]
-    has_values = any(isinstance(n, (ast.Name, ast.Attribute)) for one in call.args for n in walk(one))
-    # How a value is formatted is a text, too, and stands in no line.
+    has_values = any(
+        isinstance(n, (ast.Name, ast.Attribute)) for argument in call.args for n in walk(argument)
+    )
+    # Format specifications are strings, too, but are not printed.
     shown = [
         part for part in fixed if len(part.strip()) > 1 and not re.fullmatch(r"[<>^+]?\d*\.?\d*[a-z%]?", part)
     ]
@@ -45,8 +47,8 @@ def _shows(call: ast.Call, line: str) -> bool:
 
 
 def _made_of(source: PythonSource, function: Function, call: ast.Call) -> Iterator[Finding]:
-    """Yield what makes one value of many, of those that a call shows."""
-    names = {n.id for one in call.args for n in walk(one) if isinstance(n, ast.Name)}
+    """Yield the calls that compute a value that is shown from many values."""
+    names = {n.id for argument in call.args for n in walk(argument) if isinstance(n, ast.Name)}
     own = [node for node in own_nodes(function) if isinstance(node, ast.Assign)]
     values = [
         node.value for node in own if any(getattr(target, "id", "") in names for target in node.targets)

@@ -1,7 +1,7 @@
-"""How much of a finding is said: its cause, then its place, then its fix.
+"""How much of a finding is told: its cause, then its place, then its fix.
 
-In a workspace of exercises a diagnosis says no more than it is asked for, so that the fault is still found by the
-student. A file in the workspace's folder says that it is one.
+In a workspace of exercises a diagnosis says no more than it is asked for, so that students find the fault
+themselves. A marker file in the workspace's folder says that it is such a workspace.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Step(str, Enum):
 
 
 def go_step_by_step(workspace: Path) -> None:
-    """Make a workspace one in which a finding is told step by step.
+    """Mark a workspace as one in which a finding is told step by step.
 
     Raises:
         OSError: if its folder cannot be written.
@@ -55,7 +55,7 @@ def is_text_step_by_step(text: str, folder: Path | None) -> bool:
 
 
 def told(findings: Iterable[Finding], step: Step) -> list[Finding]:
-    """Return the likeliest finding, without what comes after a step."""
+    """Return the likeliest finding, told as far as a step; empty if there are no findings."""
     return [
         replace(
             finding,
@@ -67,7 +67,7 @@ def told(findings: Iterable[Finding], step: Step) -> list[Finding]:
 
 
 def next_step(finding: Finding, step: Step) -> Step | None:
-    """Return the next step at which more is said of a finding; None if all is said."""
+    """Return the next step that tells more of a finding; None if all is told."""
     if step is Step.CAUSE and finding.place:
         return Step.PLACE
     return Step.FIX if step is not Step.FIX and finding.fix else None

@@ -1,4 +1,4 @@
-"""What was typed, against what the workspace has: topics, types, words, nodes, parameters and arguments."""
+"""Compares what was typed with what the workspace has: topics, types, nodes, parameters and arguments."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from ros2lab.diagnose.sources.spelling import nearest, plain_signs
 _VALUED = frozenset(
     ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
 )
-# What ROS reads only after --ros-args.
+# Options that ROS reads only after --ros-args.
 _OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
-# What keeps a node from being met, or from saying anything.
+# Codes of faults that keep a node from being found, or from publishing anything.
 _SILENCE = frozenset(
     (
         *(
@@ -57,9 +57,9 @@ _NO_ONE = re.compile(
 
 
 def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
-    """Yield what is wrong with the commands of a text, the last one first.
+    """Yield what is wrong with the commands in a text, the last one first.
 
-    Whom a command has met, as what it printed shows, is not missed: whether it still runs is another question.
+    A node that answered a command is not reported as missing, even if it no longer runs.
     """
     for step in reversed(unsettled(error.steps)):
         line = step.command
@@ -90,7 +90,7 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
 
 
 def as_keyed(line: str) -> str:
-    """Return a command with the signs of a keyboard; a dash before a word was two hyphens."""
+    """Replace typographic characters of a command by plain ones; a dash before a word becomes two hyphens."""
     return plain_signs(re.sub(r"(?<=\s)[\u2013\u2014](?=\w\w)", "--", line))
 
 
@@ -98,7 +98,7 @@ _BEGUN = re.compile(r"\[(?P<process>[\w.-]+)\]: process started with pid")
 
 
 def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
-    """Yield a program that launch starts again as often as it ends well."""
+    """Yield a finding if launch restarts a program each time it ends normally."""
     begun = Counter(match["process"] for match in _BEGUN.finditer(text))
     ended = (name for name in begun if f"[{name}]: process has finished cleanly" in text)
     again = next((name for name in ended if begun[name] > 1), "")
@@ -111,7 +111,7 @@ def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
 
 
 def _respawned(look: Look) -> str:
-    """Return the place in a launch file that lets a program be started again; empty if none does."""
+    """Return the place of the first respawn=True in a launch file; empty if there is none."""
     for path in (path for package in look.packages for path in package.launch_files):
         for number, line in enumerate(read_text(path).splitlines(), 1):
             if re.search(r"respawn\s*[=:]\s*[\"']?[Tt]rue", line):
@@ -119,15 +119,15 @@ def _respawned(look: Look) -> str:
     return ""
 
 
-# A ! in double quotes, or in none, with a sign after it that bash takes for an earlier command.
+# A ! inside double quotes, or unquoted, that bash replaces with an earlier command.
 _HISTORY = re.compile(r"^(?:[^'\"]|'[^']*')*(?:\"[^\"]*![^\s=\"(]|(?<!^)![^\s=\"'(])")
 
 
 def of_history(typed: Sequence[str], text: str) -> Iterator[Finding]:
-    """Yield a command in which bash put an earlier one in the place of a `!`: it shows the line that came of it."""
+    """Yield a finding for the first command in which bash replaced `!`, as the printed line shows."""
     for line in typed:
         is_told = "event not found" in text or any(
-            one.startswith(f"{line.partition('!')[0]}") for one in text.splitlines()
+            shown.startswith(f"{line.partition('!')[0]}") for shown in text.splitlines()
         )
         if _HISTORY.match(line) and is_told:
             quoted = line.replace("'", "").replace('"', "'")
@@ -137,7 +137,7 @@ def of_history(typed: Sequence[str], text: str) -> Iterator[Finding]:
 
 
 def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
-    """Yield a command of a notebook's cell that only changes its own shell, before one that needs the change."""
+    """Yield a finding if a `!` line changes only its own shell, and the next one needs the change."""
     cells = [line for line in typed if line.startswith("!")]
     for first, later in itertools.pairwise(cells):
         word = first.lstrip("! ").partition(" ")[0]
@@ -165,8 +165,8 @@ def _topic(verb: str, rest: Sequence[str], step: Step, error: ErrorText, look: L
     does = "publishes on" if verb != "pub" else "subscribes to"
     end = there.get(f"/{plain[0].lstrip('/')}")
     if end is None:
-        other = _other_topic(plain[0], there, does, step)
-        yield from filter(None, [other])
+        finding = _other_topic(plain[0], there, does, step)
+        yield from filter(None, [finding])
     elif wrong := _other_type(plain, end, line):
         yield wrong
     else:
@@ -176,7 +176,7 @@ def _topic(verb: str, rest: Sequence[str], step: Step, error: ErrorText, look: L
 
 
 def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) -> Finding | None:
-    """Say which topic was meant by one that the workspace does not have; None if that is not known."""
+    """Say which topic was meant if the workspace lacks the one that was typed; None if that is not known."""
     if absolute := _without_namespace(topic, there):
         return absolute
     if parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
@@ -185,7 +185,7 @@ def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) ->
         return Finding("topic-near-miss", cause, "", fix)
     if not _NO_ONE.search(step.text) or step.is_answered or not there:
         return None
-    private = [name for name, one in there.items() if one.is_private]
+    private = [name for name, end in there.items() if end.is_private]
     last = topic.rpartition("/")[2]
     wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
     if wanted in private:
@@ -200,11 +200,11 @@ def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) ->
 
 
 def _field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None:
-    """Return a topic and the field that were written as one name, as `/scale/weight/data`; None if they were not.
+    """Split a name such as `/scale/weight/data` into a topic and a field; None if it does not name a field.
 
     Args:
         name: what was written.
-        types: of each topic, without the slash at its beginning, the type.
+        types: the type of each topic, by its name without the leading slash.
     """
     parts = name.strip("/").split("/")
     for n in range(len(parts) - 1, 0, -1):
@@ -215,7 +215,7 @@ def _field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None
 
 
 def _other_type(plain: Sequence[str], end: End, line: str) -> Finding | None:
-    """Say that a command gives another type than the code has; None if it does not."""
+    """Say that a command uses another type than the code; None if it does not."""
     given = plain[1] if len(plain) > 1 else ""
     if not given or not end.type or given.replace("/msg/", ".msg.").replace("/", ".") == end.type:
         return None
@@ -225,11 +225,15 @@ def _other_type(plain: Sequence[str], end: End, line: str) -> Finding | None:
 
 
 def _not_met(topic: str, end: End, does: str, error: ErrorText, look: Look) -> Iterator[Finding]:
-    """Yield why a topic of the workspace's own is not met: first what keeps its node silent, then what may."""
+    """Yield why a topic of the workspace is not found: first faults that silence its node, then the rest."""
     file = end.creation.source.shown
     if any(typed.startswith("ros2 launch") for typed in error.typed):
-        yield from (one for one in look.findings if one.code == "launch-executable")
-    yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
+        yield from (finding for finding in look.findings if finding.code == "launch-executable")
+    yield from (
+        finding
+        for finding in look.findings
+        if finding.place.startswith(f"{file}:") and finding.code in _SILENCE
+    )
     yield Finding(
         "not-running",
         f"A node in the sources {does} {topic}, but none is found in this terminal's domain: it is not running, it uses another ROS_DOMAIN_ID, or it uses another topic name at run time.",
@@ -239,7 +243,7 @@ def _not_met(topic: str, end: End, does: str, error: ErrorText, look: Look) -> I
 
 
 def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
-    """Say that a topic's name in the code is a whole one, where a namespace was put before it; None if it was not."""
+    """Say that the code names the topic absolutely, so that no namespace applies; None if it does not."""
     for name, end in there.items():
         if topic.endswith(name) and topic != name and end.is_absolute:
             cause = f"The code names the topic {name} with a leading slash, so no namespace is put before it, and {topic} is a different topic."
@@ -249,7 +253,7 @@ def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
 
 
 def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
-    """Yield a word that is sent and that the code has only in other letters."""
+    """Yield a finding if the word that is sent differs from one in the code only in case or spaces."""
     sent = re.search(r"data:\s*['\"]?([^'\"}]+)", " ".join(plain[2:]))
     if not sent or end.is_publisher:
         return
@@ -300,7 +304,7 @@ def _parameter(plain: Sequence[str], line: str, look: Look) -> Iterator[Finding]
 
 
 def _read_once(name: str, look: Look) -> Iterator[Finding]:
-    """Yield a parameter that is read when the node begins, and never after."""
+    """Yield a finding if a parameter is read only in __init__."""
     for package in look.packages:
         sources = look.sources(package)
         reads = [
@@ -324,9 +328,9 @@ def _service(name: str, look: Look) -> Iterator[Finding]:
     servers = [
         str(given.value)
         for package in look.packages
-        for one in look.sources(package).creations
-        if one.method == "create_service"
-        and isinstance(given := (one.arguments or {}).get("srv_name"), ast.Constant)
+        for creation in look.sources(package).creations
+        if creation.method == "create_service"
+        and isinstance(given := (creation.arguments or {}).get("srv_name"), ast.Constant)
     ]
     if not any(server.lstrip("/") == name.lstrip("/") for server in servers):
         known = f"they offer {', '.join(servers)}" if servers else "they offer none"
@@ -339,9 +343,9 @@ def _service(name: str, look: Look) -> Iterator[Finding]:
 
 
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
-    nodes = {f"/{one}" for package in look.packages for one in look.sources(package).node_names() if one}
+    nodes = {f"/{node}" for package in look.packages for node in look.sources(package).node_names() if node}
     wanted = nearest(f"/{name.lstrip('/')}", nodes, 0.5)
-    is_named = f"/{name.rpartition('/')[2]}" in nodes  # in whatever namespace
+    is_named = f"/{name.rpartition('/')[2]}" in nodes  # in any namespace
     if nodes and not is_named:
         cause = f"No node here is named {name}; the nodes are {', '.join(sorted(nodes))}."
         yield Finding(

@@ -1,4 +1,4 @@
-"""A message that was typed as YAML, as its type has it."""
+"""Messages that were typed as YAML, corrected to match their types."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ros2lab.diagnose.sources.spelling import nearest
 
 
 def as_message(word: str, fields: Mapping[str, str]) -> str:
-    """Return a message in YAML whose fields are those of its type, from one that may not be written so.
+    """Return a message as valid YAML with the fields of its type.
 
     Args:
         word: what was typed.
@@ -24,14 +24,14 @@ def as_message(word: str, fields: Mapping[str, str]) -> str:
 
 
 def _loaded(word: str, loader: Any) -> Any:
-    """Return what YAML reads in a word; with its BaseLoader, every scalar as the text that was written."""
+    """Parse a word as YAML; with the BaseLoader, every scalar stays the text that was written."""
     from portable_ros2 import bounded_yaml
 
     return bounded_yaml.load(re.sub(r":(?=[^\s:/])", ": ", word), loader)
 
 
 def read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
-    """Return what is written for a field that is a text, and the other value that YAML reads there."""
+    """Return the text of a string field that YAML reads as another type, and that value; else None."""
     import yaml
 
     try:
@@ -45,7 +45,10 @@ def read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
 
 
 def _nested(word: str, fields: Mapping[str, str]) -> str:
-    """Return a message in YAML whose inner fields stand in lines that are not indented, as `linear:` and then `x: 0.5`."""
+    """Return a message whose inner fields were written on unindented lines, as `linear:` and then `x: 0.5`.
+
+    Empty if it was not written so.
+    """
     parts: dict[str, list[str]] = {}
     inner: Mapping[str, str] = {}
     current = ""
@@ -63,11 +66,11 @@ def _nested(word: str, fields: Mapping[str, str]) -> str:
 
 
 def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> str:
-    """Return a field in YAML as its type has it.
+    """Return a field as YAML that matches its type.
 
     Args:
         name: its name.
-        value: what YAML reads there.
+        value: what YAML reads it as.
         written: the text that was written.
         fields: the types of all fields.
     """
@@ -84,7 +87,7 @@ def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> st
 
 
 def _quoted(word: str, fields: Mapping[str, str]) -> str:
-    """Return a message with one field, a text that YAML cannot read for what stands in it, with that in quotes; else empty."""
+    """Return a message with a single string field, its value in quotes; empty for any other message."""
     match = re.fullmatch(r"\s*\{?\s*(\w+):\s*([^'\"{}]*?)\s*\}?\s*", word)
     if match is None or fields.get(match[1]) != "string":
         return ""
@@ -92,7 +95,7 @@ def _quoted(word: str, fields: Mapping[str, str]) -> str:
 
 
 def _without_dots(written: Mapping[str, Any]) -> dict[str, Any]:
-    """Return fields whose names are written as in Python, such as `linear.x`, one in the other as YAML has them."""
+    """Return fields with dotted names, such as `linear.x`, as nested dictionaries."""
     found: dict[str, Any] = {}
     for name, value in written.items():
         *outer, last = str(name).split(".")
@@ -110,7 +113,7 @@ def _in_braces(written: Any) -> str:
 
 
 def _flowing(word: str, fields: Mapping[str, str]) -> str:
-    """Return a message in one line, with braces."""
+    """Return a message on one line, in braces."""
     import yaml
 
     try:
@@ -140,10 +143,12 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
     return word if is_same and ": " in word and not read_as(word, fields) else text
 
 
-def _reads_alike(one: str, other: str) -> bool:
-    """Return whether YAML reads the same in two texts, or would if values that need quotes had none."""
+def _reads_alike(text: str, other_text: str) -> bool:
+    """Return whether YAML reads two texts alike, as typed values or as text; True if one is invalid."""
     import yaml
 
     with contextlib.suppress(yaml.YAMLError):
-        return any(_loaded(one, kind) == _loaded(other, kind) for kind in (yaml.SafeLoader, yaml.BaseLoader))
+        return any(
+            _loaded(text, kind) == _loaded(other_text, kind) for kind in (yaml.SafeLoader, yaml.BaseLoader)
+        )
     return True

@@ -1,4 +1,4 @@
-"""A command that ros2 does not take: which change of its words the parser of ros2 accepts is tried, and that one is told."""
+"""Corrects commands that ros2 rejects: tries changes until its parser accepts one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ _SHOWN_PLAIN = re.compile(r"[\w./:=@,+~-]+")
 
 
 def accepted_form(line: str) -> tuple[str, str] | None:
-    """Return a command of ros2 as its parser takes it, and what was wrong as a sentence; None if neither is known."""
+    """Return a form of the command that the parser accepts, and a sentence that says what was wrong.
+
+    None if the command is accepted as it is, or if no change that is tried helps.
+    """
     try:
         words = shlex.split(line.rstrip("& "))
     except ValueError:
@@ -28,7 +31,7 @@ def accepted_form(line: str) -> tuple[str, str] | None:
 
 
 def _line(words: Sequence[str], line: str) -> str:
-    """Return words as they are typed, those of the old line in its own quotes."""
+    """Join words into a command line; words of the old line keep its quotes."""
     quoted = {shlex.split(text)[0]: text for text in re.findall(r"'[^']*'|\"[^\"]*\"", line)}
     return " ".join(
         quoted.get(word) or (word if _SHOWN_PLAIN.fullmatch(word) else shlex.quote(word)) for word in words
@@ -47,7 +50,7 @@ def _is_accepted(words: Sequence[str]) -> bool:
 
 
 def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
-    """Yield the words with one change each, the likeliest first."""
+    """Yield versions of a command with one change each, the likeliest first, and why each is needed."""
     parser, depth = _parser(words)
     yield from _other_verb(words, parser, depth)
     actions = {name: action for action in parser._actions for name in action.option_strings}
@@ -60,9 +63,9 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
         if action is None:
             yield from _unknown_option(words, number, actions)
         elif action.nargs in ("+", "*"):
-            taken = list(itertools.takewhile(lambda each: not each.startswith("-"), after))
+            taken = list(itertools.takewhile(lambda word: not word.startswith("-"), after))
             for value in reversed(taken):
-                rest = [each for each in after if each is not value]
+                rest = [word for word in after if word is not value]
                 yield (
                     [*before, value, name, *rest],
                     f"{name} takes all the words after it, including {value!r}.",
@@ -118,7 +121,7 @@ def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
 def _unknown_option(
     words: list[str], number: int, actions: dict[str, argparse.Action]
 ) -> Iterator[tuple[list[str], str]]:
-    """Yield words in which an option that there is not is another one, or an argument of a launch file or a node."""
+    """Yield versions with an unknown option replaced by a similar one or a launch argument, or removed."""
     name, sign, given = words[number].partition("=")
     before, after = words[:number], words[number + 1 :]
     if near := nearest(name, actions, 0.7):
@@ -147,7 +150,7 @@ def _other_verb(
 
 
 def _parser(words: Sequence[str]) -> tuple[argparse.ArgumentParser, int]:
-    """Return the innermost parser that words name, and how many of them name it."""
+    """Return the parser of the innermost subcommand, and the number of words that lead to it."""
     from portable_ros2.command import parser_of
 
     parser, depth = parser_of(words[1:]), 0
@@ -160,7 +163,7 @@ def _parser(words: Sequence[str]) -> tuple[argparse.ArgumentParser, int]:
 
 
 def _values_for(action: argparse.Action, value: str) -> list[str]:
-    """Return what an option may have been meant to be given."""
+    """Return values that may have been meant for an option; empty if the given one is accepted."""
     if value in (action.choices or ()):
         return []
     if action.choices:

@@ -1,4 +1,4 @@
-"""Warnings of Python and its tools: passed on with the hint of their next lines, and with the lines that they are about."""
+"""Passes on the warnings of Python and its tools, with their hints and the lines that they are about."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ros2lab.diagnose.sources.python_source import Function
 
 _TEST = re.compile(r"(?P<file>[\w./-]+\.py)::(?:(?P<owner>\w+)::)?(?P<name>\w+)")
 _FROM = re.compile(r"'(?P<name>\w+)'.*\(from: (?P<file>\S+\.py)\)")
-# The hint of a tool, in the words in which tools give one.
+# The hint in a warning, as tools usually phrase one.
 _SENTENCE = re.compile(
     r"(?:^|[.?!] +|[-;:,] )(?P<hint>(?:[Uu]se|Did you mean|[Yy]ou (?:can|should)|[Pp]lease|[Cc]onsider|[Tt]ry|[Rr]eplace)\b.+?)(?:[.?!](?= |$)| - |$)"
 )
@@ -28,7 +28,7 @@ _SEE = re.compile(r"(?:\s*-\s*for details, )?[Ss]ee https?://\S+.*$|\(from: \S+\
 
 @dataclass(frozen=True)
 class _Warning:
-    """One warning: who gives it, and all that it says."""
+    """A warning: the line that it comes from, and its whole text."""
 
     file: str
     line: int
@@ -37,7 +37,7 @@ class _Warning:
 
 
 def of_warning(line: str, text: str, look: Look | None) -> Finding | None:
-    """Pass on a warning with its hint, its place and what is to be written there; None if a line holds none.
+    """Pass on a warning with its place and its fix; None if the line is no warning.
 
     Args:
         line: the line that begins the warning.
@@ -48,16 +48,18 @@ def of_warning(line: str, text: str, look: Look | None) -> Finding | None:
     every = [*_warnings(text.splitlines())]
     first = next(
         (
-            one
-            for one in every
-            if head and one.kind == head["kind"] and one.said.startswith(head["message"].strip())
+            warning
+            for warning in every
+            if head and warning.kind == head["kind"] and warning.said.startswith(head["message"].strip())
         ),
         None,
     )
     if head is None or first is None:
         return None
     places = [
-        *dict.fromkeys(place for one in every if one.kind == first.kind for place in _places(one, look))
+        *dict.fromkeys(
+            place for warning in every if warning.kind == first.kind for place in _places(warning, look)
+        )
     ]
     fix, place = _fix(first.said, places, look)
     cause = _SEE.sub("", first.said).strip().rstrip(".")
@@ -65,13 +67,13 @@ def of_warning(line: str, text: str, look: Look | None) -> Finding | None:
 
 
 def _warnings(lines: Sequence[str]) -> Iterator[_Warning]:
-    """Yield each warning, with the lines in which it goes on."""
+    """Yield each warning, with its continuation lines."""
     for number, line in enumerate(lines):
         if head := WARNING.match(line):
             said = [head["message"].strip()]
             for more in lines[number + 1 : number + 6]:
                 indent = more[: -len(more.lstrip()) or None] if more.strip() else None
-                # The line of code to which it speaks is shown below it, further to the right.
+                # The line of code that it is about is shown below, indented further.
                 if indent != head["indent"] or WARNING.match(more) or not _is_said(more):
                     break
                 said.append(more.strip())
@@ -79,12 +81,12 @@ def _warnings(lines: Sequence[str]) -> Iterator[_Warning]:
 
 
 def _is_said(line: str) -> bool:
-    """Return whether a line is a sentence and no rule, prompt or name of a test."""
+    """Return whether a line is a sentence, and not a rule, a prompt or the name of a test."""
     return re.match(r"\s*[A-Z`'\"].* .*[\w.?!`'\"]$", line) is not None and "::" not in line
 
 
 def _places(warning: _Warning, look: Look | None) -> Iterator[str]:
-    """Yield the lines of the student's that a warning is about: where it came, or what it names."""
+    """Yield the student's lines that a warning is about: its own, or those of what it names."""
     frame = Frame(warning.file, warning.line)
     if own_frames([frame]):
         yield place_of([frame], look)
@@ -99,16 +101,16 @@ def _places(warning: _Warning, look: Look | None) -> Iterator[str]:
 
 
 def _fix(said: str, places: Sequence[str], look: Look | None) -> tuple[str, str]:
-    """Return what is to be written, as the hint of a warning has it, and where."""
+    """Return the fix that a warning hints at, and its place."""
     place = places[0] if places else ""
     if match := _INSTEAD.search(said) or _MEANT.search(said):
         groups = match.groupdict()
         old, new = (groups[key] or groups[f"{key}2"] for key in ("old", "new"))
-        lines = [found for one in places if (found := _line_with(old, spot_at(one, look)))]
+        lines = [found for warned in places if (found := _line_with(old, spot_at(warned, look)))]
         if lines:
             first, text = lines[0]
             others = sorted(
-                {int(one[0].rpartition(":")[2]) for one in lines[1:]} - {int(first.rpartition(":")[2])}
+                {int(shown[0].rpartition(":")[2]) for shown in lines[1:]} - {int(first.rpartition(":")[2])}
             )
             more = (
                 f"; and likewise on line{'s' * (len(others) > 1)} {', '.join(map(str, others))}"
@@ -123,7 +125,7 @@ def _fix(said: str, places: Sequence[str], look: Look | None) -> tuple[str, str]
 
 
 def _line_with(old: str, spot: Spot) -> tuple[str, str] | None:
-    """Return the place and the text of the first line that holds a word, of a statement or of a function."""
+    """Return the place and text of the first line of a statement or function with this word; else None."""
     source = spot.source
     if source is None:
         return None
