@@ -1,4 +1,4 @@
-"""The call of which a type checker speaks, and the forms in which it may have been meant."""
+"""Finds the call that the type checker rejects, and forms in which it may have been meant."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from ros2lab.diagnose.sources.own_functions import own_function
 from ros2lab.diagnose.sources.python_source import PythonSource, parameters
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of
 
-_NOTHING = "..."  # stands for a value that is left out
+_NOTHING = "..."  # a keyword argument with this value is left out
 
 
 def as_it_was_meant(source: PythonSource, call: ast.Call) -> dict[str, str]:
-    """Return a call as the library's signature has it, and one call for each item of a list, with how that is told."""
-    each = one_each(call)
-    ways = {each[0]: f"write one line for each: {'; '.join(each)}"} if each else {}
+    """Return corrected forms of a call with their fixes: by its signature, or as a call for each item of a list."""
+    calls = one_each(call)
+    ways = {calls[0]: f"write one line for each: {'; '.join(calls)}"} if calls else {}
     return {whole_call(source, call): meant, **ways} if (meant := meant_call(source, call)) else ways
 
 
 def rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]:
-    """Return a call with what it lacks, under the name that it has there, without what is too much, or with other values."""
+    """Return forms of a call with their fixes: a missing argument added, extra ones removed or values converted."""
     given, named = [*map(ast.unparse, call.args)], _named(call, {})
     texts: list[str] = []
     if rule == "missing-argument":
@@ -37,24 +37,32 @@ def rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]
 
 
 def given_another(source: PythonSource, call: ast.Call, value: ast.expr, wanted: str) -> dict[str, str]:
-    """Return a call with an example of the type that is wanted instead of a value.
+    """Return forms of a call with their fixes: an example of the wanted type replaces a value.
 
-    The value is not lost where the call hands over a function that takes one more: that is told first.
+    Forms that pass the value on to a function among the other arguments come first.
     """
     example = example_of(Parameter("", wanted, "", is_positional=True))
-    passed_on = {id(one): _called_with(source, one, value) for one in _values(call) if one is not value}
+    passed_on = {
+        id(argument): _called_with(source, argument, value)
+        for argument in _values(call)
+        if argument is not value
+    }
     ways = [{key: text} for key, text in passed_on.items() if text]
-    # Of a text nothing is known but that it is one.
+    # An example of a string is not used: its content would be a guess.
     texts = [_with(call, {**way, id(value): example}) for way in (*ways, {}) if example.strip("'")]
-    if any(one.value is value for one in call.keywords):
+    if any(keyword.value is value for keyword in call.keywords):
         texts += [_with(call, {**way, id(value): _NOTHING}) for way in ways]
     return {text: f"write `{text}`" for text in texts}
 
 
 def _called_with(source: PythonSource, function: ast.expr, value: ast.expr) -> str:
-    """Return a function that calls another one with a value after its own; empty if that one takes no more values."""
+    """Return a lambda that calls a function with a value as its last argument; empty if that is not possible."""
     found = own_function(source, function) if isinstance(function, (ast.Name, ast.Attribute)) else None
-    names = [one.arg for one in parameters(found[1]) if one.arg not in ("self", "cls")] if found else []
+    names = (
+        [parameter.arg for parameter in parameters(found[1]) if parameter.arg not in ("self", "cls")]
+        if found
+        else []
+    )
     more = (
         [*map(ast.unparse, value.elts)] if isinstance(value, (ast.Tuple, ast.List)) else [ast.unparse(value)]
     )
@@ -65,24 +73,28 @@ def _called_with(source: PythonSource, function: ast.expr, value: ast.expr) -> s
 
 
 def argument_at(call: ast.Call, line: int, column: int) -> ast.expr | None:
-    """Return the value that a call is given at a line and a column."""
-    places = {(one.lineno, one.col_offset): one for one in call.args}
-    places |= {(one.lineno, one.col_offset): one.value for one in call.keywords}
+    """Return the argument of a call that begins at a line and a column; None if there is none."""
+    places = {(argument.lineno, argument.col_offset): argument for argument in call.args}
+    places |= {(keyword.lineno, keyword.col_offset): keyword.value for keyword in call.keywords}
     return places.get((line, column))
 
 
 def _values(call: ast.Call) -> list[ast.expr]:
-    return [*call.args, *(one.value for one in call.keywords)]
+    return [*call.args, *(keyword.value for keyword in call.keywords)]
 
 
 def _with(call: ast.Call, new: Mapping[int, str]) -> str:
-    """Return a call with other texts for some of its values, by their identity."""
-    return _call(call, [new.get(id(one)) or ast.unparse(one) for one in call.args], _named(call, new))
+    """Return a call with some of its arguments replaced; the keys are the ids of their nodes."""
+    return _call(
+        call, [new.get(id(argument)) or ast.unparse(argument) for argument in call.args], _named(call, new)
+    )
 
 
 def _named(call: ast.Call, new: Mapping[int, str]) -> list[str]:
-    rows = ((one, new.get(id(one.value)) or ast.unparse(one.value)) for one in call.keywords)
-    return [f"{one.arg}={text}" if one.arg else f"**{text}" for one, text in rows if text != _NOTHING]
+    rows = ((keyword, new.get(id(keyword.value)) or ast.unparse(keyword.value)) for keyword in call.keywords)
+    return [
+        f"{keyword.arg}={text}" if keyword.arg else f"**{text}" for keyword, text in rows if text != _NOTHING
+    ]
 
 
 def _call(call: ast.Call, given: Sequence[str], named: Sequence[str]) -> str:
@@ -90,7 +102,7 @@ def _call(call: ast.Call, given: Sequence[str], named: Sequence[str]) -> str:
 
 
 def call_at(spot: Spot, column: int, rule: str) -> ast.Call | None:
-    """Return the call about which a type checker speaks at a line and a column."""
+    """Return the call that the type checker rejects at a line and a column; None if there is none."""
 
     def begins(node: ast.AST) -> bool:
         return (getattr(node, "lineno", 0), getattr(node, "col_offset", -1)) == (spot.line, column)

@@ -1,4 +1,4 @@
-"""Calls that stand where a function is wanted, so that they run at once: `Thread(target=work())`."""
+"""Finds calls that are written where a function is needed, and so run at once: `Thread(target=work())`."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _FUNCTION = re.compile(r"Expected `.*->.*`, found")
 
 @dataclass(frozen=True)
 class _Given:
-    """A call that is an argument of another one.
+    """A call that is an argument of another call.
 
     Attributes:
-        outer: the other one.
-        call: what is given to it.
-        name: of the argument; empty if it is given by its place.
-        is_void: whether it calls a function of one's own that returns nothing, which the type checker does not tell.
+        outer: the outer call.
+        call: the call that is its argument.
+        name: the name of the keyword argument; empty if it is positional.
+        is_void: whether it calls a function of the workspace that returns nothing; the type checker does not say so.
     """
 
     outer: ast.Call
@@ -39,9 +39,9 @@ class _Given:
 
 
 def called_at_once(look: Look) -> Iterator[Finding]:
-    """Yield each call that returns nothing, and stands where something takes a function that it calls later.
+    """Yield each call that returns None but is passed where a function is needed that is called later.
 
-    What a parameter takes, and what a function of a library returns, is asked of the type checker: no name tells it.
+    The type checker says what a parameter accepts and what a library function returns.
     """
     for package in look.packages:
         sources = look.sources(package)
@@ -51,12 +51,15 @@ def called_at_once(look: Look) -> Iterator[Finding]:
 
 
 def _given_calls(sources: NodeSources, source: PythonSource) -> Iterator[_Given]:
-    """Yield calls that are arguments, but for rclpy's callbacks, what is only shown, and what a class makes."""
+    """Yield calls that are arguments, except instances of classes, and not in rclpy's create calls and log calls."""
     made = {id(creation.call) for creation in sources.creations}
     for owner, _, node in sources.scoped(source):
         if not isinstance(node, ast.Call) or id(node) in made or is_log(node):
             continue
-        values = [*(("", one) for one in node.args), *((one.arg or "", one.value) for one in node.keywords)]
+        values = [
+            *(("", argument) for argument in node.args),
+            *((keyword.arg or "", keyword.value) for keyword in node.keywords),
+        ]
         for name, value in values:
             if isinstance(value, ast.Call) and not _is_class(sources, source, value):
                 function = _own_function(sources, source, owner, value)
@@ -66,7 +69,7 @@ def _given_calls(sources: NodeSources, source: PythonSource) -> Iterator[_Given]
 
 
 def _is_class(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool:
-    """Return whether a call makes an object of a class of one's own, a message, or a value of Python's own types."""
+    """Return whether a call makes an instance of a class of the workspace, a message or a built-in type."""
     name = sources.resolve(source, call.func) or ""
     return name in sources.classes or is_interface(name) or hasattr(builtins, name)
 
@@ -83,15 +86,17 @@ def _own_function(
 def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
     lines = source.text.encode().splitlines(keepends=True)
     revealing = lines
-    for call in sorted((one.call for one in given), key=lambda call: (-call.lineno, -call.col_offset)):
+    for call in sorted(
+        (given_call.call for given_call in given), key=lambda call: (-call.lineno, -call.col_offset)
+    ):
         written = ast.get_source_segment(source.text, call) or ast.unparse(call)
         revealing = Edit(call, f"reveal_type({written})").applied(revealing)
-    others = [b"".join(Edit(one.call, "object()").applied(lines)) for one in given]
+    others = [b"".join(Edit(given_call.call, "object()").applied(lines)) for given_call in given]
     revealed, *refused = checked(source, [b"".join(revealing), *others])
-    for one, rows in zip(given, refused, strict=True):
-        is_void = one.is_void or _has(revealed, "revealed-type", one.call, _NOTHING)
-        if is_void and _has(rows, "invalid-argument-type", one.call, _FUNCTION):
-            yield _finding(source, one)
+    for given_call, rows in zip(given, refused, strict=True):
+        is_void = given_call.is_void or _has(revealed, "revealed-type", given_call.call, _NOTHING)
+        if is_void and _has(rows, "invalid-argument-type", given_call.call, _FUNCTION):
+            yield _finding(source, given_call)
 
 
 def _has(rows: list[Row], rule: str, node: ast.expr, said: re.Pattern[str]) -> bool:

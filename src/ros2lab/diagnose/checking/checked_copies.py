@@ -1,4 +1,4 @@
-"""What a type checker says of files, and of copies of them in which a call is written anew; nothing where there is none."""
+"""Runs the type checker on files, and on copies of them in which a call is rewritten."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.scratch import scratch_folder
 
-_LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
+_LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of a second
 _ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
-# Each rule that is asked, with the words in what it says.
+# The rules that are used, with patterns for their messages.
 RULES = {
     "unresolved-reference": r"Name `(?P<name>\w+)` used when (?P<owner>)not defined",
     "missing-attribute": r"(?:Object of type|Module|Class) `(?P<owner>.+)` has no (?:attribute|member) `(?P<name>\w+)`"
@@ -36,23 +36,27 @@ RULES = {
 
 
 def said_of(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
-    """Return each objection of the type checker to some files, with its file, line, column, rule and words.
+    """Return the messages of the type checker about some files: file, line, column, rule and text.
+
+    Empty if it is not installed or fails.
 
     Args:
         files: their paths.
-        homes: folders in which more is found that they import.
+        homes: more folders from which they import modules.
     """
     checker = shutil.which(
         "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     )
     if checker is None or not files:
         return []
-    # It runs elsewhere, and what is said from here would be looked for there.
-    search = [Path(part).absolute() for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if part]
+    # It runs in another folder, so relative paths are made absolute.
+    search = [
+        Path(folder).absolute() for folder in os.environ.get("PYTHONPATH", "").split(os.pathsep) if folder
+    ]
     environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
-    for part in [*homes, *filter(Path.is_dir, search)]:
-        command += ["--extra-search-path", str(part)]
+    for folder in [*homes, *filter(Path.is_dir, search)]:
+        command += ["--extra-search-path", str(folder)]
     try:
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/", env=environ
@@ -60,12 +64,12 @@ def said_of(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
     except (OSError, subprocess.SubprocessError):
         return []
     rows = [row for line in done.stdout.splitlines() if (row := _ROW.match(line)) is not None]
-    # What is named wrongly is missing, too; the wrong name says more.
+    # A misspelled keyword argument is reported as missing, too; the misspelling says more.
     return sorted(rows, key=lambda row: row["rule"] == "missing-argument")
 
 
 def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
-    """Return whether a type checker finds nothing in the lines of a call that is written anew in a copy of its file."""
+    """Return whether the type checker accepts a rewritten call in a copy of its file."""
     return first_that_stands(source, call, [written]) == written
 
 
@@ -77,15 +81,15 @@ def first_that_stands(
     are_items_open: bool = False,
     settled: str = "",
 ) -> str:
-    """Return the first way to write a call in which a type checker finds nothing, each in a copy of the file; empty if none is.
+    """Return the first form of a call that the type checker accepts in a copy of the file; else empty.
 
     Args:
         source: the file.
         call: the call in it.
-        ways: how it may be written.
-        are_items_open: whether a list may hold other items than the library's annotation says, which is often narrower
-            than what it takes.
-        settled: which of the objections to the call is to go, so that the others may stay; empty if all are.
+        ways: the forms to try.
+        are_items_open: whether a list may have items of other types than the library's annotation allows: it is
+            often too narrow.
+        settled: the only objection to the call that a form must remove; empty if it must remove all.
     """
     lines = source.text.encode().splitlines(keepends=True)
     last = call.end_lineno or call.lineno
@@ -111,7 +115,7 @@ _OF_ITEMS = re.compile(r"Expected `(?:\w+\.)*(?P<kind>\w+)\[.*`, found `(?P=kind
 
 @dataclass(frozen=True)
 class Row:
-    """What the type checker says of a line: by which rule, and in which words."""
+    """A message of the type checker: its line, rule and text."""
 
     line: int
     rule: str
@@ -119,15 +123,15 @@ class Row:
 
 
 def checked(source: PythonSource, texts: Sequence[bytes]) -> list[list[Row]]:
-    """Return what the type checker says of each of some copies of a file, in the order of their lines.
+    """Return the messages of the type checker about each copy of a file, in the order of the lines.
 
     Args:
-        source: the file, beside which the copies find what it imports.
-        texts: what the copies say.
+        source: the file; the copies import modules as it does.
+        texts: the contents of the copies.
     """
     parts = source.name.count(".") + source.is_package
-    # A test imports from the folder above its own.
-    home = [str(one) for one in [*source.path.parents][parts : parts + 2]] if source.path else []
+    # A test also imports from the folder above its own.
+    home = [str(parent) for parent in [*source.path.parents][parts : parts + 2]] if source.path else []
     with scratch_folder() as folder:
         stubs = folder / "stubs"
         write_stubs(source.names.values(), stubs)

@@ -1,4 +1,4 @@
-"""Comparisons with a value of a type that the other side never has: the type checker is asked what that has."""
+"""Finds comparisons with a value of a type that the other side never has, as the type checker says."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource
 
-# How the type checker writes the types, and what each is in plain words; of what is written otherwise nothing is told.
+# Each type in plain words, and how the type checker writes it; other types are not reported.
 _FAMILIES = (
     (
         "a number",
@@ -35,13 +35,13 @@ _NUMBER = re.compile(r"\s*[-+]?\d+(\.\d+)?\s*")
 
 @dataclass(frozen=True)
 class _Compared:
-    """A side of a comparison, and the constants with which it is compared, all of one family.
+    """A side of a comparison, and the constants with which it is compared, all of one kind.
 
     Attributes:
         node: the whole comparison.
-        side: what is not a constant.
-        constants: as above.
-        is_equal: whether it asks for what is equal, and not for what is not.
+        side: the side that is not a constant.
+        constants: the constants of the other side.
+        is_equal: whether the operator is == or in, and not != or not in.
     """
 
     node: ast.Compare
@@ -51,17 +51,17 @@ class _Compared:
 
 
 def compared_types(look: Look, known: Collection[str]) -> Iterator[Finding]:
-    """Yield comparisons that are always false, or always true, because of what is compared.
+    """Yield comparisons that are always false, or always true, because of the types.
 
     Args:
         look: the workspace.
-        known: places of which something is told already.
+        known: the places that already have a finding.
     """
     for package in look.packages:
         sources = look.sources(package)
         for source in sources.sources.values():
             asked = [*_comparisons(source)] if source.path and not source.fault else []
-            asked = [one for one in asked if source.at(one.node) not in known]
+            asked = [comparison for comparison in asked if source.at(comparison.node) not in known]
             if asked:
                 yield from _told(sources, source, asked, _kinds(source, asked, look))
 
@@ -80,21 +80,21 @@ def _comparisons(source: PythonSource) -> Iterator[_Compared]:
             case _:
                 continue
         for side, others in pairs:
-            constants = [one for one in others if isinstance(one, ast.Constant)]
-            families = {_family_of(one.value) for one in constants}
+            constants = [operand for operand in others if isinstance(operand, ast.Constant)]
+            families = {_family_of(constant.value) for constant in constants}
             is_asked = len(constants) == len(others) and len(families) == 1 and "" not in families
             if is_asked and not isinstance(side, ast.Constant):
                 yield _Compared(node, side, constants, isinstance(how, (ast.Eq, ast.In)))
 
 
 def _kinds(source: PythonSource, asked: Sequence[_Compared], look: Look) -> list[str]:
-    """Return of which types the sides are, as the type checker writes them; nothing where it does not tell."""
+    """Return the types of the sides as the type checker writes them, in file order; empty if unknown."""
     lines = source.text.encode().splitlines(keepends=True)
     edits = [*message_annotations(source, look)]
-    for one in asked:
-        written = ast.get_source_segment(source.text, one.side) or ast.unparse(one.side)
-        edits.append(Edit(one.side, f"reveal_type({written})"))
-    for edit in sorted(edits, key=lambda one: (one.node.lineno, one.node.col_offset), reverse=True):
+    for comparison in asked:
+        written = ast.get_source_segment(source.text, comparison.side) or ast.unparse(comparison.side)
+        edits.append(Edit(comparison.side, f"reveal_type({written})"))
+    for edit in sorted(edits, key=lambda edit: (edit.node.lineno, edit.node.col_offset), reverse=True):
         lines = edit.applied(lines)
     rows: list[Row] = checked(source, [b"".join(lines)])[0]
     kinds = [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
@@ -104,26 +104,26 @@ def _kinds(source: PythonSource, asked: Sequence[_Compared], look: Look) -> list
 def _told(
     sources: NodeSources, source: PythonSource, asked: Sequence[_Compared], kinds: Sequence[str]
 ) -> Iterator[Finding]:
-    own = {one.rpartition(".")[2] for one in sources.classes}
-    in_order = sorted(asked, key=lambda one: (one.side.lineno, one.side.col_offset))
-    for one, kind in zip(in_order, kinds, strict=False):
+    own = {name.rpartition(".")[2] for name in sources.classes}
+    in_order = sorted(asked, key=lambda comparison: (comparison.side.lineno, comparison.side.col_offset))
+    for comparison, kind in zip(in_order, kinds, strict=False):
         parts = kind.replace("*", "").split(" | ")
         families = {_family(part, own) for part in parts}
-        wanted = _family_of(one.constants[0].value)
+        wanted = _family_of(comparison.constants[0].value)
         if "" in families or wanted in families:
             continue
         if wanted != "a string" and any(_OBJECT.fullmatch(part) for part in parts):
-            continue  # an object may be equal to a number
-        text = ast.unparse(one.side)
+            continue  # an object may define equality with a number
+        text = ast.unparse(comparison.side)
         cause = (
-            f"`{text}` is {' or '.join(sorted(families))}, but {ast.unparse(one.constants[0])} is {wanted}, "
-            f"so `{ast.unparse(one.node)}` is {'never' if one.is_equal else 'always'} true."
+            f"`{text}` is {' or '.join(sorted(families))}, but {ast.unparse(comparison.constants[0])} is {wanted}, "
+            f"so `{ast.unparse(comparison.node)}` is {'never' if comparison.is_equal else 'always'} true."
         )
-        yield Finding("never-equal", cause, source.at(one.node), _fix(one, families, wanted))
+        yield Finding("never-equal", cause, source.at(comparison.node), _fix(comparison, families, wanted))
 
 
 def _family(kind: str, own: Collection[str]) -> str:
-    """Return what a type is in plain words; empty if that is not known, or if its objects may be equal to anything."""
+    """Return a type in plain words; empty if it is unknown, or if its instances may equal anything."""
     if UNKNOWN_TYPE.search(kind):
         return ""
     found = next((name for name, pattern in _FAMILIES if pattern.fullmatch(kind)), "")
@@ -133,7 +133,7 @@ def _family(kind: str, own: Collection[str]) -> str:
 
 
 def _family_of(value: object) -> str:
-    """Return what a constant is in plain words; empty for None and the like."""
+    """Return the type of a constant in plain words; empty for None and the like."""
     if isinstance(value, (bool, int, float)):
         return "a number"
     if isinstance(value, str):
@@ -141,12 +141,12 @@ def _family_of(value: object) -> str:
     return "bytes" if isinstance(value, bytes) else ""
 
 
-def _fix(one: _Compared, families: Collection[str], wanted: str) -> str:
-    """Say how the sides become comparable."""
-    text, value = ast.unparse(one.side), one.constants[0].value
-    if len(one.constants) > 1 or len(families) > 1:
+def _fix(comparison: _Compared, families: Collection[str], wanted: str) -> str:
+    """Say how to make the two sides comparable."""
+    text, value = ast.unparse(comparison.side), comparison.constants[0].value
+    if len(comparison.constants) > 1 or len(families) > 1:
         return f"compare what is {wanted} on both sides"
-    sign, word = ("==", "in") if one.is_equal else ("!=", "not in")
+    sign, word = ("==", "in") if comparison.is_equal else ("!=", "not in")
     match (next(iter(families)), value):
         case "a function", _:
             fix = f"write {text}() instead of {text}"

@@ -1,4 +1,4 @@
-"""A fix in words, as the edits that a student may make who applies it word by word."""
+"""Turns a fix in words into the edits of a student who applies it literally."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.checking.trials import Edit
 
-_ALIKE = 0.6  # of two texts, as difflib measures it
+_ALIKE = 0.6  # the least similarity of two texts, as difflib measures it
 _IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? instead of `?(?P<old>.+?)`?(?:, with .*)?$", re.DOTALL)
 _WRITTEN = re.compile(r"write (?P<sign>`?)(?P<new>.+?)(?P=sign)(?:, with .*)?$")
 
 
 def edits_told(fix: str, statement: ast.stmt | None, expressions: Iterable[ast.expr]) -> Iterator[Edit]:
-    """Yield what a student may do who applies a fix word by word.
+    """Yield the edits that a student may make who applies a fix literally.
 
     Args:
         fix: the fix.
-        statement: the statement of which it speaks.
-        expressions: what stands in it.
+        statement: the statement that it is about.
+        expressions: the expressions in the statement.
     """
     if match := _IN_PLACE.match(fix):
         for node in expressions:
@@ -35,7 +35,7 @@ def edits_told(fix: str, statement: ast.stmt | None, expressions: Iterable[ast.e
 
 
 def _plain(text: str) -> str:
-    """Return a statement as `ast` writes it; empty if it is none."""
+    """Return a statement as `ast` writes it; empty if it cannot be parsed."""
     try:
         return ast.unparse(ast.parse(text.strip()))
     except (SyntaxError, ValueError, RecursionError, MemoryError):

@@ -1,4 +1,4 @@
-"""What a module or a class has, and which of it was meant by a name that it has not."""
+"""The members of modules and classes, and which one was meant by a name that they lack."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ros2lab.diagnose.sources.spelling import nearest
 
 
 def members(owner: str, look: Look | None) -> set[str]:
-    """Return the public names that a module or a class has, the workspace's own classes included."""
+    """Return the public members of a module or a class, including the workspace's own classes."""
     if owner in sys.stdlib_module_names:
         return set(dir(interfaces.own_module(owner)))
     found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
@@ -25,17 +25,17 @@ def members(owner: str, look: Look | None) -> set[str]:
         found |= interfaces.members_of(home, owner)[0] or set(interfaces.fields_of(f"{home}.{owner}") or ())
     for package in look.packages if look else ():
         sources = look.sources(package) if look else None
-        for one in sources.classes.values() if sources else ():
-            if one.name.endswith(f".{owner}") and sources:
-                found |= sources.members(one) or one.attributes
+        for node_class in sources.classes.values() if sources else ():
+            if node_class.name.endswith(f".{owner}") and sources:
+                found |= sources.members(node_class) or node_class.attributes
     return {name for name in found if not name.startswith("_")}
 
 
 def in_place_of(name: str, owner: str, spot: Spot, look: Look | None) -> str:
-    """Return what is written instead of a member that something does not have; empty if that is not known.
+    """Return what to write instead of a member that does not exist; empty if that is not known.
 
-    It may be the field of the type that the name says, the member whose name is most like it, or a method with an
-    option, as `info(..., throttle_duration_sec=2.0)` for `info_throttle(2.0, ...)`.
+    It may be a field with a matching type name, the member with the most similar name, or a method with an option, as
+    `info(..., throttle_duration_sec=2.0)` for `info_throttle(2.0, ...)`.
     """
     known = members(owner, look)
     return _of_type(name, owner) or nearest(name, known) or _with_option(name, known, owner, spot)
@@ -46,7 +46,7 @@ def _homes(owner: str) -> Sequence[str]:
 
 
 def _of_type(name: str, owner: str) -> str:
-    """Return the field that is called as Python's name of its type would have it, as double_value for float_value."""
+    """Return the field whose Python type matches the name, as double_value for float_value; else empty."""
     first, _, rest = name.partition("_")
     for home in interfaces.homes_of(owner):
         for field, kind in (interfaces.fields_of(f"{home}.{owner}") or {}).items():
@@ -56,8 +56,8 @@ def _of_type(name: str, owner: str) -> str:
 
 
 def _with_option(name: str, known: set[str], owner: str, spot: Spot) -> str:
-    """Return a call of a method whose name begins this one, with the option that the rest of the name means."""
-    methods = [one for one in known if name.startswith(f"{one}_")]
+    """Return a call of the method whose name is a prefix of this name, with an option for the rest."""
+    methods = [member for member in known if name.startswith(f"{member}_")]
     calls = [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]
     if not methods or len(calls) != 1:
         return ""
@@ -68,10 +68,12 @@ def _with_option(name: str, known: set[str], owner: str, spot: Spot) -> str:
         text = read_text(folder.joinpath(*inner).with_suffix(".py")) if folder else ""
         option = re.search(rf"['\"]({re.escape(name[len(method) + 1 :])}\w*)['\"]", text)
         numbers = [
-            one for one in call.args if isinstance(one, ast.Constant) and not isinstance(one.value, str)
+            argument
+            for argument in call.args
+            if isinstance(argument, ast.Constant) and not isinstance(argument.value, str)
         ]
         if option and isinstance(call.func, ast.Attribute):
             value = ast.unparse(numbers[0]) if numbers else "True"
-            rest = [ast.unparse(one) for one in call.args if one not in numbers[:1]]
+            rest = [ast.unparse(argument) for argument in call.args if argument not in numbers[:1]]
             return f"`{ast.unparse(call.func.value)}.{method}({', '.join([*rest, f'{option[1]}={value}'])})`"
     return ""

@@ -1,4 +1,4 @@
-"""How two values can be joined or compared, one of which holds the number that was meant."""
+"""Fixes for operators with a value that holds the intended number, such as a parameter or a message."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ _SIGNS: dict[type[ast.AST], str] = {
 }  # fmt: skip
 
 
-_NUMBER = re.compile(r"(?:int|float)\b|Literal\[[-\d]")  # as Python and as the type checker call it
+_NUMBER = re.compile(r"(?:int|float)\b|Literal\[[-\d]")  # as Python and as the type checker name it
 
 
 def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
-    """Say how two values can be joined or compared, one of which holds the number that was meant.
+    """Say how to join or compare two values if one of them holds the intended number; else empty.
 
     Args:
-        spot: the line.
-        kinds: the types of the two.
-        sign: what stands between them.
+        spot: the line with the operator.
+        kinds: the types of the two values.
+        sign: the operator; empty for any.
     """
     for node in spot.nodes:
         match node:
@@ -41,7 +41,7 @@ def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
         if sign not in ("", between):
             continue
         if "Time" in kinds and sign in ("+", "-") and (number := _number_of(kinds, (left, right))):
-            # What is added to a point in time is a duration.
+            # Only a duration can be added to a point in time.
             made = f"Duration(seconds={ast.unparse(number)})"
             texts = [made if side is number else ast.unparse(side) for side in (left, right)]
             return (
@@ -55,7 +55,7 @@ def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
 
 
 def _as_number(side: ast.expr, kinds: Sequence[str]) -> str:
-    """Write the number that stands in quotes where it is joined with another one; empty if none does."""
+    """Return a quoted number without its quotes if the other operand is a number; else empty."""
     is_text = isinstance(side, ast.Constant) and isinstance(side.value, str)
     text = str(side.value).strip() if is_text else ""  # type: ignore[attr-defined]
     is_beside_number = any(map(_NUMBER.match, kinds))
@@ -68,17 +68,17 @@ def _number_of(kinds: Sequence[str], sides: Sequence[ast.expr]) -> ast.expr | No
 
 
 def _held(value: ast.expr, kind: str) -> str:
-    """Write what a parameter, a message with one field, or a time of rclpy holds; another value as it is."""
+    """Return the expression for the value inside a parameter, a message or a time; others unchanged."""
     text = ast.unparse(value)
     whole = text if isinstance(value, (ast.Name, ast.Attribute, ast.Call)) else f"({text})"
     return held_in(whole, kind) or text
 
 
 def held_in(text: str, kind: str) -> str:
-    """Write what a value holds that is a parameter, a message with one field, or a time of rclpy; empty for any other.
+    """Return the expression for the value inside a parameter, a one-field message or a time; else empty.
 
     Args:
-        text: how the value is written.
+        text: the expression.
         kind: the name of its class.
     """
     if kind == "Parameter":
@@ -94,7 +94,7 @@ def _times(kind: str) -> list[str]:
 
 
 def as_template(spot: Spot) -> str:
-    """Return the call that was written with its type between < and >, as C++ has it; empty if none was."""
+    """Return the Python call for one that was written with < and >, as in C++; empty if there is none."""
     for node in spot.nodes:
         match node:
             case ast.Compare(left=function, ops=[ast.Lt(), ast.Gt()], comparators=[kind, given]):

@@ -1,4 +1,4 @@
-"""What the messages that a file uses hold, written for a type checker: their Python code says nothing of it."""
+"""Stubs of message classes for the type checker, because their Python code has no types."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.signatures import fields_as_parameters, message_of
 
 _PLAIN = frozenset(("float", "int", "str", "bool", "list"))
-# What else is in a package is not known here, and so may be anything.
+# Other members of a package are not known here, so they may be anything.
 _HEAD = "import typing\n\ndef __getattr__(name: str) -> typing.Any: ...\n"
 
 
 def write_stubs(names: Iterable[str], folder: Path) -> None:
-    """Write the stubs of messages, and of those that they hold, into a folder that is searched for modules.
+    """Write the stubs of messages, and of the messages in their fields, into a folder on the search path.
 
     Args:
-        names: of messages, and whatever else, such as `std_msgs.msg.String`.
-        folder: is made.
+        names: full names, such as `std_msgs.msg.String`; those that are not messages are ignored.
+        folder: the folder, which is created.
     """
     folder.mkdir(parents=True, exist_ok=True)
     modules: dict[str, list[str]] = {}
@@ -27,14 +27,14 @@ def write_stubs(names: Iterable[str], folder: Path) -> None:
     for module, classes in modules.items():
         path = folder.joinpath(*module.split("."))
         path.mkdir(parents=True, exist_ok=True)
-        imported = {other.rpartition(".")[0] for other in modules} | set(modules)
-        lines = [f"import {other}\n" for other in sorted(filter(None, imported))]
+        imported = {name.rpartition(".")[0] for name in modules} | set(modules)
+        lines = [f"import {name}\n" for name in sorted(filter(None, imported))]
         path.joinpath("__init__.pyi").write_text("".join([*lines, _HEAD, *classes]))
         path.parent.joinpath("__init__.pyi").write_text(_HEAD)
 
 
 def _held(names: Iterable[str]) -> Iterator[str]:
-    """Yield messages, and the messages of their fields, each once."""
+    """Yield messages and the messages in their fields, each once."""
     left, known = list(names), set[str]()
     while left:
         name = left.pop()
@@ -42,14 +42,16 @@ def _held(names: Iterable[str]) -> Iterator[str]:
             known.add(name)
             yield name
             fields = interfaces.fields_of(name) or {}
-            left += [held for one in fields_as_parameters(fields) if (held := message_of(one.type))]
+            left += [held for field in fields_as_parameters(fields) if (held := message_of(field.type))]
 
 
 def _class(name: str) -> str:
     """Return the stub of a message's class."""
-    rows = [(one.name, _type(one.type)) for one in fields_as_parameters(interfaces.fields_of(name) or {})]
+    rows = [
+        (field.name, _type(field.type)) for field in fields_as_parameters(interfaces.fields_of(name) or {})
+    ]
     given = "".join(f", {field}: {kind} = ..." for field, kind in rows)
-    # Properties, as in the real class: of the class itself they have nothing.
+    # Properties, as in the real class: the class itself does not have their values.
     fields = "".join(
         f"    @property\n    def {field}(self) -> {kind}: ...\n"
         f"    @{field}.setter\n    def {field}(self, value: {kind}) -> None: ...\n"

@@ -1,4 +1,4 @@
-"""A line of a file, tried: copies of the file in which it is changed, and what the type checker and the rules say of them."""
+"""Tries edits of a line in copies of its file, which the type checker and the rules then check."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from ros2lab.diagnose.sources.interfaces import has_name
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, children, own_nodes, parameters
 
-_LONGEST = 110  # letters of a statement that is told as a whole
+_LONGEST = 110  # characters of a statement that is shown in full
 UNKNOWN_TYPE = re.compile(r"\b(?:Unknown|Any|Never)\b|^object$")
 
 
 @dataclass(frozen=True)
 class Edit:
-    """Another text for an expression or a statement."""
+    """A replacement for an expression or a statement."""
 
     node: ast.expr | ast.stmt
     text: str
 
     def applied(self, lines: Sequence[bytes]) -> list[bytes]:
-        """Return the lines of a file with the other text."""
+        """Return the lines of a file with the edit applied."""
         node = self.node
         first, last = node.lineno - 1, (node.end_lineno or node.lineno) - 1
         before, after = lines[first][: node.col_offset], lines[last][node.end_col_offset :]
         return [*lines[:first], before + self.text.encode() + after, *lines[last + 1 :]]
 
     def is_idle(self, source: PythonSource) -> bool:
-        """Return whether the other text means just what stood there, as `str('a')` does instead of `'a'`."""
+        """Return whether the new text means the same as the old one, as `str('a')` and `'a'` do."""
         try:
             new = ast.parse(self.text.strip()).body
         except (SyntaxError, ValueError):
             return False
         old = [self.node if isinstance(self.node, ast.stmt) else ast.Expr(self.node)]
-        return [ast.unparse(_Bare(source).visit(copy.deepcopy(one))) for one in new] == [
-            ast.unparse(_Bare(source).visit(ast.parse(ast.unparse(one)).body[0])) for one in old
+        return [ast.unparse(_Bare(source).visit(copy.deepcopy(statement))) for statement in new] == [
+            ast.unparse(_Bare(source).visit(ast.parse(ast.unparse(statement)).body[0])) for statement in old
         ]
 
     def keeps_names(self, source: PythonSource) -> bool:
-        """Return whether nothing is lost that is set here alone and used elsewhere."""
+        """Return whether the edit keeps every name that is assigned only here and used elsewhere."""
         try:
             new = ast.parse(self.text.strip())
         except (SyntaxError, ValueError):
@@ -66,7 +66,7 @@ class Edit:
 
 
 class _Bare(ast.NodeTransformer):
-    """Takes away what makes a plain value into one of the type that it has already."""
+    """Removes conversions of plain values to the type that they already have."""
 
     def __init__(self, source: PythonSource) -> None:
         self.source = source
@@ -86,20 +86,24 @@ class _Bare(ast.NodeTransformer):
 
 
 def _stored(node: ast.AST, *, is_deep: bool = True) -> set[str]:
-    """Return the names and attributes that something is assigned to in a part of a file."""
+    """Return the names and attributes that are assigned in a node."""
     nodes = ast.walk(node) if is_deep else [node]
     kinds = (ast.Name, ast.Attribute)
-    return {ast.unparse(one) for one in nodes if isinstance(one, kinds) and isinstance(one.ctx, ast.Store)}
+    return {
+        ast.unparse(target)
+        for target in nodes
+        if isinstance(target, kinds) and isinstance(target.ctx, ast.Store)
+    }
 
 
 class Trial:
-    """A file whose copies the type checker is asked about."""
+    """A line of a file, and the copies of the file that the type checker checks."""
 
     def __init__(self, source: PythonSource, spot: Spot, look: Look) -> None:
         self.source, self.spot, self.look = source, spot, look
         self.lines = source.text.encode().splitlines(keepends=True)
         for edit in sorted(
-            message_annotations(source, look), key=lambda one: one.node.col_offset, reverse=True
+            message_annotations(source, look), key=lambda edit: edit.node.col_offset, reverse=True
         ):
             self.lines = edit.applied(self.lines)
         self.statement = statement_of(spot)
@@ -107,30 +111,32 @@ class Trial:
 
     @property
     def objections(self) -> list[Row]:
-        """What the type checker says of the line as it is."""
+        """The messages of the type checker about the unchanged line."""
         return [row for row in self._before if row.line in self.spot.lines]
 
     def kind(self, text: str) -> str:
-        """Return the type of an expression in the line, or of a name that can be used there; empty if unknown."""
+        """Return the type of an expression on the line, or of a name in scope; empty if it is unknown."""
         kind = self._kinds.get(text, "")
         return "" if UNKNOWN_TYPE.search(kind) else kind
 
     def is_undefined(self, name: str) -> bool:
-        """Return whether the type checker knows nothing of a name."""
+        """Return whether the type checker reports a name as undefined."""
         return any(row.rule == "unresolved-reference" and f"`{name}`" in row.said for row in self.objections)
 
     def modules_with(self, name: str) -> list[str]:
-        """Return under which names the file has imported modules that have a name."""
-        modules = [(one.local, one.target) for one in self.source.imports if not one.is_from]
+        """Return the local names of imported modules that have a member of this name."""
+        modules = [
+            (imported.local, imported.target) for imported in self.source.imports if not imported.is_from
+        ]
         return [local for local, target in modules if has_name(target, name)]
 
     def is_open(self, text: str) -> bool:
-        """Return whether a text calls a function of which the type checker does not know what it gives."""
+        """Return whether a text calls a function with an unknown return type."""
         called = re.findall(r"([\w.]+)\(", text)
         return any(self._kinds.get(name, "").endswith("-> Unknown") for name in called)
 
     def expressions(self) -> list[ast.expr]:
-        """Return the expressions of the statement's own lines, those first that Python marks."""
+        """Return the expressions on the statement's own lines, those that Python marks first."""
         if self.statement is None:
             return []
         head = set(self.spot.lines)
@@ -140,7 +146,10 @@ class Trial:
         return sorted(found, key=lambda node: ast.unparse(node) not in inner) if inner else found
 
     def stands(self, edits: Sequence[Edit]) -> list[bool]:
-        """Return of each edit whether the type checker has nothing against its lines, nor anything new elsewhere."""
+        """Return for each edit whether the type checker accepts its lines and reports nothing new elsewhere.
+
+        An edit that changes nothing or loses names is not accepted.
+        """
         texts = [b"".join(self._with_imports(edit)) for edit in edits]
         known = Counter((row.rule, row.said) for row in self._before if row.line not in self.spot.lines)
         found = []
@@ -154,14 +163,14 @@ class Trial:
         return found
 
     def is_right(self, edit: Edit) -> bool:
-        """Return whether the rules find nothing in the lines of an edit."""
+        """Return whether the rules find no fault on the lines of an edit."""
         text = b"".join(edit.applied(self.source.text.encode().splitlines(keepends=True))).decode()
         copy = PythonSource(self.source.name, self.source.shown, text, self.source.is_package)
         places = {copy.at(line) for line in {*self.spot.lines, edit.node.lineno}}
-        return not any(one.place in places and stops_node(one) for one in text_faults(copy))
+        return not any(finding.place in places and stops_node(finding) for finding in text_faults(copy))
 
     def told(self, edit: Edit) -> str:
-        """Return what is to be written: the whole statement in one line, or the edit alone where that is too long."""
+        """Return what to write: the whole statement on one line, or only the edit if that is too long."""
         text = b"".join(edit.applied(self.source.text.encode().splitlines(keepends=True))).decode()
         copied = PythonSource(self.source.name, self.source.shown, text, self.source.is_package)
         spot = Spot(copied, edit.node.lineno)
@@ -174,7 +183,7 @@ class Trial:
         return f"`{whole}`" if is_short else f"`{edit.text}` instead of `{ast.unparse(edit.node)}`"
 
     def copy_with(self, edit: Edit) -> bytes:
-        """Return the file with an edit, and the imports that it needs."""
+        """Return the file with an edit and the imports that it needs."""
         lines = self.source.text.encode().splitlines(keepends=True)
         added = [f"\n{line}".encode() for line in missing_imports(self.source, edit.text)]
         return b"".join([*edit.applied(lines), *added])
@@ -184,13 +193,13 @@ class Trial:
         return [*edit.applied(self.lines), *added]
 
     def _first_look(self) -> tuple[list[Row], dict[str, str]]:
-        """Ask what is wrong with the file as it is, and of which types what stands in the line is, and can be used there."""
+        """Return the messages about the unchanged file, and the types of expressions and names on the line."""
         texts = list(dict.fromkeys([*map(ast.unparse, self.expressions()), *self.names]))
         before, rows = checked(self.source, [b"".join(self.lines), self._revealing(texts)])
         return before, _revealed(texts, rows)
 
     def asked_of(self, edit: Edit) -> list[str]:
-        """Return what a member is asked of above an edit, with its text: `self.b()` in `self.a().now`, where a becomes b."""
+        """Return the edited expressions whose members are used: `self.b()` in `self.a().now` if a becomes b."""
         above = {
             id(inner): node for node in ast.walk(self.statement or ast.Pass()) for inner in children(node)
         }
@@ -209,7 +218,7 @@ class Trial:
         return found
 
     def kinds_of(self, texts: Sequence[str]) -> dict[str, str]:
-        """Return of which types some expressions are in the line; nothing where that is not known."""
+        """Return the types of some expressions on the line; empty if they are not known."""
         return _revealed(texts, checked(self.source, [self._revealing(texts)])[0])
 
     def _revealing(self, texts: Sequence[str]) -> bytes:
@@ -223,11 +232,11 @@ class Trial:
 
     @cached_property
     def names(self) -> list[str]:
-        """What a value may be asked of in the line: the attributes of its class, and the names of its function."""
+        """The names in scope on the line: the attributes of self, and parameters and variables."""
         owner, function = self.owner, self.spot.function
         found = [f"self.{name}" for name in sorted(_assigned_to_self(owner.definition))] if owner else []
         if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            found += [one.arg for one in parameters(function) if one.arg != "self"]
+            found += [parameter.arg for parameter in parameters(function) if parameter.arg != "self"]
             found += [
                 n.id
                 for n in own_nodes(function)
@@ -239,17 +248,17 @@ class Trial:
     def owner(self) -> NodeClass | None:
         """The class around the line."""
         sources = (self.look.sources(package) for package in self.look.packages)
-        for one in (one for known in sources for one in known.classes.values()):
-            definition = one.definition
-            if one.source is self.source and definition.lineno <= self.spot.line <= (
+        for candidate in (candidate for known in sources for candidate in known.classes.values()):
+            definition = candidate.definition
+            if candidate.source is self.source and definition.lineno <= self.spot.line <= (
                 definition.end_lineno or 0
             ):
-                return one
+                return candidate
         return None
 
 
 def type_of(source: PythonSource, expression: ast.expr) -> str:
-    """Return the type of an expression of a file, as the type checker has it; empty if it cannot be asked."""
+    """Return the type of an expression, as the type checker writes it; empty if it is not known."""
     lines = source.text.encode().splitlines(keepends=True)
     asked = b"".join(Edit(expression, f"reveal_type({ast.unparse(expression)})").applied(lines))
     (rows,) = checked(source, [asked])
@@ -263,15 +272,15 @@ def _revealed(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, str]:
 
 
 def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
-    """Yield the type of what each callback receives, as the subscription names it, after its parameter."""
+    """Yield edits that annotate the parameter of each subscription callback with its message type."""
     for package in look.packages:
         known = look.sources(package)
         for creation, function in known.callbacks() if source in package.sources.values() else ():
             given = (creation.arguments or {}).get("msg_type")
-            names = [one for one in parameters(function) if one.arg not in ("self", "cls")]
+            names = [parameter for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
             if creation.method == "create_subscription" and given and creation.source is source and names:
                 is_open = names[0].annotation is None and names[0].lineno == names[0].end_lineno
-                # A name that is given something else holds a message no more.
+                # A name that is reassigned may not hold a message any more.
                 is_open &= not any(
                     isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store) and n.id == names[0].arg
                     for n in own_nodes(function)
@@ -298,7 +307,7 @@ def statement_of(spot: Spot) -> ast.stmt | None:
 
 
 def _anchor(statement: ast.stmt | None) -> ast.expr | None:
-    """Return an expression of a statement that is always computed; None if it has none."""
+    """Return an expression that a statement always evaluates; None if there is none."""
     match statement:
         case ast.With(items=[item, *_]):
             return item.context_expr

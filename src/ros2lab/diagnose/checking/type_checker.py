@@ -1,4 +1,4 @@
-"""What a type checker finds in the sources, in sentences of our own; nothing where it is not installed."""
+"""Findings of the type checker in our own words; none if it is not installed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, children, read_source, read_text
 from ros2lab.diagnose.sources.spelling import nearest
 
-# What a value may be where there is no doubt: not one of several, and nothing that is made of others.
+# Types about which there is no doubt: no unions and no containers.
 _PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|")
 _CATCHES = frozenset(("AttributeError", "TypeError", "Exception", "ImportError"))
 
@@ -37,17 +37,21 @@ _CATCHES = frozenset(("AttributeError", "TypeError", "Exception", "ImportError")
 def type_faults(
     look: Look, known: Iterable[Finding], named: Iterable[str] = (), message: str = ""
 ) -> Iterator[Finding]:
-    """Yield what a type checker finds in a workspace's nodes and launch files.
+    """Yield what the type checker finds in a workspace's nodes and launch files.
 
     Args:
         look: the workspace.
-        known: what is known of it; nothing is said twice of a line, but instead of what is only passed on.
-        named: the lines that an error names, as their places are shown; there, everything is believed.
-        message: what the error says; of several objections to a line, that one counts of whose types it speaks.
+        known: the findings so far; a line gets no second finding, unless the first is only passed on.
+        named: the places that an error names; there, doubtful types are reported, too.
+        message: the error message; of several objections to a line, the one whose types it names is reported.
     """
     lines = set(named)
-    # What only surprises in a line is not why it failed.
-    told = {one.place for one in known if stops_node(one) or (one.place not in lines and one.code != SAID)}
+    # A fault that does not stop the node is not why a named line failed.
+    told = {
+        finding.place
+        for finding in known
+        if stops_node(finding) or (finding.place not in lines and finding.code != SAID)
+    }
     sources = {
         str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
     }
@@ -72,21 +76,21 @@ def type_faults(
 
 
 def _launch_files(look: Look) -> Iterator[str]:
-    """Yield the launch files in Python; what is too large to be read is too large for the type checker."""
+    """Yield the paths of the Python launch files; files too large to read are left out."""
     paths = (path for package in look.packages for path in package.launch_files)
     return (str(path) for path in paths if path.suffix == ".py" and read_text(path))
 
 
 def _is_told_elsewhere(row: re.Match[str], said: re.Match[str], source: PythonSource | None) -> bool:
-    """Return whether another rule says more: of names in nodes, or of what is asked of a class instead of its object."""
-    if row["rule"] == "unresolved-reference":  # that rule knows exec() and globals()
+    """Return whether another rule reports this better: undefined names in nodes, members of a class or None."""
+    if row["rule"] == "unresolved-reference":  # our own rule knows exec() and globals()
         return source is not None
     groups = said.groupdict()
     return groups.get("owner") in ("property", "None") or groups.get("message") == "None"
 
 
 def _may_not_fail(source: PythonSource | None, line: int, groups: dict[str, str]) -> bool:
-    """Return whether a line is meant to work, and with the very class that the type checker knows."""
+    """Return whether a line is not guarded by `try`, and does not use a class that may be a subclass."""
     if source is None:
         return True
     return not _is_guarded(source, line) and not _is_of_any_class(source, line, groups["owner"])
@@ -99,13 +103,13 @@ def _is_sure(said: dict[str, str]) -> bool:
     kinds = [said.get(name, "") for name in ("wanted", "given", "both")]
     if not all(_PLAIN.fullmatch(kind) for kind in kinds):
         return False
-    # Of which class a mixin is, is not known; and a function may be given attributes.
+    # The class that a mixin is used with is not known, and functions may have attributes.
     is_clear = not owner.startswith(("Self@", "def ")) and not re.search(r"Unknown| \| |\[|^object$", owner)
     return is_clear or _PLAIN.fullmatch(owner) is not None
 
 
 def _is_guarded(source: PythonSource, line: int) -> bool:
-    """Return whether a line may fail: what it raises is caught."""
+    """Return whether a line may fail because its exceptions are caught."""
     for node in source.nodes:
         if isinstance(node, ast.Try) and node.lineno <= line <= (node.body[-1].end_lineno or 0):
             for handler in node.handlers:
@@ -120,13 +124,15 @@ def _is_guarded(source: PythonSource, line: int) -> bool:
 
 
 def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:
-    """Return whether a line makes an object of a class that it was given, which may take other values than its base class."""
+    """Return whether a line instantiates a class in a variable, which may take other arguments than its base."""
     given = {node.arg for node in source.nodes if isinstance(node, ast.arg)}
     given |= {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     called = [n.func for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
     return owner.endswith(".__init__") and any(
-        isinstance(one, ast.Subscript) or is_self_attribute(one) or getattr(one, "id", "") in given
-        for one in called
+        isinstance(function, ast.Subscript)
+        or is_self_attribute(function)
+        or getattr(function, "id", "") in given
+        for function in called
     )
 
 
@@ -171,7 +177,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
 
 
 def _lacks_one(source: PythonSource, call: ast.Call) -> bool:
-    """Return whether a type checker says of a call that it lacks an argument, whatever else it says."""
+    """Return whether the type checker says that a call lacks an argument."""
     (rows,) = checked(source, [source.text.encode()])
     ends = range(call.lineno, (call.end_lineno or call.lineno) + 1)
     return any(row.rule == "missing-argument" and row.line in ends for row in rows)
@@ -182,13 +188,13 @@ def _classes(source: PythonSource) -> set[str]:
 
 
 def _owner_and_name(said: dict[str, str]) -> tuple[str, str]:
-    """Return whose member, and which member or argument, a type checker speaks of."""
+    """Return the owner and the name of the member or argument that the type checker reports."""
     name = said.get("name") or said.get("field", "")
     return (said["owner"] or said.get("message", "")).removesuffix(".__init__"), name.replace("`", "")
 
 
 def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Finding:
-    """Tell what a value does not have, or cannot do, and what was meant."""
+    """Return the finding of a member or an operation that a value lacks, with what was meant."""
     assert spot.source is not None
     owner, name = _owner_and_name(said)
     code, cause, fix = _of_value(rule, said, spot, look)
@@ -203,28 +209,28 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
 
 
 def _imported(owner: str, meant: str, spot: Spot) -> str:
-    """Say which import a member of a package needs that is a module of its own; empty if it needs none."""
+    """Say which import a member needs if it is a submodule; empty if it needs none."""
     module = f"{owner}.{meant}"
     known = spot.source.imports if spot.source else ()
     needs = interfaces.is_module(module) and all(
-        not f"{one.target}.".startswith(f"{module}.") for one in known
+        not f"{imported.target}.".startswith(f"{module}.") for imported in known
     )
     return f", with `import {module}` at the top" if needs else ""
 
 
 def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
-    """Return the member that was meant by a name: of several that are alike, the first that can be called so."""
+    """Return the member that was meant, the first of the similar ones that makes a valid call; else empty."""
     known = members(owner, look)
     alike = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
     match [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]:
         case [ast.Call(func=ast.Attribute(value=before)) as call] if len(alike) > 1 and spot.source:
             rest = ast.unparse(call).removeprefix(ast.unparse(call.func))
-            ways = {f"{ast.unparse(before)}.{other}{rest}": other for other in alike}
+            ways = {f"{ast.unparse(before)}.{member}{rest}": member for member in alike}
             return ways.get(first_that_stands(spot.source, call, list(ways)), "")
     return ""
 
 
-# What the value that stands there does not have, or cannot do; the others are about what a call gives.
+# Rules about what a value lacks or cannot do; the other rules are about the arguments of a call.
 _OF_VALUES = frozenset(
     (
         "unresolved-reference",
@@ -237,17 +243,19 @@ _OF_VALUES = frozenset(
 
 
 def _unwrapped(said: dict[str, str], spot: Spot) -> str:
-    """Say how a value is taken out of what holds it, where that stands in its place: a parameter, or a plain message."""
+    """Say how to get the value out of a parameter or a message that is used as an operand; else empty."""
     if not said.get("name") or not said.get("given"):
         return ""
     return unwrapped(spot, [said.get(key, "") for key in ("owner", "given")], said["name"])
 
 
 def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[str, str, str]:
-    """Return code, cause and fix of what a value does not have, or cannot do."""
+    """Return code, cause and fix of a member or an operation that a value lacks."""
     owner, name = _owner_and_name(said)
     if rule == "unresolved-reference":
-        homes = interfaces.homes_for(name, [one.target for one in spot.source.imports] if spot.source else ())
+        homes = interfaces.homes_for(
+            name, [imported.target for imported in spot.source.imports] if spot.source else ()
+        )
         do = f"put it in quotes if it is a string ('{name}'); otherwise import or define it above"
         fix = f"write `from {homes[0]} import {name}` at the top" if homes else do
         return "name-undefined", f"{name} is used here but never imported or defined.", fix
@@ -268,22 +276,22 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
 
 
 def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]:
-    """Return cause and fix of two values that an operator cannot join."""
-    one, other = (plain(said[key] or said["both"]) for key in ("owner", "given"))
+    """Return cause and fix of an operator that cannot join two values."""
+    left, right = (plain(said[key] or said["both"]) for key in ("owner", "given"))
     if call := as_template(spot):
         cause = f"{call.partition('(')[0]} is called as in C++, but in Python `<` and `>` only compare."
         return cause, f"write `{call}`"
-    is_text = "string" in one + other
+    is_text = "string" in left + right
     fix = (
         "write str(...) around what is not a string, or an f-string"
         if is_text
         else "convert both to the same type"
     )
-    return f"`{name}` cannot join {one} and {other}.", fix
+    return f"`{name}` cannot join {left} and {right}.", fix
 
 
 def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[str, str, str]:
-    """Return code and cause of what a call gives, and the fix where the function itself is not known."""
+    """Return code, cause and fix of wrong arguments; the fix is general, for functions that are not known."""
     if short == "object":
         cause = "super().__init__() takes no arguments here, because the class has no base class."
         return (

@@ -1,4 +1,4 @@
-"""The types of a type checker in the words of a beginner."""
+"""The types that the type checker names, in plain words for beginners."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources.spelling import with_article
 
 
 def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
-    """Say that a class stands where an object of it belongs."""
+    """Return cause, place and fix of a class that is used where an instance is needed."""
     assert spot.source is not None
     name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
     cause = (
@@ -27,7 +27,7 @@ def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
 
 
 def _made_of(name: str, spot: Spot) -> str:
-    """Return the name of the object that a function makes of a class; empty if it makes none."""
+    """Return the variable to which the function assigns an instance of a class; empty if there is none."""
     for node in own_nodes(spot.function) if spot.function else ():
         match node:
             case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))):
@@ -37,20 +37,20 @@ def _made_of(name: str, spot: Spot) -> str:
 
 
 def types_named(said: str, message: str) -> int:
-    """Return how many of the types that an argument should have, and has, are named in an error's message."""
+    """Return how many of the expected and actual types of an argument an error message names."""
     types = re.search(r"Expected `(.+)`, found `(.+)`", said)
     heads = heads_of(types[1]) | heads_of(types[2]) if types else set()
     return len(heads.intersection(re.findall(r"\w+", message)))
 
 
 def not_taken(function: str, value: str, wanted: str, given: str) -> tuple[str, str]:
-    """Say that a function is given a value of another type than it takes, and what to give it.
+    """Return cause and fix of an argument of the wrong type.
 
     Args:
         function: its name.
-        value: what is given, as it is written; empty if that is not known.
-        wanted: the type that it takes, as the type checker writes it.
-        given: that of the value.
+        value: the argument as it is written; empty if that is not known.
+        wanted: the type that the parameter accepts, as the type checker writes it.
+        given: the type of the value.
     """
     takes, is_given = plain(wanted), plain(given)
     if is_given in takes.split(" or "):  # the same words say nothing
@@ -69,18 +69,24 @@ def not_taken(function: str, value: str, wanted: str, given: str) -> tuple[str, 
 
 
 def _with_article(words: str) -> str:
-    """Return types in words, each class among them with its article."""
+    """Return types in words, with an article before each class."""
     alone = r"(?:^|(?<= or ))(?!None\b|True\b|False\b)\w+(?= or |$)"
     return re.sub(alone, lambda match: with_article(match[0]), words)
 
 
 def _counted(names: str) -> int:
-    """Return how many parameters stand between the parentheses of a function, as the type checker writes it."""
-    return len([one for one in names.split(",") if one.strip() and one.strip() not in ("/", "*", "self")])
+    """Count the parameters, without self, in the list that the type checker writes between parentheses."""
+    return len(
+        [
+            parameter
+            for parameter in names.split(",")
+            if parameter.strip() and parameter.strip() not in ("/", "*", "self")
+        ]
+    )
 
 
 def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
-    """Return a type in words."""
+    """Return a type in plain words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the string {text[2]!r}"
     kind = re.sub(r"^Self@\w+", "self", kind)
