@@ -15,14 +15,14 @@ _NOTHING = "..."  # a keyword argument with this value is left out
 
 
 def as_it_was_meant(source: PythonSource, call: ast.Call) -> dict[str, str]:
-    """Return corrected forms of a call with their fixes: by its signature, or as a call for each item of a list."""
+    """Return corrected forms of a call with their fixes: by its signature, or one call per item of a list."""
     calls = one_each(call)
     ways = {calls[0]: f"write one line for each: {'; '.join(calls)}"} if calls else {}
     return {whole_call(source, call): meant, **ways} if (meant := meant_call(source, call)) else ways
 
 
 def rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]:
-    """Return forms of a call with their fixes: a missing argument added, extra ones removed or values converted."""
+    """Return forms of a call with their fixes: an argument added, extra ones removed or values converted."""
     given, named = [*map(ast.unparse, call.args)], _named(call, {})
     texts: list[str] = []
     if rule == "missing-argument":
@@ -56,7 +56,7 @@ def given_another(source: PythonSource, call: ast.Call, value: ast.expr, wanted:
 
 
 def _called_with(source: PythonSource, function: ast.expr, value: ast.expr) -> str:
-    """Return a lambda that calls a function with a value as its last argument; empty if that is not possible."""
+    """Return a lambda that calls a function with a value as its last argument; empty if it takes none."""
     found = own_function(source, function) if isinstance(function, (ast.Name, ast.Attribute)) else None
     names = (
         [parameter.arg for parameter in parameters(found[1]) if parameter.arg not in ("self", "cls")]

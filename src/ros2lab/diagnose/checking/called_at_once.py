@@ -29,7 +29,7 @@ class _Given:
         outer: the outer call.
         call: the call that is its argument.
         name: the name of the keyword argument; empty if it is positional.
-        is_void: whether it calls a function of the workspace that returns nothing; the type checker does not say so.
+        is_void: whether it calls a function of the workspace without a return, which the type checker ignores.
     """
 
     outer: ast.Call
@@ -51,7 +51,7 @@ def called_at_once(look: Look) -> Iterator[Finding]:
 
 
 def _given_calls(sources: NodeSources, source: PythonSource) -> Iterator[_Given]:
-    """Yield calls that are arguments, except instances of classes, and not in rclpy's create calls and log calls."""
+    """Yield calls that are arguments, except instances of classes; create calls of rclpy and log calls are skipped."""
     made = {id(creation.call) for creation in sources.creations}
     for owner, _, node in sources.scoped(source):
         if not isinstance(node, ast.Call) or id(node) in made or is_log(node):

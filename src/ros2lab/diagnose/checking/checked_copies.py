@@ -87,8 +87,8 @@ def first_that_stands(
         source: the file.
         call: the call in it.
         ways: the forms to try.
-        are_items_open: whether a list may have items of other types than the library's annotation allows: it is
-            often too narrow.
+        are_items_open: whether a list may have items of other types than the annotation allows, which is often too
+            narrow.
         settled: the only objection to the call that a form must remove; empty if it must remove all.
     """
     lines = source.text.encode().splitlines(keepends=True)

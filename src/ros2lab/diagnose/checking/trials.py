@@ -193,13 +193,13 @@ class Trial:
         return [*edit.applied(self.lines), *added]
 
     def _first_look(self) -> tuple[list[Row], dict[str, str]]:
-        """Return the messages about the unchanged file, and the types of expressions and names on the line."""
+        """Return the messages about the unchanged file, and the types of what is on the line or in scope."""
         texts = list(dict.fromkeys([*map(ast.unparse, self.expressions()), *self.names]))
         before, rows = checked(self.source, [b"".join(self.lines), self._revealing(texts)])
         return before, _revealed(texts, rows)
 
     def asked_of(self, edit: Edit) -> list[str]:
-        """Return the edited expressions whose members are used: `self.b()` in `self.a().now` if a becomes b."""
+        """Return the expressions around an edit whose members are used: `self.b()` in `self.b().now`."""
         above = {
             id(inner): node for node in ast.walk(self.statement or ast.Pass()) for inner in children(node)
         }

@@ -82,7 +82,7 @@ def _launch_files(look: Look) -> Iterator[str]:
 
 
 def _is_told_elsewhere(row: re.Match[str], said: re.Match[str], source: PythonSource | None) -> bool:
-    """Return whether another rule reports this better: undefined names in nodes, members of a class or None."""
+    """Return whether another rule reports this better: undefined names, members of a class or None."""
     if row["rule"] == "unresolved-reference":  # our own rule knows exec() and globals()
         return source is not None
     groups = said.groupdict()
@@ -124,7 +124,7 @@ def _is_guarded(source: PythonSource, line: int) -> bool:
 
 
 def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:
-    """Return whether a line instantiates a class in a variable, which may take other arguments than its base."""
+    """Return whether a line instantiates a class in a variable, which may take other arguments."""
     given = {node.arg for node in source.nodes if isinstance(node, ast.arg)}
     given |= {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     called = [n.func for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
