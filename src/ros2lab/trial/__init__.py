@@ -1,4 +1,4 @@
-"""Run a workspace's nodes for seconds, as the grader does, and say what is silent, or not as it is meant."""
+"""Run a workspace's nodes for seconds, as the grader does, and report what does not work as intended."""
 
 from ros2lab.trial.run import MOST_PROGRAMS, Trial, try_out
 

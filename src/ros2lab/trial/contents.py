@@ -1,4 +1,4 @@
-"""What the messages of a run hold that is hardly meant: nothing but zeros, axes and speeds of no robot on the ground."""
+"""Finds message contents that are hardly intended: only zeros, odd axes, implausible speeds."""
 
 from __future__ import annotations
 
@@ -14,27 +14,29 @@ from ros2lab.grading.evidence import Run
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
 
-FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot does
+FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot can do
 VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
-# What a robot on the ground does not do; what it is that moves is not known.
+# Movements that a robot on the ground does not make; which robot it is, is not known.
 _ODD_AXES = {
     "linear.z": "it moves up or down",
     "angular.x": "it rolls, onto its left or right side",
     "angular.y": "it pitches, its front up or down",
     "linear.y": "it moves left or right without turning",
 }
-_TINIEST = 1e-300  # of a float whose bytes are those of an int
+_TINIEST = 1e-300  # a smaller float has the bytes of an int
 
 
 def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
-    """Yield what is published and is hardly meant: nothing but zeros, axes and speeds of no robot on the ground."""
-    for topic, parts in seen.heard(run).items():
+    """Yield published contents that are hardly intended: only zeros, odd axes, implausible speeds."""
+    for topic, stretches in seen.heard(run).items():
         place, values = (
             seen.place(topic),
-            [value for one in parts for value in one.values if value is not None],
+            [value for heard in stretches for value in heard.values if value is not None],
         )
         numbers = [dict(numbers_of(value)) for value in values]
-        found = [(name, number) for one in numbers for name, number in one.items() if number]
+        found = [
+            (name, number) for named_numbers in numbers for name, number in named_numbers.items() if number
+        ]
         tiny = next((name for name, number in found if abs(number) < _TINIEST), None)
         if tiny:
             yield Finding(
@@ -47,19 +49,19 @@ def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
             ends = seen.ends(topic, is_publisher=True)
             takes_words = run.subscribes.keys() - {"/clock"}
             if any(map(_varies, ends)) or (takes_words and any(map(_is_computed, ends))):
-                continue  # what would change it, such as one of the words that it takes, is not known
+                continue  # what would change it, such as a certain word, is not known
             yield Finding(
                 "message-empty",
                 f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, even after every command: the published message is not the one that was filled, or nothing fills it.",
                 place,
                 "fill the fields of the same object that is passed to publish(msg), in the callback that publishes it; if only zeros are intended, leave it",
             )
-        elif parts[0].type_name in VELOCITIES:
+        elif stretches[0].type_name in VELOCITIES:
             yield from _velocity(seen, topic, dict(sorted(found, key=lambda pair: abs(pair[1]))))
 
 
 def _are_blank(values: Sequence[Any]) -> bool:
-    """Return whether messages have something to fill, and none of it is filled, as far as all of it is known."""
+    """Return whether messages have fields and all of them are known and empty or zero."""
     leaves = [leaf for value in values for leaf in _leaves(value)]
     return (
         bool(leaves) and not any(leaf is None or leaf for leaf in leaves) and not any(map(has_text, values))
@@ -67,7 +69,7 @@ def _are_blank(values: Sequence[Any]) -> bool:
 
 
 def _leaves(value: Any) -> Iterator[Any]:
-    """Yield what a message is made of in the end; a list without elements is a leaf, a type without fields has none."""
+    """Yield the leaf values of a message, without headers; an empty list is a leaf."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield from _leaves(inner) if key != "header" else ()
@@ -79,12 +81,12 @@ def _leaves(value: Any) -> Iterator[Any]:
 
 
 def _is_computed(end: Any) -> bool:
-    """Return whether the messages that a class publishes are filled with what it computes."""
+    """Return whether a class fills the messages that it publishes with computed values."""
     return any(not isinstance(value, ast.Constant) for value in _given(end))
 
 
 def _varies(end: Any) -> bool:
-    """Return whether the messages that a class publishes are filled with what it asks for, or changes, as it runs."""
+    """Return whether a class fills its messages with values that it reads or changes while it runs."""
     owner = end.creation.owner
     methods = [*owner.methods.values()] if owner else []
     bound = [pair for method in methods for node in ast.walk(method) for pair in _bound(node)]
@@ -101,7 +103,7 @@ def _varies(end: Any) -> bool:
 
 
 def _changed(methods: Iterable[ast.AST]) -> set[str]:
-    """Return the attributes to which methods give what is not written there."""
+    """Return the attributes to which methods assign values other than constants."""
     pairs = (pair for method in methods for node in ast.walk(method) for pair in _bound(node))
     return {
         ast.unparse(target)
@@ -111,40 +113,42 @@ def _changed(methods: Iterable[ast.AST]) -> set[str]:
 
 
 def _bound(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """Yield what a statement gives a value, with that value."""
+    """Yield the targets of an assignment or a loop, each with its value."""
     match node:
         case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)):
             yield from zip(targets, values, strict=False)
         case ast.Assign(targets=targets, value=value):
             yield from ((target, value) for target in targets)
         case ast.AugAssign(target=target):
-            yield target, node.target  # to more than was given
+            yield target, node.target  # the new value depends on the old one
         case ast.For(target=target, iter=value) | ast.NamedExpr(target=target, value=value):
             yield target, value
 
 
 def _asks(call: ast.Call) -> bool:
-    """Return whether a call may give another value each time: what only converts does not, nor a parameter, nor a class."""
+    """Return whether a call may return a new value each time, unlike conversions, parameters and classes."""
     name = getattr(call.func, "attr", getattr(call.func, "id", ""))
     only_converts = isinstance(getattr(builtins, name, None), type)
     return name[:1].islower() and not only_converts and not name.startswith("get_parameter")
 
 
 def _given(end: Any) -> list[ast.expr]:
-    """Return the values with which the messages that a class publishes are filled."""
+    """Return the expressions with which a class fills the messages that it publishes."""
     nodes = [*ast.walk(end.creation.owner.definition)] if end.creation.owner else []
     called = [node for node in nodes if isinstance(node, ast.Call)]
-    sent = [one.args[0] for one in called if getattr(one.func, "attr", "") == "publish" and one.args]
-    names = {ast.unparse(one) for one in sent}
+    sent = [call.args[0] for call in called if getattr(call.func, "attr", "") == "publish" and call.args]
+    names = {ast.unparse(message) for message in sent}
     pairs = [pair for node in nodes if isinstance(node, ast.Assign) for pair in _bound(node)]
     made = [value for target, value in pairs if ast.unparse(target) in names]
-    messages = [one for one in [*sent, *made] if isinstance(one, ast.Call)]
-    values = [value for one in messages for value in [*one.args, *(word.value for word in one.keywords)]]
+    messages = [expression for expression in [*sent, *made] if isinstance(expression, ast.Call)]
+    values = [
+        value for message in messages for value in [*message.args, *(word.value for word in message.keywords)]
+    ]
     return values + [value for target, value in pairs if not names.isdisjoint(_holders(target))]
 
 
 def _holders(target: ast.expr) -> Iterator[str]:
-    """Yield what holds a field that is filled: `msg.linear` and `msg` of `msg.linear.x`."""
+    """Yield the objects that contain a field: `msg.linear` and `msg` for `msg.linear.x`."""
     while isinstance(target, ast.Attribute):
         target = target.value
         yield ast.unparse(target)
@@ -152,7 +156,7 @@ def _holders(target: ast.expr) -> Iterator[str]:
 
 def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:
     short = {name.removeprefix("twist."): number for name, number in most.items()}
-    # One with wheels to the side goes forward, too.
+    # A robot that can drive sideways also drives forward.
     odd = [name for name in _ODD_AXES if name in short and (name != "linear.y" or "linear.x" not in short)]
     for name in odd[:1]:
         right = "angular.z, which turns it," if name.startswith("angular") else "linear.x, which drives it,"
@@ -162,7 +166,7 @@ def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Findin
             seen.filled(topic, name),
             f"for a robot on the ground, write {right} instead of {name}; if it really moves like that, leave it",
         )
-    for name, limit, unit, other in (
+    for name, limit, unit, other_units in (
         ("linear.x", FASTEST, "m/s", "km/h, cm/s or mm/s"),
         ("angular.z", QUICKEST_TURN, "rad/s", "degrees"),
     ):
@@ -174,14 +178,14 @@ def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Findin
             )
             yield Finding(
                 "speed-implausible",
-                f"On {topic}, {name} is {short[name]:g} {unit}, which is too much for a small robot; is it in {other}?",
+                f"On {topic}, {name} is {short[name]:g} {unit}, which is too much for a small robot; is it in {other_units}?",
                 seen.filled(topic, name),
                 fix,
             )
 
 
 def numbers_of(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Yield the numbers of a message with their names, such as `linear.x`; those of a header are not its content."""
+    """Yield the numbers of a message with their names, such as `linear.x`; headers are left out."""
     if isinstance(value, dict):
         for key, inner in value.items():
             if key != "header":
@@ -194,6 +198,6 @@ def numbers_of(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
 
 
 def has_text(value: Any) -> bool:
-    """Return whether there is a text in a message, as plain data."""
+    """Return whether a message, as plain data, contains a string that is not empty."""
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
     return bool(value) if isinstance(value, str) else any(map(has_text, inner))

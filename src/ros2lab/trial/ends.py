@@ -1,4 +1,4 @@
-"""What is said of programs that ended while they were watched: alone, or when something came from another one."""
+"""Explains why programs ended while they were watched: alone, or because of what others sent."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 def ended_together(seen: Seen) -> Iterator[Finding]:
-    """Explain the exceptions with which programs have ended only where the others ran, too.
+    """Explain the exceptions that ended programs only when the others ran, too.
 
-    What came there from another program, such as a message or a call of a service, may be what a callback fails at.
+    A callback may fail because of a message or a service call from another program.
     """
     told = {
         run.programs[0]
@@ -33,13 +33,13 @@ def ended_together(seen: Seen) -> Iterator[Finding]:
 
 
 def is_told_alone(seen: Seen, run: Run) -> bool:
-    """Return whether a program ended alone, and neither by words of ours nor for want of a service."""
+    """Return whether a program ended alone, and neither because of our commands nor for lack of a service."""
     is_ended = bool(run.ended.get(run.programs[0]))
     return is_ended and not _is_of_words_of_ours(seen, run) and not needs_others(seen, run)
 
 
 def word_that_ended(run: Run) -> str | None:
-    """Return the command after which a program of a run failed; None if none did, or without any."""
+    """Return the command after which a program of a run failed; None if no command led to a failure."""
     return next(
         (
             command.text
@@ -51,21 +51,21 @@ def word_that_ended(run: Run) -> str | None:
 
 
 def _is_of_words_of_ours(seen: Seen, run: Run) -> bool:
-    """Return whether a program only ended when it was sent what no node of the workspace sends it."""
-    is_fed = any(run.commanded in other.publishes for other in seen.alone)
+    """Return whether a program ended only because of a command that no node of the workspace sends."""
+    is_fed = any(run.commanded in other_run.publishes for other_run in seen.alone)
     word = word_that_ended(run)
-    ends = [other for other in seen.together if run.programs[0] in other.ended]
+    ends = [other_run for other_run in seen.together if run.programs[0] in other_run.ended]
     is_ours = word is not None and word not in made(seen) and None not in map(word_that_ended, ends)
     return is_fed and (is_ours or not ends)
 
 
 def needs_others(seen: Seen, run: Run) -> bool:
-    """Return whether a program asks a service: what happens to it among the nodes that it asks is what counts."""
+    """Return whether a program calls services, so that its run together with the others counts."""
     return "create_client" in seen.names(run) and bool(seen.together)
 
 
 def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
-    """Explain the exception with which a program has ended; what it says itself when it ends is no fault."""
+    """Explain the exception that ended a program; ending with a message of its own is no fault."""
     said = run.ended[name]
     if not read_error(said).reports:
         return
@@ -79,7 +79,7 @@ def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
 
 
 def made(seen: Seen) -> set[str]:
-    """Return the texts that the code does not only compare: what it makes is a state, and need not be a command."""
+    """Return the strings that the code uses other than in comparisons: they may be states."""
     nodes = [n for p in seen.look.packages for s in p.sources.values() for n in s.nodes]
     compares = [n for n in nodes if isinstance(n, (ast.Compare, ast.match_case))]
     keys = [key for n in nodes if isinstance(n, ast.Dict) for key in n.keys if key]

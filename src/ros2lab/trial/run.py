@@ -1,6 +1,6 @@
-"""Run what a workspace has installed, in a domain of its own, and have the grader's observer watch it.
+"""Runs the installed programs of a workspace in a domain of their own, watched by the grader's observer.
 
-It is the student's own work, on the student's own machine: nothing confines it that `ros2 run` would not.
+They are the student's own programs on the student's own machine, so they run unconfined, as with `ros2 run`.
 """
 
 from __future__ import annotations
@@ -43,19 +43,17 @@ from ros2lab.workspace import Workspace
 
 MOST_PROGRAMS = 10
 _TRACEBACK = "Traceback (most recent call last)"
-_CHAINED = re.compile(
-    r"exception(?: occurred)?:\s*\Z"
-)  # after which the next traceback belongs to the one before
-MOST_WORDS = 6  # that the code compares something with, and that are sent
+_CHAINED = re.compile(r"exception(?: occurred)?:\s*\Z")  # the traceback after it belongs to the one before
+MOST_WORDS = 6  # of those that the code compares with, which are sent
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of running a workspace's nodes.
+    """The result of running a workspace's nodes.
 
     Attributes:
-        findings: what is silent, or not as it is meant; the likeliest first.
-        story: what each program was seen to do, a sentence each.
+        findings: what is silent or wrong, the likeliest first.
+        story: what each program did, one sentence each.
     """
 
     findings: list[Finding]
@@ -65,11 +63,11 @@ class Trial:
 def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Trial:
     """Run each installed program of a workspace alone, then all of them together.
 
-    What a launch file starts is run as it starts it: with its names, remappings and parameters.
+    A program in a launch file runs with the names, remappings and parameters given there.
 
     Args:
         root: the workspace.
-        show: told what is being done.
+        show: called with a sentence about each step.
 
     Raises:
         WorkspaceError: if nothing was built, or its `setup.bash` cannot be sourced.
@@ -87,7 +85,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
     environment.remove_dead_shared_memory()
     with scratch_folder() as notes, contextlib.ExitStack() as leases:
         noting = environ_in(notes, look.root, programs[0].environ)
-        programs = [replace(one, environ={**one.environ, **noting}) for one in programs]
+        programs = [replace(program, environ={**program.environ, **noting}) for program in programs]
         jobs = [_OwnJob(leases, [program]) for program in programs]
         if len(programs) > 1:
             jobs.append(_OwnJob(leases, programs, is_brief=True))
@@ -98,10 +96,10 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
     found = [*seen_faults(seen)]
-    # What was never true may be meant so; where something is amiss, it may be why.
+    # A condition that is never true may be intended, but may also explain other findings.
     story = [
         *map(_told, seen.alone),
-        *([] if found or wrong else (f"{one.cause} ({one.place})" for one in never)),
+        *([] if found or wrong else (f"{finding.cause} ({finding.place})" for finding in never)),
     ]
     return Trial(ranked([*wrong, *(never if found or wrong else []), *found]), story)
 
@@ -120,7 +118,7 @@ def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:
 
 
 def own_file(package: SourcePackage, program: str) -> list[str]:
-    """Return the words that give a program which no launch file starts the only parameter file that names its node."""
+    """Return arguments with the only parameter file that names the node of a program; else empty."""
     found = dict[Path, set[str]]()
     for path in package.parameter_files:
         with contextlib.suppress(ParameterFileError, OSError):
@@ -128,7 +126,11 @@ def own_file(package: SourcePackage, program: str) -> list[str]:
             if isinstance(content, Mapping):
                 found[path] = {str(name).rpartition("/")[2] for name in content}
     point = next(
-        (one for one in (package.setup.entry_points if package.setup else None) or () if one.name == program),
+        (
+            entry_point
+            for entry_point in (package.setup.entry_points if package.setup else None) or ()
+            if entry_point.name == program
+        ),
         None,
     )
     source = package.sources.get(point.module) if point else None
@@ -138,7 +140,7 @@ def own_file(package: SourcePackage, program: str) -> list[str]:
 
 
 def _arguments(started: Started, packages: Sequence[SourcePackage]) -> list[str]:
-    """Return the words that launch gives a program."""
+    """Return the arguments that launch gives a program."""
     given = started.launched
     names = {"__node": given.name, "__ns": started.namespace}
     renamed = [*((old, new) for old, new in names.items() if new), *given.remappings]
@@ -153,30 +155,30 @@ def _arguments(started: Started, packages: Sequence[SourcePackage]) -> list[str]
 
 
 def _assignment_for(look: Look) -> Assignment:
-    """Return the course's assignment, with the topic and the words of the workspace's own that takes commands."""
+    """Return the course's assignment, with the workspace's own command topic and words."""
     course = assignments.load()
-    part = course.commanded
-    if part is None:
+    commanded = course.commanded
+    if commanded is None:
         return course
     topics, words = _listened_to(look), dict[str, None]()
     for package in look.packages:
         words |= dict.fromkeys(compared(node for _, node in running(word_sources(look.sources(package)))))
-    topic = part.topic if part.topic in topics or not topics else next(iter(topics))
+    topic = commanded.topic if commanded.topic in topics or not topics else next(iter(topics))
     own = [word for word in words if word and not word.startswith("__")][:MOST_WORDS]
-    # Before each word comes one that no robot knows: what the word changes is what differs from then. Forth and back,
-    # for a word changes nothing in the state to which it leads.
-    sent = dict.fromkeys([*own, *(part.commands if topic == part.topic else ())]) or dict.fromkeys(
-        part.commands
+    # An unknown word comes before each word, to compare with. The words are sent forward and backward, because
+    # a word changes nothing in the state that it leads to.
+    sent = dict.fromkeys([*own, *(commanded.commands if topic == commanded.topic else ())]) or dict.fromkeys(
+        commanded.commands
     )
     commands = tuple(
         itertools.chain.from_iterable((UNKNOWN_WORD, word) for word in [*sent, *[*sent][-2::-1]])
     )
-    changed = replace(part, topic=topic, commands=commands, effects=(), unknown=())
-    return replace(course, parts={**course.parts, part.name: changed})
+    changed = replace(commanded, topic=topic, commands=commands, effects=(), unknown=())
+    return replace(course, parts={**course.parts, commanded.name: changed})
 
 
 def _listened_to(look: Look) -> dict[str, None]:
-    """Return the topics of texts to which the workspace's nodes subscribe, as the sources have it."""
+    """Return the String topics to which the workspace's nodes subscribe, in the order of the sources."""
     launched = {end.place: name for node in look.launched.values() for end, _, name in node.ends}
     found = dict[str, None]()
     for package in look.packages:
@@ -187,7 +189,7 @@ def _listened_to(look: Look) -> dict[str, None]:
 
 
 class _OwnMachine(OpenWorld):
-    """A world whose programs meet each other, and no other machine."""
+    """A world whose programs can reach each other, but no other machine."""
 
     def start(
         self,
@@ -199,7 +201,7 @@ class _OwnMachine(OpenWorld):
     ) -> Box:
         own = {**(environ or {}), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_STATIC_PEERS": ""}
         own.pop("FASTDDS_BUILTIN_TRANSPORTS", None)
-        # Linux counts all of the user's processes here.
+        # Linux counts all processes of the user.
         limits = replace(limits or self.limits, processes=1_000_000)
         return super().start(command, environ=own, limits=limits, **more)
 
@@ -219,7 +221,7 @@ class _OwnJob(Job):
         self.domain = self._own
 
     def run(self) -> Run:
-        """Return what was seen; what a program has printed at its end, or after Ctrl-C, whole."""
+        """Return what was seen, with the complete last output of programs that ended or were stopped."""
         run = super().run()
         ended = {name: self._whole(name, last) for name, last in run.ended.items()}
         stopped = {
@@ -229,7 +231,7 @@ class _OwnJob(Job):
         return replace(run, ended=ended, stopped=stopped)
 
     def _whole(self, name: str, last: str) -> str:
-        """Return the last that a program has printed, from where its traceback begins."""
+        """Return the last output of a program, from the beginning of its traceback."""
         box = self.boxes[name]
         if box.cut is not None or not read_error(last).reports:
             return last
@@ -241,12 +243,12 @@ class _OwnJob(Job):
 
 
 def _told(run: Run) -> str:
-    """Say what a program was seen to do."""
+    """Describe in a sentence what a program did."""
     name = run.programs[0]
-    heard = {topic: one.count for topic, one in run.quiet.items()}
+    heard = {topic: published.count for topic, published in run.quiet.items()}
     for command in run.commands:
-        for topic, one in command.topics.items():
-            heard[topic] = heard.get(topic, 0) + one.count
+        for topic, published in command.topics.items():
+            heard[topic] = heard.get(topic, 0) + published.count
     parts = [f"published {count} message{'s' * (count != 1)} on {topic}" for topic, count in heard.items()]
     parts += [f"subscribed to {topic}" for topic in run.subscribes]
     if run.ended:

@@ -1,4 +1,4 @@
-"""What was seen of nodes while they ran, and what of that is not as it is meant."""
+"""What was seen of nodes while they ran, and the findings about it."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ from ros2lab.trial.timers import pauseless
 from ros2lab.trial.unended import unended_faults
 from ros2lab.trial.unspun import unspun_fault
 
-SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
-LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
+SEEN_PERIOD = 5.0  # s; a timer with a longer period may not fire twice while its program is watched
+LONGEST_PAUSE = 1.0  # s between two velocities; a robot that receives none for so long should stop
 LONGEST_WORD = 30  # letters
-# By which a program is told what to do, besides topics: nobody does while it is watched.
+# Ways to control a program besides topics, which nobody uses while it is watched.
 ASKS = frozenset(("create_service", "create_client", "add_post_set_parameters_callback", "input", "stdin"))
 UNKNOWN_WORD = "dance"  # means nothing to any robot
 
 
 @dataclass(frozen=True)
 class Seen:
-    """The runs of a workspace's programs, each alone and all together, and where they come from.
+    """The runs of a workspace's programs, each alone and all together, with their sources.
 
     Attributes:
         look: the workspace.
         assignment: which commands were sent, and where.
         alone: a run of each program.
-        together: one of all programs; none if there is only one.
+        together: a run of all programs; empty if there is only one program.
     """
 
     look: Look
@@ -61,19 +61,21 @@ class Seen:
         return [end for package in self.look.packages for end in ends_of(self.look.sources(package))]
 
     def ends(self, topic: str, *, is_publisher: bool) -> list[Any]:
-        """Return the ends of a topic as the sources have them."""
+        """Return the publishers or subscriptions of a topic in the sources."""
         name = topic.rpartition("/")[2]
         return [
             e for e in self._ends if e.is_publisher is is_publisher and e.topic.rpartition("/")[2] == name
         ]
 
     def place(self, topic: str, *, is_publisher: bool = True) -> str:
-        """Return where a topic is named in the sources; empty if that is not known."""
+        """Return the place of a publisher or subscription of a topic; empty if it is not known."""
         return next((end.place for end in self.ends(topic, is_publisher=is_publisher)), "")
 
     def filled(self, topic: str, field: str) -> str:
-        """Return where a field such as `linear.x` is filled; where its topic is named if that is not known."""
-        for source in itertools.chain.from_iterable(one.sources.values() for one in self.look.packages):
+        """Return where a field such as `linear.x` is set; else where its topic is published."""
+        for source in itertools.chain.from_iterable(
+            package.sources.values() for package in self.look.packages
+        ):
             for node in source.nodes:
                 is_filled = isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
                 if is_filled and ast.unparse(node).endswith(f".{field}"):
@@ -81,12 +83,12 @@ class Seen:
         return self.place(topic)
 
     def main(self, program: str) -> str:
-        """Return the file whose function a program calls."""
+        """Return the file with the entry point of a program; empty if it is not known."""
         found = self._entry(program)
         return found[0].sources[found[1]].shown if found else ""
 
     def _entry(self, program: str) -> tuple[NodeSources, str] | None:
-        """Return a package's files and the module in which a program begins."""
+        """Return the sources of a package and the module with a program's entry point; None if not known."""
         for package in self.look.packages:
             for point in (package.setup.entry_points if package.setup else None) or ():
                 if point.name == program and point.module in package.sources:
@@ -94,7 +96,7 @@ class Seen:
         return None
 
     def entrance(self, program: str) -> Entrance | None:
-        """Return what a program calls, and what that reaches; None if that is not known."""
+        """Return the entry point of a program, with all that it calls; None if it is not known."""
         for package in self.look.packages:
             for point in (package.setup.entry_points if package.setup else None) or ():
                 sources, name = self.look.sources(package), f"{point.module}.{point.function}"
@@ -103,23 +105,23 @@ class Seen:
         return None
 
     def names(self, run: Run) -> set[str]:
-        """Return the names that the files of a program use, as far as the package has them."""
+        """Return the names that the files of a program use, as far as they belong to its package."""
         found = self._entry(run.programs[0])
         files = (found[0].around(found[1]) or found[0]).sources if found else {}
         nodes = itertools.chain.from_iterable(source.nodes for source in files.values())
         return {getattr(node, "attr", getattr(node, "id", "")) for node in nodes}
 
     def are_apart(self, *nodes: str) -> bool:
-        """Return whether no launch file starts all programs that have nodes of these names."""
+        """Return whether no launch file starts all programs with nodes of these names."""
         programs = {run.programs[0] for run in self.alone if not set(nodes).isdisjoint(run.nodes)}
-        files = [{one.executable for one in file.nodes} for file in self.look.launch_files]
+        files = [{node.executable for node in file.nodes} for file in self.look.launch_files]
         return not any(programs <= started for started in files)
 
     def is_of_run(self, fault: Fault) -> bool:
-        """Return whether only the run made it, which starts all together: no launch file does, and one moves a node.
+        """Return whether a fault comes only from starting all programs together.
 
-        One of two nodes of a name may stand for the other, and one beside a namespace may be started in it; but a name
-        that begins with a slash stays what it is.
+        Nodes with the same name may be alternatives if no launch file starts them together. Topics that nearly match
+        may match if a launch file renames nodes or topics, except absolute ones.
         """
         if isinstance(fault, SharedName):
             return self.are_apart(fault.node)
@@ -128,29 +130,37 @@ class Seen:
         ends = (*fault.ends, *fault.meant_ends)
         nodes = {end.node for end in ends}
         moved = {
-            name for (_, name), one in self.look.launched.items() if one.namespace or one.launched.remappings
+            name
+            for (_, name), started in self.look.launched.items()
+            if started.namespace or started.launched.remappings
         }
         is_moved = any(run.programs[0] in moved and not nodes.isdisjoint(run.nodes) for run in self.alone)
-        written = [one for end in ends for one in self.ends(end.topic, is_publisher=end.is_publisher)]
-        return is_moved and self.are_apart(*nodes) and not any(one.is_absolute for one in written)
+        written = [
+            written_end for end in ends for written_end in self.ends(end.topic, is_publisher=end.is_publisher)
+        ]
+        return (
+            is_moved
+            and self.are_apart(*nodes)
+            and not any(written_end.is_absolute for written_end in written)
+        )
 
     def heard(self, run: Run) -> dict[str, list[Heard]]:
-        """Return all that was published in a run, by topic, in its order."""
+        """Return everything that was published in a run, by topic and in order."""
         found: dict[str, list[Heard]] = {}
         for stretch in (run.quiet, *(command.topics for command in run.commands)):
-            for topic, one in stretch.items():
-                found.setdefault(topic, []).append(one)
+            for topic, heard in stretch.items():
+                found.setdefault(topic, []).append(heard)
         return found
 
     @property
     def command_topic(self) -> str:
-        """The topic on which words were sent."""
+        """The topic on which commands were sent; empty if none were."""
         return self.assignment.commanded.topic if self.assignment.commanded else ""
 
     @property
     def has_parameters(self) -> bool:
-        """Whether all nodes can be asked for parameters, as far as the sources tell."""
-        sources = itertools.chain.from_iterable(one.sources.values() for one in self.look.packages)
+        """Whether all nodes offer parameter services, as far as the sources show."""
+        sources = itertools.chain.from_iterable(package.sources.values() for package in self.look.packages)
         return not any(
             isinstance(node, ast.keyword) and node.arg == "start_parameter_services"
             for source in sources
@@ -158,26 +168,28 @@ class Seen:
         )
 
     def is_free(self, run: Run) -> bool:
-        """Return whether the nodes of a run wait for nothing but commands, as far as is known."""
+        """Return whether the nodes of a run wait only for commands, as far as is known."""
         is_of_topics = all(topic in (self.command_topic, "/clock") for topic in run.subscribes)
         return is_of_topics and not self._is_told_otherwise(run)
 
     def _is_told_otherwise(self, run: Run) -> bool:
-        """Return whether a program may be told what to do by more than topics: something is off, or it asks for more."""
-        values = [pair for one in run.parameters.values() for pair in one.items()]
+        """Return whether a parameter that is false, or a service or input, may hold a program back."""
+        values = [pair for parameters in run.parameters.values() for pair in parameters.items()]
         is_off = any(value is False and name != "use_sim_time" for name, value in values)
         return is_off or not self.names(run).isdisjoint(ASKS)
 
 
 def seen_faults(seen: Seen) -> Iterator[Finding]:
-    """Yield what is not as it is meant."""
+    """Yield the findings about the runs."""
     for run in seen.alone:
         name = run.programs[0]
         if run.ended.get(name) and not is_told_alone(seen, run):
             continue
         yield from _life(seen, run, name)
         yield from unended_faults(seen, run, name)
-        is_told = any(one.code == "name-twice" and name in one.about for one in seen.look.findings)
+        is_told = any(
+            finding.code == "name-twice" and name in finding.about for finding in seen.look.findings
+        )
         for node in run.twins if not is_told else ():
             yield Finding(
                 "name-twice",
@@ -203,7 +215,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
 
 
 def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
-    """Yield what keeps a program from having nodes that are spun to its end."""
+    """Yield why a program ended, has no node, or has a node that is not spun."""
     if run.ended.get(name):
         yield from explained(seen, run, name)
     elif not run.nodes:
@@ -214,25 +226,28 @@ def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
             "make the node in main before anything that waits, and spin it",
         )
     else:
-        # Who asks a service may wait for it where nobody offers it, and go on among the others.
+        # A program that waits for a service is judged by its run together with the others.
         judged = [*seen.together, run][0] if needs_others(seen, run) else run
         if unspun := _unspun(seen, judged, run.nodes):
             yield unspun_fault(seen, judged, name, min(unspun).rpartition("/")[2])
 
 
 def _unspun(seen: Seen, run: Run, nodes: Sequence[str]) -> set[str]:
-    """Return which of a program's nodes are not spun; beside others, one that has no topic may be kept only to wait for answers."""
+    """Return the nodes of a program that are not spun.
+
+    If others are spun, a node without topics is not counted: it may only serve to wait for responses.
+    """
     busy = {node for ends in (run.publishes, run.subscribes) for nodes in ends.values() for node in nodes}
     if not seen.has_parameters:
-        return set()  # who offers none answers nothing
+        return set()  # without parameter services they cannot be asked
     unasked = run.unasked & {*nodes}
     return unasked if unasked >= {*nodes} else unasked & busy
 
 
 def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
-    """Yield publishers that said nothing, neither by themselves nor after a command."""
-    heard = {topic for one in (run, *seen.together) for topic in seen.heard(one)}
-    unspun = _unspun(seen, run, run.nodes) | {*run.twins}  # of which something else is told
+    """Yield publishers that published nothing, neither by themselves nor after a command."""
+    heard = {topic for other_run in (run, *seen.together) for topic in seen.heard(other_run)}
+    unspun = _unspun(seen, run, run.nodes) | {*run.twins}  # these have another finding
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
         is_unspun = not {*run.publishes[topic]}.isdisjoint(unspun)
@@ -249,13 +264,13 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
 
 
 def _is_managed(end: Any) -> bool:
-    """Return whether a topic's publisher belongs to a node that is switched on by others."""
+    """Return whether a publisher belongs to a managed node, which others activate."""
     owner = end.creation.owner
     return owner is not None and end.sources.is_managed(owner)
 
 
 def _why_silent(ends: Sequence[Any]) -> tuple[str, str]:
-    """Return why publishers say nothing, if their timers tell it, and what to do."""
+    """Return why publishers are silent, if a long timer period explains it, and what to do."""
     period = min((seconds for end in ends for _, seconds in timers_of(end)), default=0.0)
     if period <= SEEN_PERIOD:
         return (
@@ -269,24 +284,24 @@ def _why_silent(ends: Sequence[Any]) -> tuple[str, str]:
 
 
 def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
-    """Yield topics that come too seldom, or stop."""
-    for topic, one in run.quiet.items():
-        if fault := pauseless(seen, run, topic, one):
+    """Yield topics whose messages come at the wrong rate, or stop."""
+    for topic, heard in run.quiet.items():
+        if fault := pauseless(seen, run, topic, heard):
             yield fault
             continue
-        gap = median_gap(one.times)
+        gap = median_gap(heard.times)
         wanted = COURSE_TOPICS.get(topic.lstrip("/"), ("", 0.0))[1]
         place = next(
             (t.source.at(t.call) for e in seen.ends(topic, is_publisher=True) for t, _ in timers_of(e)), ""
         )
         place = place or seen.place(topic)
         if topic in run.stalled and _has_no_end(seen, topic):
-            cause = f"{one.count} messages came on {topic} and then no more, although its timer is never cancelled."
+            cause = f"{heard.count} messages came on {topic} and then no more, although its timer is never cancelled."
             fix = "look for a callback that does not return: while it waits or loops, the timer's callback is not called"
         elif gap is not None and wanted and not has_period(gap, wanted):
             cause = f"{topic} is published every {gap:.3g} s, but the course asks for every {wanted:g} s; a period is in seconds."
             fix = f"write create_timer({wanted}, ...)"
-        elif gap is not None and one.type_name in VELOCITIES and gap > LONGEST_PAUSE:
+        elif gap is not None and heard.type_name in VELOCITIES and gap > LONGEST_PAUSE:
             cause = f"A velocity is published on {topic} only every {gap:.3g} s; a period is in seconds, not in Hz."
             fix = (
                 f"write {1 / gap:.3g} if {gap:.3g} Hz was meant; a robot needs several velocities per second"
@@ -297,21 +312,21 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
 
 
 def _has_no_end(seen: Seen, topic: str) -> bool:
-    """Return whether a timer publishes on a topic each time, and no file that publishes there ever ends one."""
+    """Return whether a timer always publishes on a topic, and no publishing file cancels a timer."""
     ends = seen.ends(topic, is_publisher=True)
     ended = re.compile(r"\.cancel\(|destroy_timer\(")
     return any(map(goes_on, ends)) and not any(ended.search(end.creation.source.text) for end in ends)
 
 
 def _words(seen: Seen) -> Iterator[Finding]:
-    """Yield words after which each node does what it did just before, after a word that it cannot know.
+    """Yield words that have the same effect as a word that no node can know.
 
-    Nodes may share the words among them, and what a word changes depends on the state in which it comes.
+    A word counts if any node reacts to it in any state.
     """
     topic = seen.command_topic
     runs = [run for run in seen.alone if run.commands and topic in run.subscribes and not run.unasked]
     sources = [word_sources(seen.look.sources(package)) for package in seen.look.packages]
-    own = {text for one in sources for text in compared(node for _, node in running(one))}
+    own = {text for source_files in sources for text in compared(node for _, node in running(source_files))}
     sent, alive = _sent(runs, own), _alive(runs) | made(seen)
     dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD]
     if not dead or (len(dead) < len(sent) and any(map(_heeds_any_word, runs))):
@@ -330,7 +345,7 @@ def _words(seen: Seen) -> Iterator[Finding]:
 
 
 def _sent(runs: Sequence[Run], own: Collection[str]) -> list[str]:
-    """Return the commands that the code names, as they are or in other letters; no other need do anything."""
+    """Return the commands that the code names, in any case; the others need not do anything."""
     named = {text.strip().lower() for text in own}
     sent = dict.fromkeys(command.text for run in runs for command in run.commands)
     return [
@@ -341,7 +356,7 @@ def _sent(runs: Sequence[Run], own: Collection[str]) -> list[str]:
 
 
 def _alive(runs: Sequence[Run]) -> set[str]:
-    """Return the commands after which a node does something else than after an unknown one just before."""
+    """Return the commands after which a node does something else than after the unknown one before."""
     return {
         command.text
         for run in runs
@@ -351,7 +366,7 @@ def _alive(runs: Sequence[Run]) -> set[str]:
 
 
 def _heeds_any_word(run: Run) -> bool:
-    """Return whether a word that no node knows changes what is published: it does what another word may be meant to."""
+    """Return whether an unknown word changes what is published, so that comparing with it says nothing."""
     return any(
         sense(before.topics[topic].values) != sense(heard.values)
         for before, command in itertools.pairwise(run.commands)
@@ -362,7 +377,7 @@ def _heeds_any_word(run: Run) -> bool:
 
 
 def _effect(command: CommandSeen) -> str:
-    """Return what followed a command, without the word itself and without numbers that count."""
+    """Return what followed a command, without the word itself and without numbers in log messages."""
     texts = [re.sub(r"\d+", "#", text) for _, text in command.log]
     texts += [_said_last(heard.values) for heard in command.topics.values() if heard.values]
     bare = {text.replace(command.text, "WORD") if command.text else text for text in texts}
@@ -370,7 +385,7 @@ def _effect(command: CommandSeen) -> str:
 
 
 def _said_last(values: Sequence[Any]) -> str:
-    """Return what messages say last; of numbers alone, which, if they stay."""
+    """Describe the last message: its content, and for numbers whether they are zero, constant or varying."""
     last = values[-1]
     if has_text(last) or not dict(numbers_of(last)):
         return sense([*values])
@@ -380,7 +395,7 @@ def _said_last(values: Sequence[Any]) -> str:
 
 
 def _observation(run: Run) -> Observation:
-    """Return a run's graph as a node sees one."""
+    """Return the ROS graph of a run as an observation."""
     ends = [
         End(node, topic, kind, is_publisher, quality)
         for side, is_publisher in ((run.publishes, True), (run.subscribes, False))
@@ -393,7 +408,7 @@ def _observation(run: Run) -> Observation:
 
 
 def _qualities(told: Sequence[str], role: str) -> list[QoSProfile]:
-    """Return the qualities of service of one side of a topic; which node has which is not known."""
+    """Return the QoS profiles of one side of a topic; which node has which is not known."""
     words = [text.split() for text in told if text.startswith(role)]
     return [
         QoSProfile(

@@ -1,4 +1,4 @@
-"""Timers that call without a pause when they run, and why: their periods, with the parameters that the nodes had."""
+"""Finds timers that fire without a pause, and explains their periods with the parameters of the run."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ros2lab.grading.evidence import Heard, Run
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
 
-SHORTEST_PERIOD = 0.001  # s; a node in Python keeps no shorter one
-QUICK = 0.1  # s; what is slower has a pause, whatever its timer's period seems to be
-MOST_NAMES = 10  # given by each other
+SHORTEST_PERIOD = 0.001  # s; a Python node cannot keep a shorter one
+QUICK = 0.1  # s; a slower topic has pauses, whatever its timer's period seems to be
+MOST_NAMES = 10  # that refer to each other
 UNPAUSED = 0.004  # s, between two messages of a timer whose period is not known
 _CALLS: Mapping[str, Callable[..., Any]] = {
     "int": int,
@@ -31,7 +31,7 @@ _CALLS: Mapping[str, Callable[..., Any]] = {
 
 
 def pauseless(seen: Seen, run: Run, topic: str, heard: Heard) -> Finding | None:
-    """Return what is wrong with a timer's period where messages come without a pause; None if nothing is."""
+    """Return the fault of a timer that publishes without a pause; None if there is none."""
     times = heard.times
     gap = (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else QUICK
     if gap >= QUICK:
@@ -43,7 +43,7 @@ def pauseless(seen: Seen, run: Run, topic: str, heard: Heard) -> Finding | None:
             if period.is_told:
                 continue
             is_known = isinstance(period.value, (int, float))
-            # A timer that keeps its period does so on the clock that is stepped.
+            # On a simulated clock, messages come without a pause even from a correct timer.
             is_short = period.value < SHORTEST_PERIOD if is_known else gap < UNPAUSED and run.clock == "real"
             if is_short:
                 value = f"was {period.value:g} s in this run" if is_known else "is practically 0"
@@ -56,7 +56,7 @@ def pauseless(seen: Seen, run: Run, topic: str, heard: Heard) -> Finding | None:
 
 
 class Period(ast.NodeTransformer):
-    """A timer's period, with what the names in it were given, and the values that parameters had."""
+    """Evaluates a timer's period: replaces names by their values, and parameters by those of the run."""
 
     def __init__(self, timer: Creation, sources: NodeSources, parameters: Mapping[str, Any]) -> None:
         self._source, self._sources, self._parameters = timer.source, sources, parameters
@@ -66,12 +66,12 @@ class Period(ast.NodeTransformer):
         self._written: list[ast.expr] = [given]
         self.value = self._value(given)
         known = sources.value(timer.source, sources.written(timer.source, given))
-        # Of what is 0 in the files the rules for files tell.
+        # A period that is 0 in the sources is reported by the rules for sources.
         self.is_told = isinstance(known, (int, float)) and known <= 0
         self.why, self.fix = self._reason()
 
     def _reason(self) -> tuple[str, str]:
-        for node in (node for one in self._written for node in ast.walk(one)):
+        for node in (node for expression in self._written for node in ast.walk(expression)):
             match node:
                 case ast.BinOp(op=ast.FloorDiv(), left=left, right=right) if self._value(node) == 0:
                     whole = ast.unparse(ast.BinOp(left, ast.Div(), right))
@@ -88,11 +88,11 @@ class Period(ast.NodeTransformer):
         return evaluate(self.visit(copy.deepcopy(node)), self._source.constants, _CALLS)
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Put what a name was given in its place."""
+        """Replace a name by the expression that was assigned to it."""
         return self._given(node)
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        """Put what an attribute was given in its place, or the value of the parameter that it reads."""
+        """Replace an attribute by the expression that was assigned to it, or by its parameter's value."""
         given = self._given(node)
         if given is not node:
             return given

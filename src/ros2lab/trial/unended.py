@@ -1,4 +1,4 @@
-"""Why a program went on after Ctrl-C: a thread that keeps it, or a loop that takes Ctrl-C for an error."""
+"""Explains why a program kept running after Ctrl-C: a thread, or a loop that catches KeyboardInterrupt."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LEAVES = (ast.Break, ast.Return, ast.Raise)
 
 
 def unended_faults(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
-    """Yield what keeps a program that had to be killed after Ctrl-C, where its files tell it."""
+    """Yield what kept a program running that had to be killed after Ctrl-C, if its sources show it."""
     entrance = seen.entrance(name) if run.stopped.get(name, {}).get("killed") else None
     if entrance is None:
         return
@@ -30,7 +30,7 @@ def unended_faults(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
 
 
 def _keeping_threads(entrance: Entrance, name: str) -> Iterator[Finding]:
-    """Yield threads for whose end Python waits, and that do not end."""
+    """Yield threads that Python waits for and that do not end."""
     marked = {
         ast.unparse(target.value)
         for function in entrance.functions
@@ -39,15 +39,15 @@ def _keeping_threads(entrance: Entrance, name: str) -> Iterator[Finding]:
         for target in node.targets
         if isinstance(target, ast.Attribute) and target.attr == "daemon"
     }
-    for one in entrance.calls:
+    for call in entrance.calls:
         is_daemon = any(
-            word.arg == "daemon" and ast.unparse(word.value) != "False" for word in one.call.keywords
+            word.arg == "daemon" and ast.unparse(word.value) != "False" for word in call.call.keywords
         )
-        if one.name not in _THREADS or is_daemon or _kept_as(one) in marked or _asks(entrance, one):
+        if call.name not in _THREADS or is_daemon or _kept_as(call) in marked or _asks(entrance, call):
             continue
-        kept = _kept_as(one)
-        if one.short == "Thread":
-            demon = copy.deepcopy(one.call)
+        kept = _kept_as(call)
+        if call.short == "Thread":
+            demon = copy.deepcopy(call.call)
             demon.keywords = [w for w in demon.keywords if w.arg != "daemon"]
             demon.keywords.append(ast.keyword("daemon", expression("True") or ast.Constant(True)))
             fix = f"write `{ast.unparse(demon)}`, or make its loop `while rclpy.ok():`"
@@ -55,13 +55,13 @@ def _keeping_threads(entrance: Entrance, name: str) -> Iterator[Finding]:
             fix = (
                 f"write `{kept or 'timer'}.daemon = True` before its start(), or use the node's create_timer"
             )
-        cause = f"{name} did not end at Ctrl-C: Python waits for every thread that is not a daemon, and `{ast.unparse(one.call)}` keeps running."
-        yield Finding("never-ends", cause, one.source.at(one.call), fix)
+        cause = f"{name} did not end at Ctrl-C: Python waits for every thread that is not a daemon, and `{ast.unparse(call.call)}` keeps running."
+        yield Finding("never-ends", cause, call.source.at(call.call), fix)
 
 
-def _asks(entrance: Entrance, one: Call) -> bool:
-    """Return whether the loops of what a thread runs end with ROS: `while rclpy.ok()`."""
-    given = [word.value for word in one.call.keywords if word.arg == "target"]
+def _asks(entrance: Entrance, call: Call) -> bool:
+    """Return whether all loops of the function that a thread runs end when ROS does: `while rclpy.ok()`."""
+    given = [word.value for word in call.call.keywords if word.arg == "target"]
     names = {getattr(value, "attr", getattr(value, "id", "")) for value in given}
     run = [function for function in entrance.functions if function.name in names]
     loops = [node for function in run for node in walk(function) if isinstance(node, ast.While)]
@@ -69,17 +69,17 @@ def _asks(entrance: Entrance, one: Call) -> bool:
     return bool(asked) and all("ok" in names for names in asked)
 
 
-def _kept_as(one: Call) -> str:
-    """Return what a thread is kept in; empty if it is not kept."""
-    for node in walk(one.function):
-        if isinstance(node, ast.Assign) and node.value is one.call:
+def _kept_as(call: Call) -> str:
+    """Return the name to which a thread is assigned; empty if it is not assigned."""
+    for node in walk(call.function):
+        if isinstance(node, ast.Assign) and node.value is call.call:
             return ast.unparse(node.targets[0])
     return ""
 
 
 def _deaf_loops(entrance: Entrance, name: str) -> Iterator[Finding]:
     """Yield handlers in endless loops that catch Ctrl-C and go on."""
-    sources = {id(one.function): one.source for one in entrance.calls}
+    sources = {id(call.function): call.source for call in entrance.calls}
     for function in entrance.functions:
         for loop in walk(function):
             if not isinstance(loop, ast.While) or not isinstance(loop.test, ast.Constant):

@@ -1,4 +1,4 @@
-"""Why a node was not spun: the program waits in a line for what only a spin brings, or spins without this node."""
+"""Explains why a node was not spun: the program waits for something, or it spins without this node."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FRAME = re.compile(r'^  File "([^"]+)", line (\d+)', re.MULTILINE)
 
 
 def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
-    """Return why a node of a program answers nothing: the line in which it waits, or where the node was left out."""
+    """Say why a node does not respond: the line in which it waits, or where the node was left out."""
     found = seen.entrance(name)
     spot, is_called_back = _stood(seen, str(run.stopped.get(name, {}).get("said", "")))
     if found is not None:
@@ -39,7 +39,7 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
 
 
 def _stood(seen: Seen, said: str) -> tuple[Spot | None, bool]:
-    """Return the student's line in which a program stood at Ctrl-C, and whether an executor had called it."""
+    """Return the student's line that was running at Ctrl-C, and whether an executor had called it."""
     spot, is_called_back = None, False
     is_spinning = False
     for file, line in _FRAME.findall(said):
@@ -51,12 +51,14 @@ def _stood(seen: Seen, said: str) -> tuple[Spot | None, bool]:
 
 
 def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> Finding | None:
-    """Return what is wrong with the line in which a program waits; None if that is not known."""
+    """Return the fault of the line in which a program waits; None if it is not known."""
     source = spot.source if spot else None
     if spot is None or source is None:
-        # What catches Ctrl-C does not say where it was: there is little that waits for a client.
-        calls = [(one.source, one.call) for one in entrance.calls if not entrance.spins]
-        return next(filter(None, (_asking(entrance.sources, *one) for one in calls)), None)
+        # If Ctrl-C is caught, the line is not known; a blocking service call is then the likeliest cause.
+        calls = [(call.source, call.call) for call in entrance.calls if not entrance.spins]
+        return next(
+            filter(None, (_asking(entrance.sources, *source_and_call) for source_and_call in calls)), None
+        )
     for node in spot.nodes:
         if isinstance(node, ast.Call) and (
             told := _asking(entrance.sources, source, node, is_called_back=is_called_back)
@@ -64,7 +66,7 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
             return told
     if is_called_back or spot.function is None:
         return None
-    names = [one.arg for one in spot.function.args.args[:1]]
+    names = [parameter.arg for parameter in spot.function.args.args[:1]]
     node_name = "self" if names == ["self"] else _kept(entrance)
     for loop in walk(spot.function):
         if isinstance(loop, ast.While) and loop.lineno <= spot.line <= (loop.end_lineno or 0):
@@ -89,16 +91,16 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
 
 
 def _outermost(spot: Spot) -> int:
-    """Return the line of the outermost loop around a line, or that line itself: a thread is begun once."""
+    """Return the line of the outermost loop around a line, or that line: a thread is started only once."""
     loops = [n for n in walk(spot.function) if isinstance(n, (ast.While, ast.For))] if spot.function else []
-    around = [one.lineno for one in loops if one.lineno <= spot.line <= (one.end_lineno or 0)]
+    around = [loop.lineno for loop in loops if loop.lineno <= spot.line <= (loop.end_lineno or 0)]
     return min(around, default=spot.line)
 
 
 def _asking(
     sources: NodeSources, source: PythonSource, call: ast.Call, *, is_called_back: bool = False
 ) -> Finding | None:
-    """Return what is wrong with a call of a client that waits for the answer; None if it is none."""
+    """Return the fault of a blocking service call; None if the call is something else."""
     match call.func:
         case ast.Attribute(attr="call", value=client):
             pass
@@ -122,7 +124,7 @@ def _asking(
 
 
 def _makers(sources: NodeSources, client: ast.expr) -> Iterator[str]:
-    """Yield what makes a client of this name."""
+    """Yield the expressions of the nodes that create a client of this name."""
     name = getattr(client, "attr", getattr(client, "id", ""))
     for source in sources.sources.values():
         for node in source.nodes:
@@ -134,7 +136,7 @@ def _makers(sources: NodeSources, client: ast.expr) -> Iterator[str]:
 
 
 def _kept(entrance: Entrance) -> str:
-    """Return the name of the first node that a program makes."""
+    """Return the variable of the first node that a program makes; "node" if there is none."""
     node = entrance.node
     for statement in walk(node.function) if node else ():
         match statement:
@@ -144,16 +146,16 @@ def _kept(entrance: Entrance) -> str:
 
 
 def _left_out(entrance: Entrance, node: str) -> Finding | None:
-    """Return which node is made and not added to the executor that is spun; None if that is not sure."""
-    adding = [one for one in entrance.calls if one.short == "add_node"]
+    """Return the fault of a node that is made but not added to the executor; None if that is not certain."""
+    adding = [call for call in entrance.calls if call.short == "add_node"]
     if not adding:
         return None
     function = adding[-1].function
     added = {
-        n.id for one in adding for given in one.call.args for n in walk(given) if isinstance(n, ast.Name)
+        n.id for call in adding for given in call.call.args for n in walk(given) if isinstance(n, ast.Name)
     }
     for loop in walk(function):
-        if isinstance(loop, ast.For) and any(one.call in {*walk(loop)} for one in adding):
+        if isinstance(loop, ast.For) and any(call.call in {*walk(loop)} for call in adding):
             added |= {n.id for n in walk(loop.iter) if isinstance(n, ast.Name)}
     made = [
         (n.targets[0].id, n)
@@ -175,4 +177,4 @@ def _left_out(entrance: Entrance, node: str) -> Finding | None:
 
 def _is_node(entrance: Entrance, value: ast.expr) -> bool:
     """Return whether an expression makes a node."""
-    return any(one.call is value and entrance.makes_node(one) for one in entrance.calls)
+    return any(call.call is value and entrance.makes_node(call) for call in entrance.calls)

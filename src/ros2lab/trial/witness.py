@@ -1,11 +1,11 @@
-"""Notes what conditions and loops of some files come to while a program runs; it runs there, and imports nothing of ours.
+"""Records the conditions and loops of some files inside a running program; imports nothing of ros2lab.
 
-A program finds it as its `sitecustomize`. What it notes is written to a file of the process when that ends: of each
-condition how often it held and how often not, with what was compared the last time; of each loop, how many turns it had.
-Nothing else of the program is changed, and a file that cannot be changed so is left as it is.
+Programs import it as `sitecustomize`. At exit each process writes a file: for each condition, how often it was
+true and false and what was compared the last time; for each loop, how many iterations it had each time. Nothing
+else in the program changes, and a file that cannot be instrumented is left as it is.
 """
 
-# It is imported by each program, before all else: pathlib would be, too.
+# Every program imports it first, so it must not import pathlib.
 # ruff: noqa: PTH100, PTH118, PTH120, PTH123
 
 import ast
@@ -21,12 +21,12 @@ from collections.abc import Callable, Iterable, Iterator, Sized
 from types import CodeType
 from typing import Any
 
-WATCHED = "ROS2LAB_WITNESS"  # the variable with the folder for what is noted, and the folders of the files
+WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
 _CONDITIONS, _LOOPS = "ros2lab_conditions", "ros2lab_loops"
 _LONGEST, _MOST_TIMES = 60, 1000
 _SHORT = frozenset(
     ("rclpy.duration", "rclpy.time", "datetime", "enum")
-)  # whose objects are shown in a few letters
+)  # modules whose objects have a short repr
 _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
@@ -34,15 +34,15 @@ _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.LtE: operator.le,
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
-    ast.In: lambda one, other: one in other,
-    ast.NotIn: lambda one, other: one not in other,
+    ast.In: lambda left, right: left in right,
+    ast.NotIn: lambda left, right: left not in right,
     ast.Is: operator.is_,
     ast.IsNot: operator.is_not,
 }
 
 
 def _shown(value: object) -> str:
-    """Return a value as Python shows it, where that is short: a condition may be asked a thousand times a second."""
+    """Return a short repr of a value, quickly: a condition may be evaluated a thousand times a second."""
     try:
         if isinstance(value, (str, bytes)):
             return repr(value[:_LONGEST])
@@ -53,7 +53,7 @@ def _shown(value: object) -> str:
 
 
 class _Condition:
-    """How often a condition held, how often not, and what stood on its sides the last time."""
+    """How often a condition was true and false, and the values of its sides the last time."""
 
     def __init__(self, sign: Callable[[Any, Any], Any] = operator.eq) -> None:
         self.sign = sign
@@ -69,19 +69,19 @@ class _Condition:
         self.sides = [_shown(side) for side in sides]
         return result
 
-    def compared(self, one: Any, other: Any) -> Any:
-        return self.noted(self.sign(one, other), one, other)
+    def compared(self, left: Any, right: Any) -> Any:
+        return self.noted(self.sign(left, right), left, right)
 
 
 class _Loop:
-    """How many turns a loop had each time, over what, of how many that there were, and whether it was left before."""
+    """The runs of a loop: iterations, type and length of the iterable, and whether it ended early."""
 
     def __init__(self) -> None:
         self.turns: list[tuple[int, str, int | None, bool]] = []
 
     def over(self, values: Iterable[Any]) -> Iterator[Any]:
         least = None
-        with contextlib.suppress(Exception):  # whatever a program's own class does
+        with contextlib.suppress(Exception):  # a class of the program may raise anything
             least = len(values) if isinstance(values, Sized) else None
         done, is_left = 0, True
         try:
@@ -95,7 +95,7 @@ class _Loop:
 
 
 class _Noting(ast.NodeTransformer):
-    """Has each condition and each loop of a file noted."""
+    """Instruments each condition and each loop of a file."""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -114,7 +114,7 @@ class _Noting(ast.NodeTransformer):
     def _condition(self, test: ast.expr) -> ast.expr:
         match test:
             case ast.BoolOp(values=values):
-                test.values = [self._condition(one) for one in values]
+                test.values = [self._condition(value) for value in values]
             case ast.UnaryOp(op=ast.Not(), operand=inner):
                 test.operand = self._condition(inner)
             case ast.Compare(left=left, ops=[sign], comparators=[right]):
@@ -131,7 +131,7 @@ class _Noting(ast.NodeTransformer):
 
 
 def _watch(folders: tuple[str, ...], conditions: dict[str, _Condition], loops: dict[str, _Loop]) -> None:
-    """Have the files in some folders noted when they are imported."""
+    """Instrument the files in some folders when they are imported."""
     loader = importlib.machinery.SourceFileLoader
     plain = loader.get_code
 
@@ -149,7 +149,7 @@ def _watch(folders: tuple[str, ...], conditions: dict[str, _Condition], loops: d
         loops.update(noting.loops)
         return code
 
-    setattr(loader, "get_code", get_code)  # noqa: B010 -- a method of somebody else's
+    setattr(loader, "get_code", get_code)  # noqa: B010 -- a method of the standard library
 
 
 def _begin() -> None:
@@ -162,22 +162,26 @@ def _begin() -> None:
     setattr(builtins, _LOOPS, loops)
 
     def write() -> None:
-        asked = {key: one for key, one in conditions.items() if one.held or one.failed}
+        asked = {
+            key: condition for key, condition in conditions.items() if condition.held or condition.failed
+        }
         told = {
-            "conditions": {key: [one.held, one.failed, one.sides] for key, one in asked.items()},
-            "loops": {key: one.turns for key, one in loops.items() if one.turns},
+            "conditions": {
+                key: [condition.held, condition.failed, condition.sides] for key, condition in asked.items()
+            },
+            "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
         }
         with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:
             json.dump(told, file)
 
     atexit.register(write)
-    _watch(tuple(os.path.realpath(one) + os.sep for one in folders), conditions, loops)
+    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), conditions, loops)
 
 
 def _make_room() -> None:
-    """Let what comes after this file on the path be a `sitecustomize`, too."""
+    """Import another `sitecustomize` on the path, if there is one."""
     home = os.path.dirname(os.path.abspath(__file__))
-    sys.path[:] = [one for one in sys.path if os.path.abspath(one) != home]
+    sys.path[:] = [folder for folder in sys.path if os.path.abspath(folder) != home]
     this = sys.modules.pop("sitecustomize")
     try:
         __import__("sitecustomize")

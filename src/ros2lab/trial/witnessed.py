@@ -1,4 +1,4 @@
-"""What the nodes' conditions and loops came to while they ran: there it shows why nothing happens that is no error."""
+"""Findings from the conditions and loops that were recorded while nodes ran."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.trial.witness import WATCHED
 
-LEAST = 3  # times that a condition was asked, or a loop begun
-MOST = 3  # conditions that are told
-# What reading may find, too: of one file it is told once.
+LEAST = 3  # evaluations of a condition, or runs of a loop
+MOST = 3  # conditions that are reported
+# Codes that the sources alone may lead to, too: they are reported once per file.
 NOTED = frozenset(("changed-in-loop", "used-up", "never-equal"))
 _ONCE = frozenset(("map", "zip", "filter", "generator", "enumerate", "reversed", "islice", "chain"))
 _Spot = tuple[PythonSource, int, int]  # a file, a line and a column
 
 
 def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables with which programs note in a folder what their conditions and loops come to.
+    """Create folders for the recording, and return the environment variables that turn it on.
 
     Args:
-        folder: in which it is noted.
-        root: the workspace whose files are meant.
-        own: the variables that the programs have.
+        folder: the folder for the notes.
+        root: the workspace whose files are watched.
+        own: the environment variables that the programs have.
     """
     home, noted = folder / "witness", folder / "noted"
-    for one in (home, noted):
-        one.mkdir()
+    for inner_folder in (home, noted):
+        inner_folder.mkdir()
     shutil.copyfile(Path(__file__).with_name("witness.py"), home / "sitecustomize.py")
     path = os.pathsep.join(filter(None, (str(home), own.get("PYTHONPATH", ""))))
     folders = (noted, root / "src", root / "install", root / "build")
@@ -44,10 +44,10 @@ def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, st
 
 
 def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding]]:
-    """Return what the programs noted: what is wrong, and which conditions were never true.
+    """Return the findings that are certain, and those about conditions that were never true.
 
     Args:
-        folder: in which they have noted it.
+        folder: the folder with the notes.
         look: the workspace.
     """
     sources = [source for package in look.packages for source in look.sources(package).sources.values()]
@@ -63,12 +63,12 @@ def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding]]:
             for spot, turns in _spots(told["loops"], by_text):
                 loops[spot] += turns
     never = [*_never_true(conditions)]
-    wrong = [*_cut_short(loops), *(one for one, is_near in never if is_near)]
-    return wrong, [one for one, is_near in never if not is_near][:MOST]
+    wrong = [*_cut_short(loops), *(finding for finding, is_near in never if is_near)]
+    return wrong, [finding for finding, is_near in never if not is_near][:MOST]
 
 
 def _spots(told: Mapping[str, Any], by_text: Mapping[str, PythonSource]) -> Iterator[tuple[_Spot, Any]]:
-    """Yield what was noted, with its place in the sources; what is installed may be a copy of the file."""
+    """Yield what was noted with its place in the sources, which an installed copy has by its text."""
     for key, found in told.items():
         path, line, column = key.rsplit(":", 2)
         with contextlib.suppress(OSError, UnicodeError):
@@ -77,7 +77,7 @@ def _spots(told: Mapping[str, Any], by_text: Mapping[str, PythonSource]) -> Iter
 
 
 def _cut_short(loops: Mapping[_Spot, Sequence[Any]]) -> Iterator[Finding]:
-    """Yield loops over what lost items meanwhile, or over what gives its items only once."""
+    """Yield loops over something that lost items meanwhile, or that yields its items only once."""
     for (source, line, column), turns in loops.items():
         node = _node(source, line, column, ast.expr)
         whole = [(done, kind, least) for done, kind, least, is_left in turns if not is_left]
@@ -95,13 +95,16 @@ def _cut_short(loops: Mapping[_Spot, Sequence[Any]]) -> Iterator[Finding]:
 
 
 def _is_used_up(whole: Sequence[Any]) -> bool:
-    """Return whether a loop had turns only the first time, over what gives its items once."""
+    """Return whether a loop over a one-time iterable had iterations only the first time."""
     is_once = len(whole) >= LEAST and whole[0][1] in _ONCE
     return is_once and whole[0][0] > 0 and not any(done for done, *_ in whole[1:])
 
 
 def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Finding, bool]]:
-    """Yield comparisons that never held, and whether what was compared is nearly alike; those for equality come first."""
+    """Yield comparisons that were never true, and whether the two sides were nearly equal.
+
+    Those with nearly equal sides come first, then those with ==.
+    """
     found = []
     for (source, line, column), (held, failed, sides) in conditions.items():
         node = _node(source, line, column, ast.Compare)
@@ -114,7 +117,7 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
         ]
         cause = f"During the run, `{ast.unparse(node)}` was never true in {failed} checks; at the last one, {' and '.join(last)}."
         change = _made_alike(*sides) if is_equal else ""
-        above = min(at for at, other in _compared(source) if other == left)
+        above = min(at for at, compared_text in _compared(source) if compared_text == left)
         fix = (
             f"write `{left} = {left}{change}` above line {above}"
             if change
@@ -129,18 +132,18 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
                 Finding("never-equal", cause, source.at(line), fix),
             )
         )
-    yield from ((finding, not is_far) for is_far, *_, finding in sorted(found, key=lambda one: one[:4]))
+    yield from ((finding, not is_far) for is_far, *_, finding in sorted(found, key=lambda row: row[:4]))
 
 
 def _compared(source: PythonSource) -> Iterator[tuple[int, str]]:
-    """Yield what stands on the left of comparisons, with its line."""
-    return ((one.lineno, ast.unparse(one.left)) for one in source.nodes if isinstance(one, ast.Compare))
+    """Yield the line and the left side of each comparison."""
+    return ((node.lineno, ast.unparse(node.left)) for node in source.nodes if isinstance(node, ast.Compare))
 
 
-def _made_alike(one: str, other: str) -> str:
-    """Return what makes a text equal to another, of both as they are shown; empty if nothing simple does."""
+def _made_alike(shown: str, other_shown: str) -> str:
+    """Return the string method that makes one shown string equal another; empty if there is none."""
     with contextlib.suppress(ValueError, SyntaxError):
-        left, right = map(ast.literal_eval, (one, other))
+        left, right = map(ast.literal_eval, (shown, other_shown))
         if isinstance(left, str) and isinstance(right, str):
             made = {
                 ".strip()": left.strip(),
@@ -152,7 +155,7 @@ def _made_alike(one: str, other: str) -> str:
 
 
 def _node(source: PythonSource, line: int, column: int, kind: type[ast.expr]) -> ast.expr | None:
-    """Return the widest expression of a kind that begins at a place."""
+    """Return the outermost expression of a kind that begins at a place; None if there is none."""
     return next(
         (
             node
