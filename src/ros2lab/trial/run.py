@@ -165,7 +165,7 @@ def _assignment_for(look: Look) -> Assignment:
         words |= dict.fromkeys(compared(node for _, node in running(word_sources(look.sources(package)))))
     topic = commanded.topic if commanded.topic in topics or not topics else next(iter(topics))
     own = [word for word in words if word and not word.startswith("__")][:MOST_WORDS]
-    # An unknown word comes before each word, to compare with. The words are sent forward and backward, because
+    # An unknown word comes before each word, for comparison. The words are sent forward and backward, because
     # a word changes nothing in the state that it leads to.
     sent = dict.fromkeys([*own, *(commanded.commands if topic == commanded.topic else ())]) or dict.fromkeys(
         commanded.commands

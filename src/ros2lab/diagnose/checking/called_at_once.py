@@ -51,7 +51,7 @@ def called_at_once(look: Look) -> Iterator[Finding]:
 
 
 def _given_calls(sources: NodeSources, source: PythonSource) -> Iterator[_Given]:
-    """Yield calls that are arguments, except instances of classes; create calls of rclpy and log calls are skipped."""
+    """Yield calls that are arguments, except instances of classes; rclpy creations and log calls are skipped."""
     made = {id(creation.call) for creation in sources.creations}
     for owner, _, node in sources.scoped(source):
         if not isinstance(node, ast.Call) or id(node) in made or is_log(node):

@@ -27,8 +27,8 @@ def write_stubs(names: Iterable[str], folder: Path) -> None:
     for module, classes in modules.items():
         path = folder.joinpath(*module.split("."))
         path.mkdir(parents=True, exist_ok=True)
-        imported = {name.rpartition(".")[0] for name in modules} | set(modules)
-        lines = [f"import {name}\n" for name in sorted(filter(None, imported))]
+        imported = {module_name.rpartition(".")[0] for module_name in modules} | set(modules)
+        lines = [f"import {module_name}\n" for module_name in sorted(filter(None, imported))]
         path.joinpath("__init__.pyi").write_text("".join([*lines, _HEAD, *classes]))
         path.parent.joinpath("__init__.pyi").write_text(_HEAD)
 

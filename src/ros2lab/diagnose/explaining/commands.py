@@ -270,7 +270,7 @@ class _Command:
         right_verb = {"srv": "service call", "msg": "topic pub"}.get(word.partition("/")[2].partition("/")[0])
         if right_verb and self.verb in ("service call", "topic pub") and self.verb != right_verb:
             what = f"the type of a {right_verb.partition(' ')[0]}"
-            plain = [in_shell(word) for word in self.plain]
+            plain = [in_shell(plain_word) for plain_word in self.plain]
             yield Corrected(f"ros2 {right_verb} {' '.join(plain)}", f"{word} is {what}: ros2 {right_verb}.")
             return
         right = self.known.types.get(self.plain[0].lstrip("/")) if self.verb == "topic pub" else None

@@ -79,7 +79,7 @@ def _run(package: str, program: str, rest: list[str], logged: set[str], look: Lo
     given = dict(
         value.split(":=", 1) for option, value in pairs if option in ("-r", "--remap") and ":=" in value
     )
-    home = next((known for known in look.packages if known.name == package), None)
+    home = next((candidate for candidate in look.packages if candidate.name == package), None)
     points = (home.setup.entry_points if home and home.setup else None) or ()
     module = next((point.module for point in points if point.name == program), "")
     if home is None or not files:

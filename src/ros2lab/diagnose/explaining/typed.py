@@ -127,7 +127,7 @@ def of_history(typed: Sequence[str], text: str) -> Iterator[Finding]:
     """Yield a finding for the first command in which bash replaced `!`, as the printed line shows."""
     for line in typed:
         is_told = "event not found" in text or any(
-            shown.startswith(f"{line.partition('!')[0]}") for shown in text.splitlines()
+            printed.startswith(f"{line.partition('!')[0]}") for printed in text.splitlines()
         )
         if _HISTORY.match(line) and is_told:
             quoted = line.replace("'", "").replace('"', "'")

@@ -63,9 +63,9 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
         if action is None:
             yield from _unknown_option(words, number, actions)
         elif action.nargs in ("+", "*"):
-            taken = list(itertools.takewhile(lambda word: not word.startswith("-"), after))
+            taken = list(itertools.takewhile(lambda argument: not argument.startswith("-"), after))
             for value in reversed(taken):
-                rest = [word for word in after if word is not value]
+                rest = [argument for argument in after if argument is not value]
                 yield (
                     [*before, value, name, *rest],
                     f"{name} takes all the words after it, including {value!r}.",

@@ -106,11 +106,12 @@ def _fix(said: str, places: Sequence[str], look: Look | None) -> tuple[str, str]
     if match := _INSTEAD.search(said) or _MEANT.search(said):
         groups = match.groupdict()
         old, new = (groups[key] or groups[f"{key}2"] for key in ("old", "new"))
-        lines = [found for warned in places if (found := _line_with(old, spot_at(warned, look)))]
+        lines = [found for warned_place in places if (found := _line_with(old, spot_at(warned_place, look)))]
         if lines:
             first, text = lines[0]
             others = sorted(
-                {int(shown[0].rpartition(":")[2]) for shown in lines[1:]} - {int(first.rpartition(":")[2])}
+                {int(place_and_text[0].rpartition(":")[2]) for place_and_text in lines[1:]}
+                - {int(first.rpartition(":")[2])}
             )
             more = (
                 f"; and likewise on line{'s' * (len(others) > 1)} {', '.join(map(str, others))}"
