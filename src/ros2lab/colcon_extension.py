@@ -104,15 +104,15 @@ def _imports_setuptools(script: Path) -> bool:
         statements = ast.parse(script.read_bytes()).body
     except (OSError, SyntaxError, ValueError):
         return False
-    tried = [inner for one in statements if isinstance(one, ast.Try) for inner in one.body]
+    tried = [inner for statement in statements if isinstance(statement, ast.Try) for inner in statement.body]
     modules = [
         name
-        for one in (*statements, *tried)
+        for statement in (*statements, *tried)
         for name in (
-            [alias.name for alias in one.names]
-            if isinstance(one, ast.Import)
-            else [one.module or ""]
-            if isinstance(one, ast.ImportFrom)
+            [alias.name for alias in statement.names]
+            if isinstance(statement, ast.Import)
+            else [statement.module or ""]
+            if isinstance(statement, ast.ImportFrom)
             else []
         )
     ]

@@ -19,7 +19,7 @@ _EVERY_ERROR = frozenset(("", "Exception", "BaseException"))
 _ENDS = frozenset(
     (
         "ExternalShutdownException",
-        *(name for name, one in vars(builtins).items() if isinstance(one, type) and _is_no_error(one)),
+        *(name for name, value in vars(builtins).items() if isinstance(value, type) and _is_no_error(value)),
     )
 )
 _FARTHEST = 20  # names that stand for one another
@@ -89,6 +89,6 @@ def _bound(node: ast.AST) -> Iterable[tuple[str, ast.expr]]:
         case ast.NamedExpr(target=ast.Name(id=name), value=value):
             yield name, value
         case ast.ImportFrom(names=aliases):
-            yield from ((one.asname, ast.Name(one.name)) for one in aliases if one.asname)
+            yield from ((alias.asname, ast.Name(alias.name)) for alias in aliases if alias.asname)
         case ast.ClassDef(name=name, bases=[base]) if (dotted(base) or "").rpartition(".")[2] in _ENDS:
             yield name, base

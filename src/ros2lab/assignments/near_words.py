@@ -48,4 +48,6 @@ def _word(draw: Random, like: str, commands: Sequence[str], letters: Sequence[st
 
 def _is_meant(word: str, commands: Sequence[str]) -> bool:
     """Return whether a command stands in a word, or a tolerant reader takes it for one."""
-    return any(one in word or word in one for one in commands) or bool(get_close_matches(word, commands))
+    return any(command in word or word in command for command in commands) or bool(
+        get_close_matches(word, commands)
+    )

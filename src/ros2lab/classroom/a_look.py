@@ -74,13 +74,15 @@ def _real_clock(looked: Looked) -> str | None:
 
 @rule
 def _untried(looked: Looked) -> str | None:
-    criteria = [one.id for one in looked.criteria_with(*UNTRIED) if not one.id.startswith("bonus.")]
+    criteria = [
+        criterion.id for criterion in looked.criteria_with(*UNTRIED) if not criterion.id.startswith("bonus.")
+    ]
     return f"This could not be tried: {', '.join(criteria)}." if criteria else None
 
 
 @rule
 def _low_certainty(looked: Looked) -> str | None:
-    criteria = [one.id for one in looked.criteria_with(*DOUBTFUL)]
+    criteria = [criterion.id for criterion in looked.criteria_with(*DOUBTFUL)]
     return f"Points rest on what was likely meant: {', '.join(criteria)}." if criteria else None
 
 
@@ -124,12 +126,12 @@ def _no_sandbox(looked: Looked) -> str | None:
 
 @rule
 def _decided(looked: Looked) -> str | None:
-    decided = [one for one in looked.grade.criteria if one.override]
+    decided = [criterion for criterion in looked.grade.criteria if criterion.override]
     if not decided:
         return None
     said = "; ".join(
-        f"{one.id} {number(one.points)} instead of {number(one.override.machine)}, by {one.override.by}"
-        for one in decided
-        if one.override
+        f"{criterion.id} {number(criterion.points)} instead of {number(criterion.override.machine)}, by {criterion.override.by}"
+        for criterion in decided
+        if criterion.override
     )
     return f"An instructor has decided: {said}."

@@ -61,7 +61,7 @@ def checked(decided: Decided, rubric: Rubric) -> Decided:
         ClassError: if there is no such criterion, it has fewer points, or nobody says why.
     """
     _, criterion, points, comment, by = decided
-    most = {one.id: one.points for one in rubric.criteria}
+    most = {criterion.id: criterion.points for criterion in rubric.criteria}
     if criterion not in most:
         raise ClassError(f"There is no criterion {criterion!r}; there are {', '.join(most)}.")
     if not math.isfinite(points) or not 0 <= points <= most[criterion]:

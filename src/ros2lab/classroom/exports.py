@@ -217,7 +217,7 @@ def _unfilled(graded: Class, filled: set[str]) -> str:
     missing = [
         row.handed.name
         for row in graded.rows
-        if row.handed.key in graded.grades and not any(row is one for one in written)
+        if row.handed.key in graded.grades and not any(row is known for known in written)
     ]
     if not missing:
         return ""
@@ -274,10 +274,10 @@ def _comment(grade: Grade) -> str:
     """Return a grade as a comment in HTML, as which Moodle reads it: what was lost, and why."""
     lines = [f"{number(grade.total)} of {number(grade.max)} points."]
     lines += [
-        f"{number(one.points)} of {number(one.max)}: {visible(one.title)}. {visible(one.reason)}"
-        + (f" Hint: {visible(one.hint)}" if one.hint else "")
-        for one in grade.criteria
-        if one.points < one.max and (one.component != "bonus")
+        f"{number(criterion.points)} of {number(criterion.max)}: {visible(criterion.title)}. {visible(criterion.reason)}"
+        + (f" Hint: {visible(criterion.hint)}" if criterion.hint else "")
+        for criterion in grade.criteria
+        if criterion.points < criterion.max and (criterion.component != "bonus")
     ]
     return "<br>\n".join(escape(line, quote=False) for line in lines)
 

@@ -86,7 +86,7 @@ class Judging:
         """Return the grade of a student's submission."""
         known = {criterion.id for criterion in self.rubric.criteria}
         own = self.decisions.get(student, {})
-        decisions = {one: Decision(*given) for one, given in own.items() if one in known}
+        decisions = {key: Decision(*given) for key, given in own.items() if key in known}
         return verdict(dataclasses.replace(evidence, name=name), self.rubric, decisions)
 
 

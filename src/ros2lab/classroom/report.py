@@ -138,7 +138,7 @@ def page(
             grades=grades,
             looks=looks,
             links=links,
-            lost=sorted(lost, key=lambda one: -one.mean),
+            lost=sorted(lost, key=lambda loss: -loss.mean),
             pairs=alike,
             names={row.handed.key: row.handed.name for row in rows},
             script=Markup(script),  # noqa: S704 -- a file of ours
@@ -174,10 +174,10 @@ def _lost(judging: Judging, grades: Iterable[Grade]) -> Iterable[Lost]:
     grades = [*grades]
     taught = lessons()
     for criterion in judging.rubric.criteria:
-        judged = [one for grade in grades for one in grade.criteria if one.id == criterion.id]
-        losers = [one for one in judged if one.points < one.max]
-        mean = sum(one.max - one.points for one in losers) / len(judged) if judged else 0.0
-        common = Counter(one.reason for one in losers).most_common(3)
+        judged = [graded for grade in grades for graded in grade.criteria if graded.id == criterion.id]
+        losers = [graded for graded in judged if graded.points < graded.max]
+        mean = sum(graded.max - graded.points for graded in losers) / len(judged) if judged else 0.0
+        common = Counter(graded.reason for graded in losers).most_common(3)
         yield Lost(criterion, mean, len(losers), common, taught.get(criterion.question, ""))
 
 

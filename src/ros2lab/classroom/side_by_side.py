@@ -117,7 +117,7 @@ class _Running:
 
     def add(self, process: subprocess.Popen[str]) -> None:
         with self._lock:
-            self._processes = [one for one in self._processes if one.poll() is None] + [process]
+            self._processes = [running for running in self._processes if running.poll() is None] + [process]
             if self.is_over:
                 process.kill()
 

@@ -71,9 +71,9 @@ def run_cell(line: str, cell: str) -> None:
         _write(
             f"The shell of terminal {options.name} had ended. This is a new one: nothing is sourced in it.\n"
         )
-    one = terminal(options.name)
-    if options.background and one.is_busy:
-        one.interrupt()  # the cell is run again: it replaces, and does not double
+    opened = terminal(options.name)
+    if options.background and opened.is_busy:
+        opened.interrupt()  # the cell is run again: it replaces, and does not double
     if options.background:
         _write(_notice())
     page = _Page()
@@ -81,7 +81,7 @@ def run_cell(line: str, cell: str) -> None:
         with interrupted_says(
             f"what ran in terminal {options.name} was stopped; the terminal can be used again."
         ):
-            codes = one.run(
+            codes = opened.run(
                 cell.splitlines(),
                 page.show,
                 timeout=options.timeout,
@@ -89,7 +89,7 @@ def run_cell(line: str, cell: str) -> None:
                 in_background=options.background,
             )
     except TerminalError as error:
-        error.shown, error.folder = page.end_of_text(), one.folder
+        error.shown, error.folder = page.end_of_text(), opened.folder
         raise
     finally:
         page.end(options.name)

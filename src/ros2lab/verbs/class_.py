@@ -141,7 +141,7 @@ def grade(
             wanted = discovery.chosen(found, only) if only else found
             rows_found = [*grading.identified(wanted)]
             if since:
-                rows_found = [one for one in rows_found if one[2] >= since.timestamp()]
+                rows_found = [found for found in rows_found if found[2] >= since.timestamp()]
             book.register(rows_found)
             keys = {handed.key for handed, *_ in rows_found}
             rows = [row for row in book.rows() if row.handed.key in keys]
@@ -234,7 +234,7 @@ def override(
                 book.decide([decisions.checked(decided, by_what.rubric)])
             by_what = judging.Judging.of(assignment, rubric, book.decisions())
             judging.regrade(book, by_what, [row])
-            (row,) = [one for one in book.rows() if one.handed.key == row.handed.key]
+            (row,) = [found for found in book.rows() if found.handed.key == row.handed.key]
     total = f"{row.worth.total:g} of {row.worth.max:g} points" if row.worth else "no grade"
     print(f"{_shown(row.handed.name)} has {total} now.")
 

@@ -100,7 +100,7 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
         findings = of_needed(of_workspace(here, os.environ), error, look)
         if error.typed:
             # What was sourced, the text shows itself: it may be of another terminal.
-            findings = [one for one in findings if one.code != "not-sourced"]
+            findings = [finding for finding in findings if finding.code != "not-sourced"]
         if own := own_words(error.decisive, look):
             looked_at += f" ({own.cause.rstrip('.')}: {own.place})"
         looked_at += f", and nothing wrong was found in {here}, where it looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
@@ -127,8 +127,10 @@ def _seen_beside(findings: Sequence[Finding], root: Path) -> tuple[list[Finding]
     from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
 
     found, looked_at = _run(root)
-    read = {(one.code, _about(one)) for one in findings if one.place}
-    return ranked([*findings, *(one for one in found if (one.code, _about(one)) not in read)]), looked_at
+    read = {(finding.code, _about(finding)) for finding in findings if finding.place}
+    return ranked(
+        [*findings, *(finding for finding in found if (finding.code, _about(finding)) not in read)]
+    ), looked_at
 
 
 def _about(finding: Finding) -> str:

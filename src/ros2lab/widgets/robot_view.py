@@ -324,7 +324,7 @@ def _moments(commands: Sequence[Command], span: float) -> list[float]:
 
 def _checked_topics(source: Source, topic: str | Sequence[str]) -> list[str]:
     given = [topic] if isinstance(topic, str) or not isinstance(topic, Sequence) else [*topic]
-    topics = [source.topic(one) for one in given]
+    topics = [source.topic(name) for name in given]
     if not 1 <= len(topics) <= MOST_ROBOTS:
         raise ValueError(
             f"RobotView shows 1 to {MOST_ROBOTS} robots, each with a topic of its own, not {len(topics)}."
@@ -338,10 +338,10 @@ def _checked_starts(start: Any, robots: int) -> list[Pose]:
     if start is None:
         return [Pose(0.0, -1.0 * number, 0.0) for number in range(robots)]
     try:
-        starts = [tuple(start)] if robots == 1 and not np.ndim(start[0]) else [tuple(one) for one in start]
+        starts = [tuple(start)] if robots == 1 and not np.ndim(start[0]) else [tuple(pose) for pose in start]
     except (TypeError, IndexError, KeyError):
         starts = []
-    if len(starts) != robots or any(len(one) != 3 for one in starts):
+    if len(starts) != robots or any(len(pose) != 3 for pose in starts):
         raise TypeError(
             f"The start is (x, y, heading) in m, m and rad{', once for each robot' * (robots > 1)}, not {start!r}."
         )
@@ -350,10 +350,10 @@ def _checked_starts(start: Any, robots: int) -> list[Pose]:
         Pose(
             *(
                 check_number(name, value, -1000, 1000, unit)
-                for value, (name, unit) in zip(one, names, strict=True)
+                for value, (name, unit) in zip(pose, names, strict=True)
             )
         )
-        for one in starts
+        for pose in starts
     ]
 
 

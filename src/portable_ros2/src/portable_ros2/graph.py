@@ -175,7 +175,9 @@ class Discovery:
             needed = math.inf if any(map(_is_slow, silent)) else 1.0
         if not heard.is_consistent or not all(map(self.inquiry.has_told, alive)):
             return max(needed, SLOW_TIME) * self.spin_time
-        announced = {one for one in self.inquiry.endpoints if one[: participants.PREFIX_LENGTH] in alive}
+        announced = {
+            endpoint for endpoint in self.inquiry.endpoints if endpoint[: participants.PREFIX_LENGTH] in alive
+        }
         if announced - known_endpoints(node, heard.topics):
             return max(needed, SLOW_TIME) * self.spin_time
         return needed * self.spin_time

@@ -116,8 +116,8 @@ def normalize_to_list_of_entities(entities: SomeEntitiesType | None) -> list[Lau
         return [entities]
     if not isinstance(entities, Iterable):
         raise RuntimeError(f"expected a LaunchDescriptionEntity, got '{entities}'")
-    flat = [one for given in entities for one in ([given] if given is not None else [])]
-    for one in flat:
-        if not isinstance(one, LaunchDescriptionEntity):
-            raise RuntimeError(f"expected a LaunchDescriptionEntity, got '{one}'")
+    flat = [entity for given in entities for entity in ([given] if given is not None else [])]
+    for entity in flat:
+        if not isinstance(entity, LaunchDescriptionEntity):
+            raise RuntimeError(f"expected a LaunchDescriptionEntity, got '{entity}'")
     return flat
