@@ -16,6 +16,7 @@ from ros2lab.grading import documents, files, graded_package, package_facts
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import receive
 
+RECORDED = "[INFO] [1700000000.5] [status_publisher]: Publishing: Robot is OK, message 1\n"
 REFERENCE = Path(__file__).parents[2] / "robot_controller"
 Texts = dict[str, str]
 
@@ -752,10 +753,11 @@ def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> Non
         "#!/usr/bin/env python3\nimport rclpy\n\n\nclass Bare:\n    def bare(self):\n        self.x = 1\n        self.y = 2\n\n\n"
         '# Says why.\nclass Commented:\n    """ """\n\n    def inside(self):\n        # Because.\n        pass\n\n\n'
         'def told():\n    """Do it."""\n\n\n'
-        'def dotted():\n    """..."""\n    print(1)\n    print(2)\n'
+        'def dotted():\n    """..."""\n    print(1)\n    print(2)\n\n\n'
+        "USED = [Bare().bare, Commented().inside, told, dotted]\n"
     )
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": module})
-    assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [2, 4]}
+    assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [0, 2]}
 
 
 @pytest.mark.parametrize("file", ["status.py", "nodes/status.py"])
@@ -803,8 +805,14 @@ def test_what_everybody_knows_needs_no_description(
     look: Callable[[Texts], Files], text: str, functions: list[int]
 ) -> None:
     """A constructor, the usual `main` and what has one statement count where they are described."""
-    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": _used(text)})
     assert found.sources["functions"] == functions
+
+
+def _used(text: str) -> str:
+    """Return a module of which something uses all functions and classes."""
+    names = re.findall(r"^(?:def|class) (?!main)(\w+)", text, re.MULTILINE)
+    return f"{text}\n\nUSED = [{', '.join(names)}]\n"
 
 
 @pytest.mark.parametrize(
@@ -830,7 +838,7 @@ def test_what_everybody_knows_needs_no_description(
 def test_code_that_was_taken_out_describes_nothing(
     look: Callable[[Texts], Files], comment: str, is_described: int
 ) -> None:
-    text = f"def tell():\n    {comment}\n    print(1)\n    print(2)\n"
+    text = _used(f"def tell():\n    {comment}\n    print(1)\n    print(2)\n")
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
     assert found.sources["functions"] == [is_described, 1]
 
@@ -838,11 +846,14 @@ def test_code_that_was_taken_out_describes_nothing(
 @pytest.mark.parametrize(
     ("docstring", "described"),
     [
-        ("Tell {name}.", 5),
+        ("Tell {name}.", 0),  # whoever writes that of each has looked at none
+        ("Function {name}.\n\n    :return: a value", 0),
+        ("Say {text}.", 5),
+        ("The {name}.", 5),
         ("{name}", 0),
         ("TODO: describe", 0),
         ("_summary_\n\n    Args:\n        x (_type_): _description_", 0),
-        ("The {name} of the robot, in m/s.", 5),
+        ("The {name} of the {text}, in m/s.", 5),
         ("速度", 0),  # of each the same
     ],
 )
@@ -850,12 +861,49 @@ def test_a_docstring_describes_what_it_tells_from_others(
     look: Callable[[Texts], Files], docstring: str, described: int
 ) -> None:
     names = ("go", "turn", "halt", "wait", "look")
+    said = ("where to", "left or right", "at once", "for long", "around")
     text = "\n\n".join(
-        f'def {name}():\n    """{docstring.format(name=name)}"""\n    print(1)\n    print(2)\n'
-        for name in names
+        f'def {name}():\n    """{docstring.format(name=name, text=text)}"""\n    print(1)\n    print(2)\n'
+        for name, text in zip(names, said, strict=True)
     )
-    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": _used(text)})
     assert found.sources["functions"] == [described, 5]
+
+
+def test_some_may_be_described_alike(look: Callable[[Texts], Files]) -> None:
+    """Such as the answers to commands: what tells that nobody wrote it is only that most are."""
+    alike = [
+        f'def {name}():\n    """Obey the command {name}."""\n    print(1)\n'
+        for name in ("go", "halt", "turn", "wait")
+    ]
+    others = [f'def {name}():\n    """{said}."""\n    print(1)\n' for name, said in {
+        "main": "Run it until Ctrl-C", "told": "Tell how fast it is", "tick": "Publish what is due", "text": "Return a line for the log"
+    }.items()]  # fmt: skip
+    text = _used("\n\n".join([*alike, *others]))
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert found.sources["functions"] == [8, 8]
+
+
+@pytest.mark.parametrize(
+    ("body", "is_used", "described"),
+    [
+        ("", True, 0),
+        ("    pass\n", True, 0),
+        ("    return 3\n", True, 0),
+        ("    ...\n    return\n", True, 0),
+        ("    print(3)\n", False, 0),
+        ("    print(3)\n", True, 1),
+        ("    raise NotImplementedError\n", True, 1),
+    ],
+)
+def test_words_about_what_does_nothing_describe_nothing(
+    look: Callable[[Texts], Files], body: str, is_used: bool, described: int
+) -> None:
+    """Nor those about what nothing uses: both can be made by the dozen."""
+    text = f'def tell():\n    """Say what there is to say."""\n{body}'
+    text = _used(text) if is_used else text
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert found.sources["functions"] == [described, described]
 
 
 def test_one_docstring_may_tell_of_a_few(look: Callable[[Texts], Files]) -> None:
@@ -864,7 +912,7 @@ def test_one_docstring_may_tell_of_a_few(look: Callable[[Texts], Files]) -> None
         f'class {name}:\n    """Run it."""\n    def main(self):\n        """Run it."""\n'
         for name in ("A", "B")
     )
-    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": _used(text)})
     assert found.sources["classes"] == [2, 2]
 
 
@@ -915,11 +963,17 @@ def test_launch_arguments_that_no_launch_file_names_are_known(look: Callable[[Te
 def test_what_may_show_the_nodes_running_is_named(look: Callable[[Texts], Files]) -> None:
     shown = ["docs/Run.PNG", "logs/terminal_1.txt", "run.log"]
     others = ["notes.txt", "png", "docs/png.py", "requirements.txt"]
-    assert look(right_package() | dict.fromkeys([*shown, *others], "")).recordings == shown
+    assert look(right_package() | dict.fromkeys([*shown, *others], RECORDED)).recordings == shown
+
+
+@pytest.mark.parametrize("text", ["", "\n", "0" * 9000, "it runs"])
+def test_what_holds_nothing_shows_nothing(look: Callable[[Texts], Files], text: str) -> None:
+    """A file that is only called a picture or a log is no evidence that anything ran."""
+    assert look(right_package() | dict.fromkeys(["run.png", "run.log", "film.mp4"], text)).recordings == []
 
 
 def test_not_more_than_a_few_pictures_are_named(look: Callable[[Texts], Files]) -> None:
-    assert len(look(dict.fromkeys(map("{}.png".format, range(99)), "")).recordings) == 10
+    assert len(look(dict.fromkeys(map("{}.png".format, range(99)), RECORDED)).recordings) == 10
 
 
 def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:

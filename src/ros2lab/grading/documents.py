@@ -5,22 +5,28 @@ from __future__ import annotations
 import ast
 import contextlib
 import io
-import math
+import itertools
 import re
 import textwrap
 import tokenize
+import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
 from ros2lab.grading import markdown, plain_markup, restructured
+from ros2lab.grading.clean_copy import CHUNK, opened
+from ros2lab.grading.running import Code
 from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
+LEAST_RECORDING = 40  # bytes, packed
 MOST_NAMES = 20
 MOST_NAMES_OF_ONE = 3  # definitions, of which one docstring may tell
+LONGEST_ARTICLE = 3  # letters
 MOST_FILES = 500  # in which names are looked for
 
 _README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
@@ -36,6 +42,7 @@ COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YA
 _DESCRIPTION = re.compile(
     r"<description\b(?s:.*?)(?:</description|\Z)|\bdescription\s*[:=]\s*(?:(['\"])(?s:.*?)\1|[^\n]*)"
 )
+_LETTERS = re.compile(r"[^\W\d_]+")
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
@@ -60,9 +67,18 @@ _MARKDOWN = frozenset(("", ".md", ".markdown", ".mdown", ".html"))  # which may 
 _TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".asciidoc", ".org"))
 
 
-def recordings(paths: Iterable[PurePosixPath]) -> list[str]:
-    """Return the pictures, films and logs, of which some may show the nodes running; not more than a few."""
-    return sorted(str(path) for path in paths if _RECORDINGS.fullmatch(path.name))[:MOST_RECORDINGS]
+def recordings(root: Path, paths: Iterable[PurePosixPath]) -> list[str]:
+    """Return the pictures, films and logs, of which some may show the nodes running; not more than a few, and no empty ones."""
+    named = sorted(path for path in paths if _RECORDINGS.fullmatch(path.name))
+    shown = (str(path) for path in named if _holds_something(root / path))
+    return [*itertools.islice(shown, MOST_RECORDINGS)]
+
+
+def _holds_something(path: Path) -> bool:
+    """Return whether there is more in a file than a few bytes, or the same ones again and again."""
+    with contextlib.suppress(OSError), opened(path) as file:
+        return len(zlib.compress(file.read(CHUNK))) >= LEAST_RECORDING
+    return False
 
 
 def readmes(
@@ -174,53 +190,123 @@ def _code_of(text: str, suffix: str) -> str:
     return _DESCRIPTION.sub("", COMMENT.sub("", text))
 
 
-def described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
-    """Count the modules, classes and functions with a docstring or a comment, and all of them, by kind."""
-    sources = [*sources]
+def described(sources: Iterable[PythonSource], code: Code = ()) -> dict[str, list[int]]:
+    """Count the modules, classes and functions with a docstring or a comment, and all of them, by kind.
+
+    Args:
+        sources: the modules.
+        code: that runs. What never does, or does nothing, is left out where words stand in it.
+    """
+    running = {node for _, node in code}
+    found = [one for source in sources for one in _describable(source, running)]
+    said = _said_of_many(found) | _generated(found)
     counts = {"modules": [0, 0], "classes": [0, 0], "functions": [0, 0]}
-    said = _said_of_many(sources)
-    for source in sources:
-        comments = _comments(source.text) if source.tree.body else {}
-        for kind, is_described in _descriptions(source, comments, said):
-            counts[kind][0] += is_described
-            counts[kind][1] += 1
+    for one in found:
+        is_described = any(said.isdisjoint((text, one.rest(text))) for text in one.texts)
+        if is_described and one.is_vain:
+            continue
+        if is_described or not one.says_itself:
+            counts[one.kind][0] += is_described
+            counts[one.kind][1] += 1
     return counts
 
 
-def _said_of_many(sources: Iterable[PythonSource]) -> set[str]:
+@dataclass(frozen=True)
+class _Describable:
+    """A module, a class or a function, and the words about it.
+
+    Attributes:
+        kind: `modules`, `classes` or `functions`.
+        names: its own, which comes first, and those of what it is given; none of a module.
+        docstring: if it says more than the name.
+        comments: that are its own.
+        says_itself: whether it needs no words.
+        is_vain: whether it never runs, or does nothing.
+    """
+
+    kind: str
+    names: Sequence[str]
+    docstring: str
+    comments: Sequence[str]
+    says_itself: bool = False
+    is_vain: bool = False
+
+    @property
+    def texts(self) -> list[str]:
+        """Return all that is said of it."""
+        return [*filter(None, [self.docstring]), *self.comments]
+
+    def rest(self, text: str) -> str:
+        """Return what a text says besides the names, in small letters: what could be written without looking at more."""
+        own = {*_LETTERS.findall(" ".join(self.names).lower())}
+        return " ".join(word for word in dict.fromkeys(_LETTERS.findall(text.lower())) if word not in own)
+
+
+def _said_of_many(found: Iterable[_Describable]) -> set[str]:
     """Return the docstrings that definitions of several names share: they tell none of them from the others.
 
     What a module's docstring says may be said of its class again.
     """
-    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     names: dict[str, set[str]] = {}
-    for node in (node for source in sources for node in source.nodes if isinstance(node, kinds)):
-        names.setdefault(ast.get_docstring(node) or "", set()).add(node.name)
+    for one in found:
+        if one.names and one.docstring:
+            names.setdefault(one.docstring, set()).add(one.names[0])
     return {text for text, sharing in names.items() if len(sharing) > MOST_NAMES_OF_ONE}
 
 
-def _descriptions(
-    source: PythonSource, comments: Mapping[int, int], said: Collection[str]
-) -> Iterator[tuple[str, bool]]:
-    lines = source.text.splitlines()
+def _generated(found: Iterable[_Describable]) -> set[str]:
+    """Return what most of those of which something is said share, each with its own names: a program can write that.
+
+    Words as short as an article or a preposition alone may be what somebody has written.
+    """
+    names: dict[str, set[str]] = {}
+    for one in found:
+        for text in one.texts if one.names else ():
+            names.setdefault(one.rest(text), set()).add(one.names[0])
+    most = max(MOST_NAMES_OF_ONE, len({name for sharing in names.values() for name in sharing}) / 2)
+    return {
+        text
+        for text, sharing in names.items()
+        if len(sharing) > most and any(len(word) > LONGEST_ARTICLE for word in text.split())
+    }
+
+
+def _describable(source: PythonSource, running: Collection[ast.AST]) -> Iterator[_Describable]:
+    comments = _comments(source.text) if source.tree.body else {}
     if source.tree.body:
         first = source.tree.body[0].lineno
-        yield "modules", _has_docstring(source.tree, said) or any(line < first for line in comments)
+        above = [token.string for line, token in comments.items() if line < first]
+        yield _Describable("modules", [], _docstring(source.tree), above)
+    lines = source.text.splitlines()
     named = [n for n in source.nodes if isinstance(n, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))]
     for node in named:
-        start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-        # A class is not described by what stands in its methods.
         is_class = isinstance(node, ast.ClassDef)
-        end = node.body[0].lineno if is_class else node.end_lineno or node.lineno
-        above = start - 1
-        while above > 0 and not lines[above - 1].strip():
-            above -= 1
-        # What stands further to the right ends the function above.
-        is_commented = any(start <= line <= end for line in comments)
-        is_commented |= comments.get(above, math.inf) <= node.col_offset
-        is_described = _has_docstring(node, said) or is_commented
-        if is_described or not _says_itself(node, named):
-            yield "classes" if is_class else "functions", is_described
+        given = [] if isinstance(node, ast.ClassDef) else [*ast.walk(node.args)]
+        yield _Describable(
+            "classes" if is_class else "functions",
+            [node.name, *(one.arg for one in given if isinstance(one, ast.arg))],
+            _docstring(node),
+            _own_comments(node, comments, lines),
+            _says_itself(node, named),
+            _does_nothing(node) or bool(running and node not in running),
+        )
+
+
+def _own_comments(
+    node: ast.ClassDef | Function, comments: Mapping[int, tokenize.TokenInfo], lines: Sequence[str]
+) -> list[str]:
+    """Return the comments in a definition, and those above it."""
+    start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+    # A class is not described by what stands in its methods.
+    end = node.body[0].lineno if isinstance(node, ast.ClassDef) else node.end_lineno or node.lineno
+    above = start - 1
+    while above > 0 and not lines[above - 1].strip():
+        above -= 1
+    own = [token.string for line, token in comments.items() if start <= line <= end]
+    # What stands further to the right ends the function above.
+    if above in comments and comments[above].start[1] <= node.col_offset:
+        own.append(comments[above].string)
+    return own
 
 
 def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | Function]) -> bool:
@@ -230,21 +316,34 @@ def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | F
     return is_short or bool(is_known)
 
 
-def _has_docstring(node: ast.Module | ast.ClassDef | Function, said: Collection[str]) -> bool:
-    """Return whether a docstring says something: more than a name, of this one and not of many, and not what is to do."""
+def _does_nothing(node: ast.ClassDef | Function) -> bool:
+    """Return whether a function only passes, or gives back what it holds itself."""
+    if isinstance(node, ast.ClassDef):
+        return False
+    return all(
+        isinstance(one, ast.Pass)
+        or (
+            isinstance(one, (ast.Expr, ast.Return)) and (not one.value or isinstance(one.value, ast.Constant))
+        )
+        for one in node.body
+    )
+
+
+def _docstring(node: ast.Module | ast.ClassDef | Function) -> str:
+    """Return a docstring that says something: more than a name, and not what is to do; empty if there is none."""
     text = ast.get_docstring(node) or ""
     name = getattr(node, "name", "").replace("_", "").lower()
     is_name = bool(name) and re.sub(r"[\W_]", "", text).lower() == name
-    return text not in said and not is_name and any(_is_prose(f"# {line}") for line in text.splitlines())
+    return text if not is_name and any(_is_prose(f"# {line}") for line in text.splitlines()) else ""
 
 
-def _comments(text: str) -> dict[int, int]:
-    """Return where comments stand that somebody wrote to be read: their columns by line.
+def _comments(text: str) -> dict[int, tokenize.TokenInfo]:
+    """Return the comments that somebody wrote to be read, by line.
 
     A licence, settings of tools, what is still to be done, paths and code that was taken out are none.
     """
     return {
-        token.start[0]: token.start[1]
+        token.start[0]: token
         for block in _blocks(one for one in _tokens(text) if one.type == tokenize.COMMENT)
         if not _is_code(textwrap.dedent("\n".join(token.string[1:] for token in block)))
         and not any(_OF_LICENCE.search(token.string) for token in block)

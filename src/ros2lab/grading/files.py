@@ -70,7 +70,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     words = assignment.commanded.commands if assignment.commanded else ()
     paths = _paths(root)
     beside = launching(root, submission)
-    texts, shown = readmes(root, paths, submission, beside), recordings(paths)
+    texts, shown = readmes(root, paths, submission, beside), recordings(root, paths)
     foreign = foreign_names(texts, root, paths)
     if found is None:
         return replace(
@@ -103,8 +103,8 @@ class _PackageReader:
         return {
             "manifest": lambda: manifest_facts(self.package, names, self.assignment.dependencies),
             "setup": lambda: setup_facts(self.package),
-            "sources": lambda: described(self.sources),
-            "sources_beside": lambda: {one.name: described(one.own_sources) for one in graded[1:]},
+            "sources": lambda: described(self.sources, self.code),
+            "sources_beside": lambda: {one.name: described(one.own_sources, self.code) for one in graded[1:]},
             "readme_names": lambda: named_in(texts, self.sources),
             "launch_files": lambda: self._shown(self.launches),
             "launch_lacks": lambda: lacks(root, texts, self.launches),
@@ -183,7 +183,7 @@ def _loose(
     """Return the facts of files that lie in no package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     readers: dict[str, Callable[[], Any]] = {
-        "sources": lambda: described(loose),
+        "sources": lambda: described(loose, [*running(loose)]),
         "readme_names": lambda: named_in(texts, loose),
         "handlers": lambda: _handlers(loose, [*running(loose)]),
         "compared": lambda: compared(node for _, node in running(loose)),

@@ -26,6 +26,26 @@ def without_words(text: str) -> str:
     return ast.unparse(tree) + "\n"
 
 
+def with_generated_words(text: str) -> str:
+    """Return Python code in which each docstring is one sentence around the name."""
+    tree = ast.parse(without_words(text))
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+            said = f"Definition of {node.name.replace('_', ' ')}."
+            node.body.insert(0, ast.Expr(ast.Constant(said)))
+    return ast.unparse(tree) + "\n"
+
+
+_IDEAS = ("think", "hope", "wish", "doubt", "wonder", "guess", "dream", "plan", "look", "wait")
+_ABOUT_NOTHING = "\n\n".join(
+    f'def {idea}_{number}():\n    """{what} the robot when it has to {idea}."""\n{does}'
+    for number, (what, does) in enumerate(
+        (("Leave", ""), ("Keep", "    pass\n"), ("Count", "    return 3\n"), ("Ask", "    print(3)\n"))
+    )
+    for idea in _IDEAS
+)
+
+
 def _with(old: str, new: str) -> str:
     if old not in README_TEXT:
         raise ValueError(f"{old!r} is not in the README.")
@@ -161,6 +181,35 @@ DOCUMENTATION: tuple[Case, ...] = (
         r"docstring|comment",
         "no module, class or function says what it does",
         most=6,
+    ),
+    fault(
+        "documentation",
+        "generated_words",
+        every(
+            with_generated_words,
+            f"{M}status_publisher.py",
+            f"{M}command_subscriber.py",
+            f"{M}velocity_publisher.py",
+        ),
+        r"docstring|comment",
+        "each docstring is the name in the same sentence, which says nothing of the code",
+        most=3,
+    ),
+    fault(
+        "documentation",
+        "words_about_nothing",
+        both(
+            every(
+                without_words,
+                f"{M}status_publisher.py",
+                f"{M}command_subscriber.py",
+                f"{M}velocity_publisher.py",
+            ),
+            put(f"{M}more.py", _ABOUT_NOTHING),
+        ),
+        r"docstring|comment",
+        "forty functions that nobody calls, or that do nothing, are described, and no other one",
+        most=3,
     ),
     fault(
         "documentation",
