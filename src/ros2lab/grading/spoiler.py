@@ -74,11 +74,13 @@ def _end(tree: ast.Module, idle: Collection[int], is_ended: Callable[[], ast.exp
 
 
 def _hands_back(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    """Return whether a function does nothing but give back something that it is given."""
+    """Return whether a function does nothing but give back something that it is given, or that stands in it."""
     given = {one.arg for one in ast.walk(function.args) if isinstance(one, ast.arg)}
     match [one for one in function.body if not _is_text(one)]:
         case [ast.Return(value=ast.Name(id=name))]:
             return name in given
+        case [ast.Return(value=ast.expr() as value)]:
+            return not any(isinstance(one, (ast.Name, ast.Call)) for one in ast.walk(value))
     return False
 
 
@@ -123,7 +125,8 @@ class _Change(ast.NodeTransformer):
 
     def visit(self, node: ast.AST) -> Any:
         is_idle = isinstance(node, ast.stmt) and node.lineno in self._idle
-        if is_idle or node in self._kept:
+        is_given_back = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and _hands_back(node)
+        if is_idle or is_given_back or node in self._kept:
             return node
         is_function = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
         self._depth += is_function

@@ -319,6 +319,25 @@ TESTING: tuple[Case, ...] = (
     ),
     bonus_fault(
         "tests",
+        "tests_of_a_constant",
+        both(
+            edit(STATUS, "        self.count += 1\n", "        self.count += step()\n"),
+            edit(
+                STATUS,
+                "def status_text(",
+                'def step():\n    """Return by how much it counts."""\n    return 1\n\n\ndef status_text(',
+            ),
+            put(
+                TESTS,
+                '"""Tests."""\nfrom robot_controller.status_publisher import step\n\n\n'
+                "def test_step():\n    assert step() == 1\n",
+            ),
+        ),
+        r"test",
+        "they repeat a number that a function only gives back",
+    ),
+    bonus_fault(
+        "tests",
         "tests_of_a_copy",
         put(
             TESTS,
