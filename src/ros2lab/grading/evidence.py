@@ -89,7 +89,7 @@ class Files:
         idle: by file, in which lines functions begin that never run, and assignments that nothing that runs reads.
         ends: the publishers and subscriptions that the code makes.
         ends_elsewhere: what the rest of the hand-in may make besides them, of unknown topics; None if that is not known.
-        simulated: the modules that name `use_sim_time`.
+        simulated: the modules that say or ask whether time is simulated.
         declared: the parameters that the code declares, with their defaults; None for one that is not known.
         notes: what was not looked at, and why.
         unread: which of these facts a reader of ours has failed to read, and why; they are empty.

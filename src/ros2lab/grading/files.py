@@ -51,6 +51,7 @@ from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
+_OF_CLOCKS = ("use_sim_time", "ros_time_is_active")  # by which rclpy tells which clock a node follows
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
@@ -237,8 +238,10 @@ def _entrances(packages: Iterable[Package]) -> set[str] | None:
 
 
 def _simulated(sources: Iterable[PythonSource]) -> list[str]:
-    """Return the last parts of the names of the modules that may have their nodes follow `/clock`."""
-    return sorted({one.name.rpartition(".")[2] for one in sources if "use_sim_time" in one.text})
+    """Return the last parts of the names of the modules that may have their nodes follow `/clock`, or ask whether they do."""
+    return sorted(
+        {one.name.rpartition(".")[2] for one in sources if any(name in one.text for name in _OF_CLOCKS)}
+    )
 
 
 def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[Place]]:
