@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import resource
 import threading
@@ -108,6 +109,7 @@ class Box:
         self._ask = ask
         self._output_bytes = output_bytes
         self._reading = -1  # the pipe on which it writes
+        self._bell = -1  # at whose end all of its neighbours are shown
         self._start = time.monotonic()
         self._changed = threading.Condition()
         self._written = bytearray()
@@ -177,6 +179,13 @@ class Box:
             self._ask("hold")
             return self._changed.wait_for(lambda: self._stands or bool(self._end), timeout)
 
+    def show_neighbours(self) -> None:
+        """Let its list of processes show those of its neighbours, too, that were started after it."""
+        with self._changed:
+            bell, self._bell = self._bell, -1
+        if bell >= 0:
+            os.close(bell)
+
     def release(self) -> None:
         """Let everything in the box go on."""
         self._ask("release")
@@ -214,6 +223,7 @@ class Box:
         with self._changed:
             self._end = self._end or end
             self._changed.notify_all()
+        self.show_neighbours()
 
 
 def refuse_narrow_limits() -> None:

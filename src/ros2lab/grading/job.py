@@ -15,6 +15,7 @@ from typing import Any
 from ros2lab.grading.box import Box
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.keyboard import Keyboard
+from ros2lab.grading.neighbours import Neighbours
 from ros2lab.grading.shares import shared_out
 
 DOMAINS = itertools.cycle(
@@ -41,7 +42,7 @@ class Program:
         takes_arguments: whether it understands `--ros-args`; `ros2 launch` does not.
         enclave: that its nodes tell, such as `/program_1`; empty if it does not matter whose they are.
         keys: the lines that are typed for it, if it has a keyboard.
-        has_clock: whether its nodes follow `/clock` of their own accord: that is not stepped for them, for nobody would.
+        has_clock: whether its nodes follow `/clock` of their own accord, or ask for it: it is not stepped for them, for nobody would.
     """
 
     name: str
@@ -175,6 +176,18 @@ class Job:
             return None
         self.keyboards.append(Keyboard(program.keys))
         return self.keyboards[-1].stdin
+
+    def neighbours(self, number: int) -> Neighbours | None:
+        """Return those of a program, by its number; None if it is alone, or has a keyboard."""
+        if len(self.programs) == 1 or self.programs[number].keys:
+            return None
+        commands = [program.command for program in self.programs]
+        return Neighbours(commands[:number], commands[number + 1 :])
+
+    def show_neighbours(self) -> None:
+        """Let each program's list of processes show all others."""
+        for box in self.boxes.values():
+            box.show_neighbours()
 
     def type(self) -> None:
         """Type a line at each keyboard at which the last one was read."""

@@ -253,15 +253,18 @@ class _Room:
         """Do what the observer asks for."""
         do = message["do"]
         if do == "start":
-            for program in job.programs:
+            for number, program in enumerate(job.programs):
                 job.boxes[program.name] = self.world.start(
                     program.words(is_stepped=job.is_stepped),
                     environ=_settings({**program.environ, "ROS_DOMAIN_ID": str(job.domain)}),
                     stdin=job.keyboard(program),
                     limits=PROGRAM_LIMITS,
                     among=str(job.number) if len(job.programs) > 1 else "",
+                    neighbours=job.neighbours(number),
                 )
             job.alive = len(job.boxes)
+        elif do == "met":
+            job.show_neighbours()
         elif do == "mark":
             if not self._box.wait_for(message["line"], STOP_TIMEOUT):
                 raise ObserverLost("it does not print what it says")

@@ -117,6 +117,7 @@ class Conductor:
 
     def _observe(self, watch: Watch) -> None:
         self._await_nodes(watch)
+        self._say("met")
         if self.plan.get("is_given"):
             topics = self._assignment.topics
             kept = [*topics, *(part.topic for part in self._assignment.services)]

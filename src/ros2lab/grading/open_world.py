@@ -20,6 +20,7 @@ import psutil
 
 from ros2lab.grading.box import Box, End, Limits
 from ros2lab.grading.keeper import LIMITS
+from ros2lab.grading.neighbours import Neighbours
 from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, World
 from ros2lab.process_family import end_kept, kept
 from ros2lab.scratch import scratch_folder
@@ -64,6 +65,7 @@ class OpenWorld(World):
         shown: Iterable[Path] = (),
         limits: Limits | None = None,
         among: str = "",
+        neighbours: Neighbours | None = None,
     ) -> Box:
         """Start a program.
 
@@ -76,8 +78,9 @@ class OpenWorld(World):
             shown: without a meaning here.
             limits: what it may use; None takes the World's.
             among: without a meaning here: all have /tmp in common.
+            neighbours: without a meaning here: all have their processes in common.
         """
-        del files, shown, among
+        del files, shown, among, neighbours
         limits = limits or self.limits
         words = {**ENVIRON, **(environ or {})}
         box = _OpenBox(

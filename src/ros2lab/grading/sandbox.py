@@ -40,6 +40,7 @@ from ros2lab.grading.box import (
     refuse_narrow_limits,
     why,
 )
+from ros2lab.grading.neighbours import Neighbours
 
 FILES = "/submission"
 OWN = ("/dev/shm", "/tmp")  # noqa: S108 -- the box's own
@@ -147,6 +148,7 @@ class World:
         shown: Iterable[Path] = (),
         limits: Limits | None = None,
         among: str = "",
+        neighbours: Neighbours | None = None,
     ) -> Box:
         """Start a program in a box of its own.
 
@@ -159,6 +161,7 @@ class World:
             shown: what this box can read of `PACKAGE`.
             limits: what it may use; None takes the World's.
             among: a name of boxes that have /tmp, /dev/shm and their home in common until the World ends.
+            neighbours: whom it is shown in its list of processes; it has no `stdin` then.
 
         Raises:
             RuntimeError: if the World has ended.
@@ -167,6 +170,11 @@ class World:
         if self._folder < 0:
             raise RuntimeError(f"{command[0]} cannot be started, for the World is closed; make another.")
         words = {**ENVIRON, **(environ or {})}
+        bell = -1
+        if neighbours:
+            command, more = neighbours.starting(command)
+            words |= more
+            stdin, bell = os.pipe()
         start = ["/usr/bin/env", "-i", "-C", cwd, *(f"{name}={value}" for name, value in words.items())]
         folders, links = bubblewrap.writable(self.folders, [*self._shown, *bubblewrap.HIDDEN])
         folders = [HOME, *folders]
@@ -178,6 +186,7 @@ class World:
                 _hand_over(self._folder)  # no box runs that could change what is walked through
         number = next(self._numbers)
         box = self._boxes[number] = Box(lambda do: self._ask(do, number), limits.output_bytes)
+        box._bell = bell
         box._reading, its_output = os.pipe()
         passed = [its_output] if stdin is None else [its_output, stdin]
         common = {"among": among, "folders": [*OWN, *folders]}
@@ -200,6 +209,8 @@ class World:
             box._set_end(End(keeper.NOT_STARTED, None, 0.0, True))
         finally:
             os.close(its_output)
+            if neighbours and stdin is not None:
+                os.close(stdin)
         return box
 
     def run(
@@ -272,7 +283,10 @@ class World:
         own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
         own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
         # Nothing is to be written there, such as whom Linux ends first where memory is short.
-        own += ["--new-session", "--die-with-parent", "--proc", "/proc", "--remount-ro", "/proc"]
+        own += ["--new-session", "--die-with-parent", "--proc", "/proc"]
+        for name, (place, _) in keeper.SHOWN.items():
+            own += ["--ro-bind", f"{keeper.FOLDER}/{name}", place]
+        own += ["--remount-ro", "/proc"]
         # What is mapped of /dev/zero is memory that no process shows.
         own += ["--dev", "/dev", "--dev-bind", "/dev/null", "/dev/zero"]
         own += [*places, "--remount-ro", "/dev"]

@@ -45,7 +45,7 @@ def watch(
         built: what came of the build.
         show: told what is being done.
     """
-    programs = [_program(one, built) for one in built.executables if one.command]
+    programs = [_program(one, built, facts) for one in built.executables if one.command]
     asking = {one.name for one in built.executables if KEYBOARD in one.absent}
     launches = [*_launches(submission, facts, built)] if built.is_built else []
     if not programs and not launches:
@@ -87,11 +87,12 @@ class _Watching:
         self._together: list[Run] = []  # what was seen of all of them
         self._is_shared = False  # whether that tells what each does
         self._ended: set[str] = set()  # the programs that ended while all were watched
+        self._is_given_up = False  # whether that was given up
         self._known: set[str] = set()  # the programs of which it is known whether they follow `/clock` untold
 
     def untold(self, names: Collection[str]) -> bool:
         """See which of some programs follow `/clock` though nobody tells them; return whether one does that was not known to."""
-        programs = [one for one in self._programs if one.name in {*names} - self._known]
+        programs = [one for one in self._programs if one.name in {*names} - self._known and not one.has_clock]
         self._known |= {one.name for one in programs}
         if not programs:
             return False
@@ -105,11 +106,12 @@ class _Watching:
 
     def each(self) -> None:
         """Watch what each program does: among the others, and alone where that leaves something open."""
-        self._together, self._is_shared = [], False
+        self._together, self._is_shared, self._is_given_up = [], False, False
         if len(self._programs) > 1 and not any(one.has_clock for one in self._programs):
             whole = Job.shared(self._programs)
             seen = self._observer.watch([whole])
             self._together, self._ended = seen if whole.result else [], {*whole.ended}
+            self._is_given_up = not whole.result
             self.runs = whole.shares()
         self._is_shared = bool(self.runs) and _is_complete(self._assignment, self._together)
         if not self._is_shared:
@@ -230,9 +232,10 @@ class _Watching:
                 self.runs += self._observer.watch([Job.given(self._programs, has_flags=has_flags)])
 
     def _is_torn(self) -> bool:
-        """Return whether a program has ended beside the others that goes on alone."""
+        """Return whether a program has ended beside the others, or does not follow the clock there, that does so alone."""
         alone = [run for run in self.runs if run.setting == "alone" and not run.ended]
-        return any(run.programs[0] in self._ended for run in alone)
+        is_stepped = bool(alone) and all(run.clock == "stepped" for run in alone)
+        return (self._is_given_up and is_stepped) or any(run.programs[0] in self._ended for run in alone)
 
     def _anew(self) -> list[Job]:
         """Return the job of all programs, if it is still to be done."""
@@ -262,20 +265,18 @@ def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
     return runs + observer.watch([Job.alone(program, has_commands=False) for program in open_ones])
 
 
-def _program(executable: Executable, built: Build) -> Program:
-    return Program(executable.name, executable.command, built.environ)
+def _program(executable: Executable, built: Build, facts: Files) -> Program:
+    # Code that says or asks which clock there is may do something else on one that is stepped.
+    has_clock = not {*executable.modules, executable.stem}.isdisjoint(facts.simulated)
+    return Program(executable.name, executable.command, built.environ, has_clock=has_clock)
 
 
 def _simulated(facts: Files, built: Build) -> list[str]:
-    """Return the programs that may have a node follow `/clock`: by their code, or by a file of parameters."""
+    """Return the programs that may have a node follow `/clock`, by a file of parameters."""
     is_set = any(
         values.get("use_sim_time") for nodes in facts.parameter_files.values() for values in nodes.values()
     )
-    return [
-        one.name
-        for one in built.executables
-        if is_set or not {*one.modules, one.stem}.isdisjoint(facts.simulated)
-    ]
+    return [one.name for one in built.executables] if is_set else []
 
 
 def _clocked(runs: Iterable[Run]) -> list[str]:

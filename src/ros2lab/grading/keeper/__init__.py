@@ -20,6 +20,7 @@ TCP_BUFFERS = {"tcp_rmem": "4096 65536 131072", "tcp_wmem": "4096 16384 65536"}
 FOLDER = "/box"
 FILES = "/files"
 SHARED = "/shared"  # what some boxes have in common, a folder for those of each name
+FOLDER_OF_WAITING = "/etc/waiting"  # in the box, from which Python imports what only waits
 
 # The box's own /etc.
 SETTINGS = {
@@ -27,6 +28,20 @@ SETTINGS = {
     "group": "student:x:1000:\n",
     "hosts": "127.0.0.1 localhost\n::1 localhost\n",
     "nsswitch.conf": "passwd: files\ngroup: files\nhosts: files\n",
+}
+
+
+# Takes the short name that Linux gives a script, and waits.
+_WAITING = """
+import _signal, ctypes, os, sys
+ctypes.CDLL(None).prctl(15, os.path.basename(sys.argv[0] or sys.orig_argv[0]).encode())
+while True:
+    _signal.pause()
+"""
+# What a box shows besides, by the name of its file: a first process that names no program, and what a process waits by.
+SHOWN = {
+    "init": ("/proc/1/cmdline", "init\0"),
+    "waiting": (f"{FOLDER_OF_WAITING}/sitecustomize.py", _WAITING),
 }
 
 

@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Mapping
 
-from . import FILES, FOLDER, LIMITS, NOBODY, NOT_STARTED, SETTINGS, SHARED, counted, is_root
+from . import FILES, FOLDER, LIMITS, NOBODY, NOT_STARTED, SETTINGS, SHARED, SHOWN, counted, is_root
 from .box import BYTES_PER_OPEN_FILE, Box, started
 from .system_calls import system_call_filter
 
@@ -168,7 +168,7 @@ def main() -> None:
 def _prepare() -> None:
     """Write what is bound into every box, and stop being root."""
     os.umask(0o022)  # the boxes' programs, too, make files that are read
-    for name, text in SETTINGS.items():
+    for name, text in {**SETTINGS, **{name: text for name, (_, text) in SHOWN.items()}}.items():
         with open(f"{FOLDER}/{name}", "w", encoding="ascii") as file:
             file.write(text)
     with open(f"{FOLDER}/filter", "wb") as program:

@@ -6,6 +6,7 @@ from corpus.case import Case
 from corpus.faults.bonus import BONUS_FAULTS
 from corpus.faults.command import COMMAND_FAULTS
 from corpus.faults.documentation import DOCUMENTATION
+from corpus.faults.elsewhere import ELSEWHERE_FAULTS
 from corpus.faults.manifest import MANIFEST
 from corpus.faults.setup_script import ENTRY_POINTS, SETUP_SCRIPT
 from corpus.faults.status import STATUS_FAULTS
@@ -20,6 +21,7 @@ FAULTS: tuple[Case, ...] = (
     *STATUS_FAULTS,
     *COMMAND_FAULTS,
     *VELOCITY_FAULTS,
+    *ELSEWHERE_FAULTS,
     *DOCUMENTATION,
     *BONUS_FAULTS,
 )

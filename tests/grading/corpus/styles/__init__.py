@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from corpus.case import Case
+from corpus.styles.beside import BESIDE
 from corpus.styles.elsewhere import ELSEWHERE
 from corpus.styles.forms import EXTREMES, FORMS
 from corpus.styles.nodes import WAYS_OF_WRITING
 
-STYLES: tuple[Case, ...] = (*FORMS, *WAYS_OF_WRITING, *ELSEWHERE)
+STYLES: tuple[Case, ...] = (*FORMS, *WAYS_OF_WRITING, *ELSEWHERE, *BESIDE)
 
 __all__ = ["EXTREMES", "STYLES"]

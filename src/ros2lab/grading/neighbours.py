@@ -1,0 +1,68 @@
+"""Show a program, in the list of processes of its box, the others of its run, as a student's machine would.
+
+Each program has processes of its own, so that it cannot reach those of another one. What it is shown instead waits and does
+nothing, but has the other's command: those that were started before it are there when it starts, the rest once it is told.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ros2lab.grading.keeper import FOLDER_OF_WAITING
+
+Command = Sequence[str | Path]
+
+_VARIABLE = "NEIGHBOURS"
+# Becomes the program when all that is to be there is. What shows the rest waits for the end of its standard input, and no
+# process is a child of the program's. The commands come by the environment: those of this one are read by nobody.
+_STARTER = f"""
+import json, os, signal, sys
+own, before, after = json.loads(os.environ.pop("{_VARIABLE}"))
+def show(commands):
+    environ = {{"PYTHONPATH": "{FOLDER_OF_WAITING}", "PYTHONHOME": sys.base_prefix}}
+    running, nobody = os.pipe()  # closed when a process becomes what it is to be
+    for words in commands:
+        if not os.fork():
+            os.execve(sys.executable, words, environ)
+    os.close(nobody)
+    os.read(running, 1)
+nothing = os.open(os.devnull, os.O_RDWR)
+if not os.fork():
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in (1, 2):
+        os.dup2(nothing, number)
+    show(before)
+    if not os.fork():
+        os.read(0, 1)
+        show(after)
+    os._exit(0)
+os.wait()
+os.dup2(nothing, 0)
+os.environ.pop("LC_CTYPE", None)  # Python has set it
+os.execv("/usr/bin/env", ["env", *own])
+"""
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """The commands of the other programs of a run.
+
+    Attributes:
+        before: of those that were started before.
+        after: of the others.
+    """
+
+    before: Sequence[Command]
+    after: Sequence[Command]
+
+    def starting(self, command: Command) -> tuple[Command, dict[str, str]]:
+        """Return what starts a program among them, and what of its environment that needs."""
+        lists = [
+            [*map(str, command)],
+            *([[*map(str, c)] for c in some] for some in (self.before, self.after)),
+        ]
+        return [sys.executable, "-I", "-S", "-c", _STARTER], {_VARIABLE: json.dumps(lists)}
