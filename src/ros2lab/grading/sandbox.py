@@ -198,6 +198,7 @@ class World:
             socket.send_fds(self._control, [message], passed)
         except (OSError, ValueError) as error:
             self._boxes.pop(number, None)
+            box.show_neighbours()  # nobody else closes what they wait for
             if not isinstance(error, OSError) or error.errno != errno.EMSGSIZE:
                 raise RuntimeError(
                     f"{command[0]} cannot be started ({error}): the World has ended."
