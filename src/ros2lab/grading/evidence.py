@@ -7,9 +7,11 @@ another run. Times are in s; a run's times count from the moment its nodes were 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.grading.senses import sense
 from ros2lab.grading.submission import Submission
 
 SCHEMA = 3
@@ -221,6 +223,16 @@ class Heard:
     times: list[float]
     values: list[Any]
     count: int
+
+    @cached_property
+    def sense(self) -> str:
+        """What its messages say last, without what changes by itself; empty if there are none."""
+        return sense(self.values) if self.values else ""
+
+    @cached_property
+    def senses(self) -> list[str]:
+        """What each of its messages says by itself."""
+        return [sense([value]) for value in self.values]
 
 
 @dataclass(frozen=True)

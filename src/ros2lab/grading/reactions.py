@@ -6,14 +6,14 @@ import functools
 import itertools
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.senses import is_still, is_velocity, steady
 
 _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
-_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
 Change = tuple[str, str]  # a topic or a parameter, and what it says then
@@ -39,16 +39,20 @@ def effects_of(
         echoes: changes that only repeat a word, as other runs have shown.
     """
     found: dict[str, str] = {}
-    by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
+    numbers = {one.text: number for number, one in reversed([*enumerate(run.commands)])}  # the first of each
+    by_text = {text: run.commands[number] for text, number in numbers.items()}
     said = {word: templates(run, by_text[word]) for word in part.commands if word in by_text}
+    if not said:
+        return found
     known = set[str]().union(*said.values())
     unknown = _control(part, run)
     # What is said of an unknown word alone shows that the others are known.
     refuses = bool(unknown - known - said_by_itself(run))
     is_arbitrary = logs_arbitrarily(part, run)
+    telling, is_changing = telling_lines(part, run), changing(part, run, alone, echoes)
     for word in said:
         one = by_text[word]
-        own = {_template(line, word) for line in telling_lines(part, run, word)} if has_own_log else set()
+        own = {_template(line, word) for line in telling[word]} if has_own_log else set()
         if not one.is_alive and unknown_word(part) not in by_text:
             own -= set[str].intersection(
                 known, *said.values()
@@ -57,7 +61,7 @@ def effects_of(
         # A line that this word shares with unknown ones, and with no other word, says that it is not known.
         is_refused = bool(unknown & (_warnings(run, one) | (own - elsewhere)))
         is_apart = not is_arbitrary and (own - unknown or (own and refuses))
-        if changes(part, run, one, alone, echoes) or is_apart:
+        if is_changing[numbers[word]] or is_apart:
             found[word] = "processed"
         elif own:
             found[word] = "refused" if is_refused else "echoed"
@@ -69,7 +73,8 @@ def _control(part: Part, run: Run) -> set[str]:
 
     It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
     """
-    said = _by_unknown(part, ((one.text, templates(run, one)) for one in run.commands))
+    unknown = (one for one in run.commands if one.text in part.unknown)
+    said = _by_unknown(part, ((one.text, templates(run, one)) for one in unknown))
     return set[str]().union(
         *(
             set.intersection(*filter(None, times))
@@ -95,11 +100,10 @@ def _warnings(run: Run, one: CommandSeen) -> set[str]:
 
 def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = True) -> bool:
     """Return whether anything at all follows a command that does not come by itself."""
-    return any(
-        command.parameters
-        or any(changed(run, command, alone))
-        or (has_own_log and lines_of(run, command) - said_by_itself(run))
-        for command in run.commands
+    return (
+        any(command.parameters for command in run.commands)
+        or any(changed(run, alone))
+        or (has_own_log and any(lines_of(run, one) - said_by_itself(run) for one in run.commands))
     )
 
 
@@ -113,26 +117,32 @@ def lines_of(run: Run, one: CommandSeen) -> set[str]:
     return {_line(run, text) for level, text in one.log if one.is_alive or level != "PRINT"}
 
 
-def telling_lines(part: Part, run: Run, word: str) -> set[str]:
-    """Return the lines after a command that do not come whatever the command is.
+def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
+    """Return by command, of the first time that it was said, the lines after it that do not come whatever the command is.
 
     What came before any command, and comes after another one as well, comes by itself; but what was said once
     before, and follows no unknown word, tells of a state that a command brings back.
     """
-    said = {
+    heard = {
         one.text: lines_of(run, one)
         for one in reversed(run.commands)
         if one.text in (*part.commands, *part.unknown)
     }
-    if word not in said:
-        return set()
-    if logs_arbitrarily(part, run):  # only the word itself tells of it
-        said[word] = {line for line in said[word] if "{}" in _template(line, word)}
-    common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
-    others = set().union(*(lines for text, lines in said.items() if text != word))
-    after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
+    is_arbitrary = logs_arbitrarily(part, run)
     again = {line for line, count in Counter(_line(run, text) for _, text in run.log).items() if count > 1}
-    return said[word] - common - (others & again) - (after_unknown & said_by_itself(run))
+    after_unknown = set().union(*(lines for text, lines in heard.items() if text in part.unknown))
+    by_itself = after_unknown & said_by_itself(run)
+    found = {word: set[str]() for word in part.commands}
+    for word in found.keys() & heard.keys():
+        said = dict(heard)
+        if is_arbitrary:  # only the word itself tells of it
+            said[word] = {line for line in said[word] if "{}" in _template(line, word)}
+        common = (
+            set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
+        )
+        others = set().union(*(lines for text, lines in said.items() if text != word))
+        found[word] = said[word] - common - (others & again) - by_itself
+    return found
 
 
 def said_by_itself(run: Run) -> set[str]:
@@ -142,12 +152,7 @@ def said_by_itself(run: Run) -> set[str]:
 
 def _line(run: Run, text: str) -> str:
     """Return a line without its numbers, and without what was typed at a keyboard meanwhile."""
-    return _steady(re.sub(_any_of(frozenset(run.typed)), "…", text) if run.typed else text)
-
-
-def _steady(text: str) -> str:
-    """Return a text without its numbers, which change by themselves."""
-    return _NUMBER.sub("#", text)
+    return steady(re.sub(_any_of(frozenset(run.typed)), "…", text) if run.typed else text)
 
 
 @functools.cache
@@ -157,7 +162,12 @@ def _any_of(answers: frozenset[str]) -> re.Pattern[str]:
 
 
 def _template(line: str, word: str) -> str:
-    return re.sub(re.escape(word), "{}", line, flags=re.IGNORECASE) if word else line
+    return _in_any_case(word).sub("{}", line) if word else line
+
+
+@functools.lru_cache
+def _in_any_case(word: str) -> re.Pattern[str]:
+    return re.compile(re.escape(word), re.IGNORECASE)
 
 
 def templates(run: Run, one: CommandSeen) -> set[str]:
@@ -165,94 +175,89 @@ def templates(run: Run, one: CommandSeen) -> set[str]:
     return {_template(line, one.text) for line in lines_of(run, one)}
 
 
-def changes(
-    part: Part,
-    run: Run,
-    one: CommandSeen,
-    alone: Mapping[str, Heard],
-    echoes: Collection[Change] = (),
-) -> bool:
-    """Return whether a topic or parameter says something else after a command than before, and than after unknown ones."""
-    brought = _brought_by_unknown(part, run, alone)
-    vain = _arbitrary(part, brought) | {part.topic}
-    common = {*_common(part, brought), *echoes}
-    return any(change not in common and change[0] not in vain for change in _brought(run, one, alone))
+def changing(part: Part, run: Run, alone: Mapping[str, Heard], echoes: Collection[Change] = ()) -> list[bool]:
+    """Return of each command whether a topic or parameter says something else after it than before, and than after unknown ones."""
+    brought = _brought(run, alone)
+    unknown = _by_unknown(part, zip((one.text for one in run.commands), brought, strict=True))
+    vain = _arbitrary(unknown) | {part.topic}
+    common = {*_common(unknown), *echoes}
+    return [any(change not in common and change[0] not in vain for change in changes) for changes in brought]
 
 
 def echoes(part: Part, runs: Iterable[Run], alone: Mapping[str, Heard]) -> set[Change]:
     """Return the changes that repeat an unknown word each time that it comes, in some run."""
-    common = (_common(part, _brought_by_unknown(part, run, alone)) for run in runs)
+    brought = (zip((one.text for one in run.commands), _brought(run, alone), strict=True) for run in runs)
+    common = (_common(_by_unknown(part, changes)) for changes in brought)
     return {change for found in common for change in found if "{}" in change[1]}
 
 
-def _brought_by_unknown(part: Part, run: Run, alone: Mapping[str, Heard]) -> list[tuple[str, set[Change]]]:
-    return [(one.text, _brought(run, one, alone)) for one in run.commands if one.text in part.unknown]
-
-
-def _common(part: Part, brought: Iterable[tuple[str, set[Change]]]) -> set[Change]:
+def _common(brought: Mapping[str, list[set[Change]]]) -> set[Change]:
     """Return what is said each time after an unknown word; after a single one it may be the state that it has left."""
-    controls = [times for times in _by_unknown(part, brought).values() if len(times) > 1]
+    controls = [times for times in brought.values() if len(times) > 1]
     return set[Change]().union(*(set.intersection(*times) for times in controls))
 
 
 def logs_arbitrarily(part: Part, run: Run) -> bool:
     """Return whether the log says something else of each unknown word."""
-    said = [(one.text, {("", line) for line in templates(run, one)}) for one in run.commands]
-    return bool(_arbitrary(part, said))
+    unknown = (one for one in run.commands if one.text in part.unknown)
+    said = ((one.text, {("", line) for line in templates(run, one)}) for one in unknown)
+    return bool(_arbitrary(_by_unknown(part, said)))
 
 
-def _arbitrary(part: Part, brought: Iterable[tuple[str, set[Change]]]) -> set[str]:
+def _arbitrary(brought: Mapping[str, Iterable[set[Change]]]) -> set[str]:
     """Return what says something else of each unknown word, such as by a hash or a count: it tells no words apart.
 
     Args:
-        part: that takes the words.
-        brought: after each word, what came, as pairs of where it came and what it says.
+        brought: by unknown word, what came after it each time, as pairs of where it came and what it says.
     """
-    after: dict[str, set[Change]] = {}
-    for text, found in brought:
-        if text in part.unknown and text:
-            after.setdefault(text, set()).update(found)
+    after = [set[Change]().union(*times) for times in brought.values()]
     if len(after) < 2:
         return set()
-    common = set.intersection(*after.values())
+    common = set.intersection(*after)
     # A state in which one of them was said twice shows in lines which they share.
-    shared = {
-        change for one, other in itertools.combinations(after.values(), 2) for change in one & other
-    } - common
-    places = [{place for place, _ in found - common} for found in after.values()]
+    shared = {change for one, other in itertools.combinations(after, 2) for change in one & other} - common
+    places = [{place for place, _ in found - common} for found in after]
     return set.intersection(*places) - {place for place, _ in shared}
 
 
-def _brought(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> set[Change]:
-    """Return the topics and parameters that say something else after a command than before, and what they say."""
-    values = {(name, _template(str(value), one.text)) for name, value in one.parameters.items()}
-    return {*changed(run, one, alone)} | values
+def _brought(run: Run, alone: Mapping[str, Heard]) -> list[set[Change]]:
+    """Return of each command the topics and parameters that say something else after it than before, and what they say."""
+    return [
+        {*changes, *((name, _template(str(value), one.text)) for name, value in one.parameters.items())}
+        for one, changes in zip(run.commands, changed(run, alone), strict=True)
+    ]
 
 
-def changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[tuple[str, str]]:
-    """Yield the topics that say something else after a command than before, and what they say."""
-    before = run.commands[: next(number for number, other in enumerate(run.commands) if other is one)]
+def changed(run: Run, alone: Mapping[str, Heard]) -> list[list[Change]]:
+    """Return of each command the topics that say something else after it than before, and what they say."""
     quiet = {**alone, **run.quiet}
-    for topic, heard in one.topics.items():
-        earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
-        if heard.values and _is_news(heard, earlier, quiet.get(topic)) and tells(run, topic, alone):
-            yield topic, _template(sense(heard.values), one.text)
+    is_telling = functools.cache(lambda topic: tells(run, topic, alone))
+    last, found = dict(quiet), list[list[Change]]()
+    for one in run.commands:
+        found.append(
+            [
+                (topic, _template(heard.sense, one.text))
+                for topic, heard in one.topics.items()
+                if heard.values and _is_news(heard, last.get(topic), quiet.get(topic)) and is_telling(topic)
+            ]
+        )
+        last |= one.topics
+    return found
 
 
-def _is_news(heard: Heard, earlier: Sequence[Heard], quiet: Heard | None) -> bool:
+def _is_news(heard: Heard, last: Heard | None, quiet: Heard | None) -> bool:
     """Return whether a topic says something else than the last time, and nothing that it says by turns without a command.
 
     Args:
         heard: what it says now.
-        earlier: what it said before, the last at the end; never empty if `quiet` is there.
+        last: what it said before; never None if `quiet` is not.
         quiet: what it says while no command comes.
     """
-    told = sense(heard.values)
-    before_it = sense(earlier[-1].values) if earlier and earlier[-1].values else ""
+    told, before_it = heard.sense, last.sense if last else ""
     # A ramp ends by itself.
-    is_ramp = quiet is not None and bool(quiet.values) and sense(quiet.values) == "varying"
+    is_ramp = quiet is not None and quiet.sense == "varying"
     is_other = before_it != told and not (is_ramp and before_it and "still" not in (before_it, told))
-    is_stream = quiet is not None or heard.count > 1 or (not is_other and earlier[-1].count > 1)
+    is_stream = quiet is not None or heard.count > 1 or (not is_other and last is not None and last.count > 1)
     return (is_other or not is_stream) and not (quiet is not None and told in _by_turns(quiet))
 
 
@@ -287,7 +292,7 @@ def _is_restless(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
     """Return whether what a topic says changes by itself: before any command, or more than once after one."""
     quiet = [part[topic] for part in (alone, run.quiet) if topic in part]
     later = [one.topics[topic] for one in run.commands if topic in one.topics]
-    changes = [turns([sense([value]) for value in heard.values]) for heard in (*quiet, *later)]
+    changes = [turns(heard.senses) for heard in (*quiet, *later)]
     return any(changes[: len(quiet)]) or any(count > 1 for count in changes[len(quiet) :])
 
 
@@ -298,11 +303,11 @@ def _left_by(run: Run, topic: str) -> dict[str, list[str]]:
     """
     after: dict[str, list[str]] = {}
     before = run.quiet.get(topic)
-    state = _state(before.values) if before and before.values else ""
+    state = _state(before) if before and before.values else ""
     for one in run.commands:
         heard = one.topics.get(topic)
         if heard and heard.values:
-            previous, state = state, _state(heard.values)
+            previous, state = state, _state(heard)
             if state != previous:
                 after.setdefault(one.text, []).append(state)
             elif one.text in after:
@@ -310,19 +315,15 @@ def _left_by(run: Run, topic: str) -> dict[str, list[str]]:
     return after
 
 
-def _state(values: list[Any]) -> str:
+def _state(heard: Heard) -> str:
     """Return what messages say last, of a velocity only whether it is one."""
-    said = sense(values)
-    return (
-        said
-        if said == "still" or not isinstance(values[-1], dict) or "linear" not in str(values[-1])
-        else "moving"
-    )
+    is_moving = heard.sense != "still" and is_velocity(heard.values[-1])
+    return "moving" if is_moving else heard.sense
 
 
 def _by_turns(quiet: Heard) -> set[str]:
     """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
-    senses = [sense([value]) for value in quiet.values]
+    senses = quiet.senses
     return {*senses} if turns(senses) > 1 and "still" not in senses else set()
 
 
@@ -331,39 +332,6 @@ def turns(values: Sequence[object]) -> int:
     return sum(one != other for one, other in itertools.pairwise(values))
 
 
-def sense(values: list[Any]) -> str:
-    """Return what messages say last, without what changes by itself."""
-    last = values[-1]
-    if not isinstance(last, dict) or "linear" not in str(last):
-        return _steady(str(last))
-    if is_still(last):
-        return "still"
-    is_steady = len(values) > 1 and values[-2] == last
-    return str(last) if is_steady or len(values) == 1 else "varying"
-
-
 def stands(heard: Heard | None) -> bool | None:
     """Return whether a robot stands by its last velocity; None if there is none."""
     return is_still(heard.values[-1]) if heard and heard.values else None
-
-
-def is_still(value: Any) -> bool:
-    """Return whether all numbers of a message, as plain data, are zero."""
-    if isinstance(value, dict):
-        return all(is_still(inner) for key, inner in value.items() if key != "header")
-    return not (_is_number(value) and float(value))
-
-
-def numbers_in(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Yield the numbers in a message, as plain data, with their fields."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            if key != "header":
-                yield from numbers_in(inner, f"{name}.{key}".lstrip("."))
-    elif _is_number(value):
-        yield name, float(value)
-
-
-def _is_number(value: Any) -> bool:
-    is_plain = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return is_plain or value in ("nan", "inf", "-inf")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Mapping
+from functools import cached_property
 
 from ros2lab.assignments import Part
 from ros2lab.grading import reactions
@@ -24,13 +25,13 @@ def told_by_place(part: Part, runs: Collection[Run], alone: Mapping[str, Heard])
         runs: in which they were said.
         alone: what comes on each topic by itself.
     """
-    first = [run for run in runs if not _before(part, run)]
-    again = [run for run in runs if _before(part, run)]
+    first = [_Said(part, run, alone) for run in runs if not _before(part, run)]
+    again = [_Said(part, run, alone) for run in runs if _before(part, run)]
     return {
         word
         for word in part.commands
-        if (answers := set[Answer]().union(*(_answers(part, run, word, alone) for run in first)))
-        and any(_is_elsewhere(part, run, word, answers, alone) for run in again)
+        if (answers := set[Answer]().union(*(said.answers(word) for said in first)))
+        and any(said.is_elsewhere(word, answers) for said in again)
     }
 
 
@@ -39,44 +40,65 @@ def _before(part: Part, run: Run) -> list[CommandSeen]:
     return [*itertools.takewhile(lambda one: one.text not in part.commands, run.commands)]
 
 
-def _answers(part: Part, run: Run, word: str, alone: Mapping[str, Heard]) -> set[Answer]:
-    """Return what followed a command in a run, and does not follow whatever comes."""
-    said = next((one for one in run.commands if one.text == word), None)
-    if said is None:
-        return set()
-    lines = {("", line) for line in reactions.telling_lines(part, run, word)}
-    return lines | {
-        (topic, what) for topic, what in reactions.changed(run, said, alone) if topic != part.topic
-    }
+class _Said:
+    """What followed the commands in a run.
 
-
-def _is_elsewhere(
-    part: Part, run: Run, word: str, answers: Collection[Answer], alone: Mapping[str, Heard]
-) -> bool:
-    """Return whether one of some answers to a command follows other words in a run, and none of them this one.
-
-    Where nothing follows it, what comes with the next command may be late. What comes again and again by itself says
-    something after any word: it answers if it changes.
+    Args:
+        part: that takes the commands.
+        run: in which they were said.
+        alone: what comes on each topic by itself.
     """
-    number = next((number for number, one in enumerate(run.commands) if one.text == word), None)
-    if number is None:
-        return False
-    early = set[Answer]().union(*(_said(run, one) for one in _before(part, run)))
-    then, late = (
-        {answer for one in run.commands[at : at + 1] for answer in _said(run, one)}
-        | {answer for one in run.commands[at : at + 1] for answer in reactions.changed(run, one, alone)}
-        for at in (number, number + 1)
-    )
-    then = then or late
-    return not early.isdisjoint(answers) and then.isdisjoint(answers)
+
+    def __init__(self, part: Part, run: Run, alone: Mapping[str, Heard]) -> None:
+        self._part = part
+        self._run = run
+        self._changed = reactions.changed(run, alone)
+        self._numbers = {one.text: number for number, one in reversed([*enumerate(run.commands)])}
+
+    @cached_property
+    def _telling(self) -> dict[str, set[str]]:
+        return reactions.telling_lines(self._part, self._run)
+
+    @cached_property
+    def _early(self) -> set[Answer]:
+        """What followed what was said before any command."""
+        return set[Answer]().union(*(_said(self._run, one) for one in _before(self._part, self._run)))
+
+    def answers(self, word: str) -> set[Answer]:
+        """Return what followed a command, and does not follow whatever comes."""
+        if word not in self._numbers:
+            return set()
+        changes = self._changed[self._numbers[word]]
+        lines = {("", line) for line in self._telling[word]}
+        return lines | {(topic, what) for topic, what in changes if topic != self._part.topic}
+
+    def is_elsewhere(self, word: str, answers: Collection[Answer]) -> bool:
+        """Return whether one of some answers to a command follows other words, and none of them this one.
+
+        Where nothing follows it, what comes with the next command may be late. What comes again and again by itself
+        says something after any word: it answers if it changes.
+        """
+        number = self._numbers.get(word)
+        if number is None or self._early.isdisjoint(answers):
+            return False
+        return (self._after(number) or self._after(number + 1)).isdisjoint(answers)
+
+    def _after(self, number: int) -> set[Answer]:
+        return {
+            answer
+            for one, changes in zip(
+                self._run.commands[number : number + 1], self._changed[number : number + 1], strict=True
+            )
+            for answer in (*_said(self._run, one), *changes)
+        }
 
 
 def _said(run: Run, one: CommandSeen) -> set[Answer]:
     """Return what came after a command, of what does not come by itself."""
     lines = {("", line) for line in reactions.lines_of(run, one) - reactions.said_by_itself(run)}
     return lines | {
-        (topic, reactions.sense([value]))
+        (topic, what)
         for topic, heard in one.topics.items()
-        for value in heard.values
+        for what in heard.senses
         if topic not in run.quiet
     }

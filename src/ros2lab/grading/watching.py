@@ -18,8 +18,8 @@ from ros2lab.grading.periods import is_changed, is_followed
 from ros2lab.grading.player import RATE, is_done, is_for_want, is_timers
 from ros2lab.grading.questions.answer import raised_at
 from ros2lab.grading.questions.parameters import setting
-from ros2lab.grading.reactions import is_still
 from ros2lab.grading.sandbox import FILES
+from ros2lab.grading.senses import is_still
 from ros2lab.grading.submission import Submission
 
 MOST_LAUNCH_FILES = 3

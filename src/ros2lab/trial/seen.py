@@ -23,8 +23,8 @@ from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.reactions import is_still, sense
 from ros2lab.grading.running import running
+from ros2lab.grading.senses import is_still, sense
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
 from ros2lab.trial.ends import ended_together, explained, is_told_alone, made, needs_others

@@ -260,7 +260,7 @@ def judge_lives(run: Run) -> Iterator[Expectation]:
 
 
 def _moves(heard: Heard | None) -> list[bool]:
-    from ros2lab.grading.reactions import is_still  # noqa: PLC0415
+    from ros2lab.grading.senses import is_still  # noqa: PLC0415
 
     return [not is_still(value) for value in heard.values] if heard else []
 

@@ -20,7 +20,7 @@ from ros2lab.grading.player import Player, stamped
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, last_word, listed, question, raised_at, shown
-from ros2lab.grading.reactions import is_still
+from ros2lab.grading.senses import is_still
 from ros2lab.grading.told_again import told_by_place
 
 VERY_MANY = "very many commands"
@@ -168,7 +168,7 @@ def _logged(part: Part, run: Run) -> set[str]:
         if command.text == strange
         for line in reactions.lines_of(run, command)
     }
-    return {word for word in part.commands if reactions.telling_lines(part, run, word) - unknown}
+    return {word for word, lines in reactions.telling_lines(part, run).items() if lines - unknown}
 
 
 @question(
@@ -335,14 +335,14 @@ def _is_inverted(case: Case, part: Part) -> bool:
 
 def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
     """Return whether something follows START that does not follow an unknown word, nor comes by itself."""
-    by_text = {one.text: one for one in run.commands}
+    numbers = {one.text: number for number, one in enumerate(run.commands)}
     capitals, strange = part.commands[0].upper(), reactions.unknown_word(part)
-    if not {capitals, strange} <= by_text.keys():
+    if not {capitals, strange} <= numbers.keys():
         return False
-    one = by_text[capitals]
-    common = reactions.templates(run, by_text[strange]) | reactions.said_by_itself(run)
-    is_said = not reactions.logs_arbitrarily(part, run) and reactions.templates(run, one) - common
-    return bool(reactions.changes(part, run, one, alone) or is_said)
+    said, unknown = (reactions.templates(run, run.commands[numbers[word]]) for word in (capitals, strange))
+    own = said - unknown - reactions.said_by_itself(run)
+    is_said = bool(own) and not reactions.logs_arbitrarily(part, run)
+    return is_said or reactions.changing(part, run, alone)[numbers[capitals]]
 
 
 def _mover(case: Case, player: Player) -> CommandSeen | None:
@@ -379,7 +379,7 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
 def _is_deaf(part: Part, run: Run) -> bool:
     """Return whether a node that answered the first command answers none after the flood."""
     texts, first = [command.text for command in run.commands], part.commands[0]
-    if texts.count(first) < 2 or texts[-1] != first or not reactions.telling_lines(part, run, first):
+    if texts.count(first) < 2 or texts[-1] != first or not reactions.telling_lines(part, run)[first]:
         return False
     last = list(itertools.takewhile(lambda command: command.text == first, reversed(run.commands)))
     return not any(_is_heeded(part, run, command) for command in last)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from ros2lab.assignments import Part
 from ros2lab.grading.deeds import FINITE, PACED, REPEATS
@@ -14,7 +14,7 @@ from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
-from ros2lab.grading.reactions import numbers_in
+from ros2lab.grading.senses import numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
 TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
@@ -141,7 +141,13 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
     if not player.is_heard:
         return Answer("silent", seen, (player.key,), shown(player.topic))
     alike = [other for other in case.players[part.name] if other.match == player.match]
-    numbers = [(key, *pair) for other in alike for key, pair in _numbers(other)]
+    numbers = [
+        (key, name, number)
+        for other in alike
+        for key, heard in other.heard_at
+        for value in heard.values
+        for name, number in numbers_in(value)
+    ]
     level = "right" if numbers else "no_numbers"
     key = player.quiet_key if player.topic in player.run.quiet else player.key
     wrong = next((one for one in numbers if not _is_usable(one[-1])), None)
@@ -152,13 +158,6 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
     if player.run.refused:
         level, seen["field"] = "refused", last_word(player.run.refused)
     return Answer(level, seen, (key,), shown(player.topic))
-
-
-def _numbers(player: Player) -> Iterator[tuple[str, tuple[str, float]]]:
-    """Yield each number that a player has published, by its field, with where the evidence has its message."""
-    for key, heard in player.heard_at:
-        for value in heard.values:
-            yield from ((key, pair) for pair in numbers_in(value))
 
 
 def _is_usable(number: float) -> bool:
