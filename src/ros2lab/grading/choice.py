@@ -129,8 +129,8 @@ def choose(candidates: Sequence[Candidate]) -> tuple[Candidate | None, list[Cand
     Of equals the one in a workspace is taken, then the one that lies higher. Another one must be built, and may play a
     part that neither the chosen one nor one before it plainly plays; one of the same name is a copy.
     """
-    if not candidates:
-        return None, []
+    if len(candidates) < 2:  # nothing is to be compared
+        return next(iter(candidates), None), []
     order = sorted(candidates, key=lambda one: (-one.likeness, len(one.folder.parts), one.folder))
     chosen, *others = order
     played, also = {*chosen.plays}, list[Candidate]()

@@ -6,6 +6,7 @@ import ast
 import builtins
 import contextlib
 from collections.abc import Collection, Iterable, Iterator
+from weakref import WeakKeyDictionary
 
 from ros2lab.diagnose.code.imports import undefined_names
 from ros2lab.diagnose.sources.python_source import PythonSource
@@ -17,6 +18,7 @@ _PLAIN = (ast.Pass, ast.Expr, ast.Assign, ast.Constant, ast.Name, ast.Attribute,
 _EXITS = frozenset(("sys.exit", "os._exit", "exit", "quit"))
 _LETS_OTHERS = ("spin", "sleep", "wait")  # how what lets callbacks or threads run is called
 _BOTH = frozenset((True, False))
+_UNDEFINED = WeakKeyDictionary[PythonSource, set[str]]()  # what `_undefined_in` has found
 
 
 class Paths:
@@ -30,7 +32,6 @@ class Paths:
 
     def __init__(self, sources: Iterable[PythonSource], possible: Possible | None) -> None:
         self._possible = possible
-        self._undefined: dict[PythonSource, set[str]] = {}  # the names that nothing in a file has
         self._own = {
             node.name
             for source in sources
@@ -40,6 +41,9 @@ class Paths:
 
     def reached(self, source: PythonSource, node: ast.AST, facts: Facts) -> Iterator[tuple[ast.AST, Facts]]:
         """Yield the parts of a node that are reached if it is, each with what holds there."""
+        if isinstance(node, ast.expr) and not isinstance(node, (ast.BoolOp, ast.IfExp)):
+            yield from ((part, facts) for part in ast.iter_child_nodes(node))
+            return
         shut, known = set[str](), dict[str, Facts]()
         match node:
             case ast.If(test=test) | ast.IfExp(test=test):
@@ -112,12 +116,11 @@ class Paths:
         """Return whether a statement takes a name that nothing has: nothing comes of it, and nothing behind it is reached."""
         if self._possible is None or not isinstance(part, (ast.Expr, ast.Assign, ast.AugAssign, ast.Return)):
             return False
-        if source not in self._undefined:
-            with contextlib.suppress(RecursionError):
-                self._undefined[source] = {name for name, _ in undefined_names(source)}
-        inside = [*ast.walk(part)] if self._undefined.get(source) else []
+        if not (undefined := _undefined_in(source)):
+            return False
+        inside = [*ast.walk(part)]
         return not any(isinstance(node, ast.Lambda) for node in inside) and any(
-            isinstance(node, ast.Name) and node.id in self._undefined[source] for node in inside
+            isinstance(node, ast.Name) and node.id in undefined for node in inside
         )
 
     def _passed(self, source: PythonSource, part: ast.If, facts: Facts) -> Collection[bool]:
@@ -176,6 +179,15 @@ class Paths:
     def _ends(self, source: PythonSource, body: list[ast.AST] | list[ast.stmt]) -> bool:
         """Return whether a program has had its life behind some statements: it has spun, or shut rclpy down."""
         return self._possible is not None and any(_ends(source, part) for part in body)
+
+
+def _undefined_in(source: PythonSource) -> set[str]:
+    """Return the names that nothing in a file has; they are the same in each round."""
+    if source not in _UNDEFINED:
+        _UNDEFINED[source] = set()
+        with contextlib.suppress(RecursionError):
+            _UNDEFINED[source] = {name for name, _ in undefined_names(source)}
+    return _UNDEFINED[source]
 
 
 def _ends(source: PythonSource, part: ast.AST) -> bool:
