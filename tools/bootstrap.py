@@ -50,8 +50,17 @@ WARM_UP = (
     "matplotlib.pyplot",
     "nbgrader.preprocessors",
     "typer",
+    "ros2lab.grading.reader",
 )
-WHEELS_WARM_UP = ("rclpy.node", "rclpy.executors", "geometry_msgs.msg", "std_msgs.msg")
+# What runs in the grader's boxes, where no module can be stored compiled: it would be compiled each time.
+IN_BOXES = ("colcon_*", "setuptools")
+WHEELS_WARM_UP = (
+    "rclpy.node",
+    "rclpy.executors",
+    "geometry_msgs.msg",
+    "std_msgs.msg",
+    "catkin_pkg.package",
+)
 # For bash and zsh; the domain differs from user to user, so it is asked for each time.
 ACTIVATION = """\
 # The course's settings (a ROS domain of your own, ...), wherever you have set none; and completion of ros2.
@@ -367,6 +376,7 @@ class Installation:
         self.extend_activation()
         imports = ", ".join(WARM_UP + (WHEELS_WARM_UP if self.wanted.ros == "wheels" else ()))
         self.step("Preparing the first start", [self.python, "-c", "import " + imports])
+        self.compile_for_boxes()
         write_content(self.venv, self.wanted)
         _say(f"Installed in {time.monotonic() - start:.0f} s.")
 
@@ -419,6 +429,14 @@ class Installation:
         text = path.read_text(encoding="utf-8")
         if ACTIVATION not in text:
             path.write_text(text.rstrip("\n") + "\n\n" + ACTIVATION, encoding="utf-8")
+
+    def compile_for_boxes(self) -> None:
+        """Compile what the grader's boxes run."""
+        packages = [
+            str(path) for name in IN_BOXES for path in self.venv.glob(f"lib/python*/site-packages/{name}")
+        ]
+        compiled = [str(self.root / "src"), *packages]
+        self.step("Preparing the grader", [self.python, "-m", "compileall", "-qq", "-j", "0", *compiled])
 
     def step(self, text: str, command: List[str]) -> bool:
         """Run a program, with a line that shows that time passes; return whether it succeeded."""

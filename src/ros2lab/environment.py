@@ -253,6 +253,17 @@ def has_stale_guard(environ: Mapping[str, str]) -> bool:
     return WHEELS_GUARD in environ and str(Path(sys.prefix, "lib")) not in libraries
 
 
+def found_libraries() -> dict[str, str]:
+    """Return the variables with what the wheels' start-up hook has found for this Python, which saves others the search."""
+    if WHEELS_GUARD not in os.environ or find_ros({}).kind != "wheels":
+        return {}
+    folders = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
+    return {
+        "LD_LIBRARY_PATH": os.pathsep.join(sorted(filter(None, folders))),
+        WHEELS_GUARD: os.environ[WHEELS_GUARD],
+    }
+
+
 def without_ros(environ: Mapping[str, str]) -> dict[str, str]:
     """Return `environ` without the folders of any sourced ROS (workspaces built on it included)."""
     if "ROS_DISTRO" not in environ:

@@ -11,9 +11,10 @@ import pytest
 from ros2lab import assignments
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.job import Program
+from ros2lab.grading.other_values import changed, doubtful
 from ros2lab.grading.reader import as_written
 from ros2lab.grading.submission import FoundPackage, Submission
-from ros2lab.grading.watching import CAUGHT, _changed, _doubtful, _refused
+from ros2lab.grading.watching import CAUGHT, _refused
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
 SUBMISSION = Submission("workspace", "ws", [PACKAGE], PACKAGE, [], [])
@@ -47,17 +48,17 @@ def test_a_parameter_that_the_code_declares_is_tried_on_what_does_not_spin() -> 
     mute = replace(evidences.status_run(), parameters={})
     facts = Files(declared={"period": None, "interval": 2.0, "rate_hz": 4, "speed": 0.5})
     status, drive = Program(evidences.STATUS, []), Program(evidences.VELOCITY, [])
-    tried = [(one.name, *one.parameters) for one in _changed([status, drive], [mute], facts)]
+    tried = [(one.name, *one.parameters) for one in changed([status, drive], [mute], facts)]
     assert tried == [
         (evidences.STATUS, f"{given}") for given in ("period:=0.7", "interval:=1.0", "rate_hz:=2")
     ]
     tried = [
         (one.name, *one.parameters)
-        for one in _changed([status, drive], [mute, evidences.velocity_run()], facts)
+        for one in changed([status, drive], [mute, evidences.velocity_run()], facts)
     ]
     assert (evidences.VELOCITY, "period:=0.2") in tried
     assert (evidences.STATUS, "period:=0.7") not in tried
-    assert not [*_changed([status], [replace(mute, ended={evidences.STATUS: "bye"})], facts)]
+    assert not [*changed([status], [replace(mute, ended={evidences.STATUS: "bye"})], facts)]
 
 
 @pytest.mark.parametrize(
@@ -79,7 +80,7 @@ def test_a_period_that_has_changed_otherwise_is_looked_into(
     before = replace(evidences.status_run(), parameters={"/status_publisher": {name: own}})
     changed = replace(evidences.status_run(period=period), setting=f"{name}:={given}")
     status = Program(evidences.STATUS, [])
-    tried = [one.parameters for one in _doubtful([status], [before, changed], Files())]
+    tried = [one.parameters for one in doubtful([status], [before, changed], Files())]
     assert tried == ([[again]] if again else [])
 
 

@@ -279,6 +279,26 @@ def test_the_activation_is_extended_once(root: Path) -> None:
     assert activate.read_text().startswith("deactivate () { :; }\n")
 
 
+def test_what_the_boxes_of_the_grader_run_is_compiled(root: Path) -> None:
+    """A box can store no compiled module, and without one each grade compiles colcon and the observer anew."""
+    site = root / ".venv" / "lib" / "python3.11" / "site-packages"
+    modules = [
+        root / "src" / "ros2lab" / "observer.py",
+        site / "colcon_core" / "verb.py",
+        site / "another" / "part.py",
+    ]
+    for module in modules:
+        module.parent.mkdir(parents=True)
+        module.write_text("")
+    with (root / "lock").open("w") as lock:
+        bootstrap.Installation(root, None, lock.fileno()).compile_for_boxes()
+    assert [Path(importlib.util.cache_from_source(str(one))).exists() for one in modules] == [
+        True,
+        True,
+        False,
+    ]
+
+
 def test_a_file_in_the_place_of_the_venv_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / ".venv").write_text("mine")
     with pytest.raises(bootstrap.Stop, match="move it away"), bootstrap.locked(tmp_path / ".venv"):

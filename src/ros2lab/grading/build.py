@@ -6,7 +6,6 @@ What a build leaves may be anything: it is listed and read in a box, and taken a
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 from collections.abc import Iterable, Iterator
@@ -31,14 +30,11 @@ def underlay() -> dict[str, str]:
     Raises:
         RuntimeError: if the installed Jazzy cannot be sourced, or colcon is not installed.
     """
-    environ = environment.lab_environment({"ROS_DOMAIN_ID": "0"}) | ROS_SETTINGS
+    environ = (
+        environment.lab_environment({"ROS_DOMAIN_ID": "0"}) | environment.found_libraries() | ROS_SETTINGS
+    )
     if shutil.which("colcon", path=environ["PATH"]) is None:
         raise RuntimeError(f"The command colcon is not installed; run `{environment.INSTALL}`.")
-    if environment.WHEELS_GUARD in os.environ and environment.find_ros({}).kind == "wheels":
-        # What the wheels' start-up hook found for this Python saves every other one the search.
-        folders = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
-        environ["LD_LIBRARY_PATH"] = os.pathsep.join(sorted(filter(None, folders)))
-        environ[environment.WHEELS_GUARD] = os.environ[environment.WHEELS_GUARD]
     return {
         name: value for name, value in environ.items() if name not in ("HOME", "PWD", "OLDPWD", "SHLVL", "_")
     }

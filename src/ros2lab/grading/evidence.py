@@ -290,7 +290,7 @@ class Run:
         publishes: types by topic and node.
         subscribes: types by topic and node.
         qos: reliability and durability by topic, as `publisher reliable volatile`.
-        parameters: values by node.
+        parameters: values by node, but not of `changed`.
         quiet: what was published before any command.
         commands: what followed each command, in their order.
         ended: of each program that ended by itself, what it said last.
@@ -311,6 +311,8 @@ class Run:
         typed: the lines that were typed for a program that reads a keyboard, in their order.
         clocked: full names of the nodes that follow `/clock` though they were not told to, and nobody publishes it.
         unfinished: for want of what time, in a clause; empty if it was watched to its end.
+        changed: the programs that had other parameters than by themselves, which another Run tells of: here only what
+            follows commands counts, and no rhythm of theirs.
     """
 
     programs: list[str]
@@ -339,6 +341,7 @@ class Run:
     clocked: list[str] = field(default_factory=list)
     early: list[str] = field(default_factory=list)
     unfinished: str = ""
+    changed: list[str] = field(default_factory=list)
 
     @property
     def stretches(self) -> list[dict[str, Heard]]:
@@ -349,7 +352,7 @@ class Run:
     @property
     def unasked(self) -> set[str]:
         """The nodes that lived and did not answer what parameters they have: they do not spin."""
-        return set() if self.ended else {*self.nodes} - self.parameters.keys()
+        return set() if self.ended or self.changed else {*self.nodes} - self.parameters.keys()
 
 
 @dataclass(frozen=True)

@@ -78,6 +78,7 @@ class Job:
         nodes: how many to wait for; 0 if each program has one at least.
         is_shared: whether what each program does is told from what all do: where that cannot be, for one has ended
             or does not follow the clock, the job is given up.
+        is_again: whether the commands are said again, while some of the programs have other parameters.
     """
 
     def __init__(
@@ -92,6 +93,7 @@ class Job:
         has_flags: bool = False,
         nodes: int = 0,
         is_shared: bool = False,
+        is_again: bool = False,
     ) -> None:
         self.programs = [
             replace(program, enclave=f"/program_{number}") if is_shared else program
@@ -100,12 +102,14 @@ class Job:
         self.setting = setting
         self.is_stepped = is_stepped and not any(program.has_clock for program in programs)
         self.is_shared = is_shared
+        self.is_again = is_again
         self.plan = {
             "programs": len(programs),
             "enclaves": [program.enclave for program in self.programs if is_shared],
             "nodes": nodes,
             "has_commands": has_commands,
             "is_brief": is_brief,
+            "is_again": is_again,
             "is_given": is_given,
             "has_flags": has_flags,
             "has_keys": any(program.keys for program in self.programs),
@@ -142,6 +146,23 @@ class Job:
     def shared(cls, programs: Sequence[Program], *, has_commands: bool = True) -> Job:
         """Watch programs that hear one another, so that `shares` tells what each of them does."""
         return cls(programs, "together", has_commands=has_commands, is_shared=True)
+
+    @classmethod
+    def again(cls, programs: Sequence[Program], changed: Sequence[Program]) -> Job:
+        """Watch programs that hear one another, some of them with other parameters, and say the commands again.
+
+        It tells of each of these what `shared` tells, and of all of them what `together` does.
+        """
+        by_name = {program.name: program for program in changed}
+        programs = [by_name.get(program.name, program) for program in programs]
+        return cls(programs, "together", is_shared=True, is_again=True)
+
+    def apart(self) -> list[Job]:
+        """Return the jobs that tell what a shared one is to tell without commands, each of one thing."""
+        changed = [program for program in self.programs if program.parameters or not self.is_again]
+        jobs = [Job.alone(program, has_commands=False) for program in changed]
+        plain = [replace(program, parameters=()) for program in self.programs]
+        return [*jobs, *([Job.together(plain)] if self.is_again else [])]
 
     @classmethod
     def launched(
@@ -240,7 +261,17 @@ class Job:
 
     def run(self) -> Run:
         """Return what was seen."""
-        return self._run(self.result, [program.name for program in self.programs], self.setting)
+        run = self._run(self.result, [program.name for program in self.programs], self.setting)
+        if not self.is_again:
+            return run
+        changed = {program.enclave: program.name for program in self.programs if program.parameters}
+        homes = self.result.get("enclaves", {})
+        own = {
+            node: values
+            for node, values in run.parameters.items()
+            if changed.keys().isdisjoint(homes.get(node, ()))
+        }
+        return replace(run, parameters=own, changed=sorted(changed.values()))
 
     def shares(self) -> list[Run]:
         """Return what each program did, as if it had been alone; nothing where that cannot be told."""
@@ -248,10 +279,13 @@ class Job:
         if not self.is_shared or not self.is_stepped or is_open:
             return []
         shares = shared_out(self.result, [program.enclave for program in self.programs])
-        return [
-            self._run(seen, [program.name], _setting(program))
+        runs = [
+            (program, self._run(seen, [program.name], _setting(program)))
             for seen, program in zip(shares, self.programs, strict=bool(shares))
         ]
+        if self.is_again:
+            return [replace(run, commands=[], calls=[]) for program, run in runs if program.parameters]
+        return [run for _, run in runs]
 
     def _run(self, seen: Mapping[str, Any], names: Sequence[str], setting: str) -> Run:
         """Return what was seen, of the programs with some names."""

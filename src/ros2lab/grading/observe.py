@@ -230,7 +230,7 @@ class _Room:
                     json.dumps(self._assignment.plain()),
                 ],
                 files="none",
-                environ=_settings({"PYTHONPATH": str(PACKAGE.parent)}),
+                environ=_settings({**environment.found_libraries(), "PYTHONPATH": str(PACKAGE.parent)}),
                 stdin=its_socket.fileno(),
                 shown=[PACKAGE],
                 limits=OBSERVER_LIMITS,

@@ -50,7 +50,7 @@ class Conductor:
     Args:
         assignment: whose parts the programs may play.
         plan: `run` (its number), `domain`, `seconds` (that it has), `programs` (how many), `nodes` (how many a launch file has to start;
-            0 if it is none), `enclaves` (by which it is to be told whose the nodes are, if it is), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
+            0 if it is none), `enclaves` (by which it is to be told whose the nodes are, if it is), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already), `is_again` (so is what they do at commands),
             `is_given` (they receive what they may wait for), `has_flags` (what the flags in it are), `has_keys` (whether somebody
             types for them).
         say: sends a message to the grader.
@@ -181,7 +181,8 @@ class Conductor:
 
     def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
         """Give the commands: all of them, or a few where the time would not do for more."""
-        is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
+        # Alone, or with the parameters that programs have by themselves, where all were tried.
+        is_told_before = self.plan["is_brief"] or self.plan["nodes"] or self.plan["is_again"]
         if is_told_before and self._script.before:
             self._command(watch, self._script.first, answered)
         is_quick = watch.is_answering and not watch.is_slow

@@ -16,7 +16,12 @@ NEARLY = 1.2  # times, by which what follows a parameter may differ from it, and
 
 
 def period_of(player: Player) -> float | None:
-    """Return the time between two messages, in s, before any command if it is seen there; None if it is not seen."""
+    """Return the time between two messages, in s, before any command if it is seen there.
+
+    None if it is not seen, or the program had other parameters than by itself.
+    """
+    if player.program in player.run.changed:
+        return None
     gaps = gaps_apart(quiet_times(player)) or gaps_of(player)
     return statistics.median(gaps) if gaps else None
 

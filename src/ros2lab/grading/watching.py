@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
-from typing import Any
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.keyboard import answers, is_ended_by_one
 from ros2lab.grading.observe import Observer
-from ros2lab.grading.periods import is_changed, is_followed
-from ros2lab.grading.player import RATE, is_done, is_for_want, is_timers
+from ros2lab.grading.other_values import asked, changed, doubtful
+from ros2lab.grading.player import is_done, is_for_want, is_timers
 from ros2lab.grading.questions.answer import raised_at
-from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.senses import is_still
 from ros2lab.grading.submission import Submission
 
 MOST_LAUNCH_FILES = 3
 MOST_PARAMETERS = 4  # that are changed to see what follows
-DOUBTFUL = 1.4  # s or Hz, where the value of a timer's parameter is not known
 
 # What rclpy says of a float field that is given something else, if it is told to check.
 _REFUSED = re.compile(r"AssertionError: The '\w+' field must be of type 'float'")
@@ -183,16 +179,21 @@ class _Watching:
             Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known)
             for launch in self._launches
         ]
-        asked = [*_asked(self._assignment, self._programs, self.runs)]
-        tried = [one for one in _changed(self._programs, self.runs, self._facts) if one not in asked]
-        changed = [*asked, *tried[:MOST_PARAMETERS]]
-        if self._is_shared:
-            jobs += [Job.shared(group, has_commands=False) for group in _groups(changed)]
-        else:
-            jobs += [Job.alone(program, has_commands=False) for program in changed]
+        together = list[Job]()
         if not self._launches:  # at once: no launch file starts them
             is_commanded = any(run.commands for run in self.runs) or self._is_torn()
-            jobs += [Job.together(self._programs)] if is_commanded else [] if is_known else self._anew()
+            together = [Job.together(self._programs)] if is_commanded else [] if is_known else self._anew()
+        wanted = [*asked(self._assignment, self._programs, self.runs)]
+        tried = [one for one in changed(self._programs, self.runs, self._facts) if one not in wanted]
+        others = [*wanted, *tried[:MOST_PARAMETERS]]
+        if not self._is_shared:
+            jobs += [Job.alone(program, has_commands=False) for program in others]
+        else:
+            groups = _groups(others)
+            if groups and together and not wanted and all(map(_is_timed_otherwise, groups[0])):
+                together = [Job.again(self._programs, groups.pop(0))]
+            jobs += [Job.shared(group, has_commands=False) for group in groups]
+        jobs += together
         if jobs:
             self._show("watching them with changed parameters, and as they are launched")
         self.runs += _watched(self._observer, jobs)
@@ -202,7 +203,7 @@ class _Watching:
 
         It may keep to a limit on this side of what it has by itself; then it follows on the other side.
         """
-        programs = [*_doubtful(self._programs, self.runs, self._facts)]
+        programs = [*doubtful(self._programs, self.runs, self._facts)]
         if programs:
             self._show("watching them with other values of their parameters")
             self.runs += self._observer.watch(
@@ -243,6 +244,11 @@ class _Watching:
         return [Job.together(self._programs)] if is_due else []
 
 
+def _is_timed_otherwise(program: Program) -> bool:
+    """Return whether only timers have other parameters: how often they fire tells no words apart."""
+    return all(is_timers(parameter.partition(":=")[0]) for parameter in program.parameters)
+
+
 def _groups(programs: Iterable[Program]) -> list[list[Program]]:
     """Return programs in groups, in each of which none is twice."""
     groups: list[list[Program]] = []
@@ -256,13 +262,14 @@ def _groups(programs: Iterable[Program]) -> list[list[Program]]:
 
 
 def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
-    """Watch as jobs say, and the programs of a shared one each alone, where it cannot be told what each does."""
-    runs, open_ones = list[Run](), list[Program]()
+    """Watch as jobs say, and what a shared one is for apart, where it cannot be told what each program does."""
+    runs, again = list[Run](), list[Job]()
     for job, run in zip(jobs, observer.watch(jobs), strict=True):
         shares = job.shares()
-        runs += shares or ([] if job.is_shared else [run])
-        open_ones += job.programs if job.is_shared and not shares else []
-    return runs + observer.watch([Job.alone(program, has_commands=False) for program in open_ones])
+        is_open = job.is_shared and not shares
+        again += job.apart() if is_open else []
+        runs += [*shares, *([] if is_open or (job.is_shared and not job.is_again) else [run])]
+    return runs + observer.watch(again)
 
 
 def _program(executable: Executable, built: Build, facts: Files) -> Program:
@@ -367,82 +374,3 @@ def _is_at_work(part: Part, run: Run) -> bool:
         heard for topics in run.stretches for heard in topics.values() if heard.type_name == part.type_name
     )
     return any(not is_still(value) for one in heard for value in one.values)
-
-
-def _changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
-    """Yield programs with another value for a parameter that seems to be a timer's; if none does, for any number.
-
-    A program that does not spin does not answer what parameters it has; those that the code declares are tried on it.
-    """
-    by_name = {program.name: program for program in programs}
-    numbers = {
-        (run.programs[0], name): number
-        for run in runs
-        if run.setting == "alone"
-        for values in run.parameters.values()
-        for name, value in values.items()
-        if (number := _positive(value))
-    }
-    timers = {key: value for key, value in numbers.items() if is_timers(key[1])}
-    answered = {name for _, name in numbers}
-    timers |= {
-        (run.programs[0], name): _positive(value) or DOUBTFUL
-        for run in runs
-        for name, value in facts.declared.items()
-        if run.unasked and is_timers(name) and name not in answered
-    }
-    for (program, name), value in (timers or numbers).items():
-        yield replace(
-            by_name[program], parameters=[f"{name}:={_other(value, is_rate=bool(RATE.search(name)))}"]
-        )
-
-
-def _doubtful(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
-    """Yield programs with a value on the other side of the one that they have, where the rhythm did not follow."""
-    by_name = {program.name: program for program in programs}
-    alone = {run.programs[0]: run for run in runs if run.setting == "alone"}
-    for run in runs:
-        name, is_tried, given = run.setting.partition(":=")
-        before = alone.get(run.programs[0])
-        if not (is_tried and is_timers(name) and before) or run.programs[0] not in by_name:
-            continue
-        declared = facts.declared.get(name)
-        held = [*(values.get(name) for values in before.parameters.values()), declared]
-        own = next(filter(None, map(_positive, held)), 0)
-        if own and is_changed(before, run) and not is_followed(before, [run], declared):
-            value = type(own)(own * 2 if float(given) < own else own / 2)
-            if value:
-                yield replace(by_name[run.programs[0]], parameters=[f"{name}:={value}"])
-
-
-def _asked(assignment: Assignment, programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:
-    """Yield programs with another value for each parameter that the assignment asks for.
-
-    Where it is to change messages, they are also started with the value that it has: what differs then, too, is chance.
-    """
-    by_name = {program.name: program for program in programs}
-    wanted = [parameter for part in assignment.parts.values() for parameter in part.parameters]
-    for run, parameter in itertools.product(runs, wanted):
-        if run.setting != "alone" or run.programs[0] not in by_name:
-            continue
-        program = by_name[run.programs[0]]
-        held = [values[parameter.name] for values in run.parameters.values() if parameter.name in values]
-        if held or run.unasked:
-            yield replace(program, parameters=[setting(parameter.name, parameter.value, held[:1])])
-        if held and parameter.changes == "message":
-            yield replace(program, parameters=[setting(parameter.name, held[0])])
-
-
-def _positive(value: Any) -> float:
-    """Return a number that is above zero, as it is; 0 for anything else."""
-    return value if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0 else 0
-
-
-def _other(value: float, *, is_rate: bool) -> float:
-    """Return a value with which a timer fires half as often, or twice as often if that would take long to see."""
-    is_slow = value <= 1 if is_rate else value >= 1
-    if is_slow == is_rate:
-        return value * 2
-    if isinstance(value, int):
-        return value // 2 or 2
-    return value / 2
