@@ -429,7 +429,8 @@ executor.spin()
 """,
 }
 
-FLOOD = Script(assignments.load().commanded).flood
+SCRIPT = Script(assignments.load().commanded)
+FLOOD = SCRIPT.flood
 
 
 @pytest.fixture(scope="module")
@@ -732,6 +733,29 @@ def test_what_a_program_does_in_the_name_of_another_one_is_shared_out_to_none(ob
     honest, forged = (job.shares() for job in jobs)
     assert [run.nodes for run in honest] == [["/idle"], ["/status"]]
     assert forged == []
+
+
+def test_one_run_tells_of_another_period_and_of_the_commands_once_more(observer: Observer) -> None:
+    job = Job.again([program("class_node"), program("after_command")], [program("class_node", "period:=1.0")])
+    (run,) = observer.watch([job])
+    (share,) = job.shares()
+    assert (share.setting, share.programs, share.commands) == ("period:=1.0", ["class_node"], [])
+    assert statistics.fmean(gaps(share, "/robot/status")) == pytest.approx(1.0, abs=0.11)
+    assert (run.setting, run.programs) == ("together", ["class_node", "after_command"])
+    assert (run.changed, [*run.parameters]) == (["class_node"], ["/command"])
+    assert [one.text for one in run.commands] == [*SCRIPT.few]
+    assert run.unasked == set()
+
+
+def test_what_one_run_does_not_tell_is_watched_apart(observer: Observer) -> None:
+    """A program that ends leaves it open what each of them does."""
+    job = Job.again([program("broken"), program("class_node")], [program("class_node", "period:=1.0")])
+    observer.watch([job])
+    assert job.shares() == []
+    changed, whole = job.apart()
+    assert [one.parameters for one in changed.programs] == [("period:=1.0",)]
+    assert [one.parameters for one in whole.programs] == [(), ()]
+    assert (whole.setting, whole.is_shared, whole.plan["has_commands"]) == ("together", False, True)
 
 
 def test_what_a_hidden_node_has_is_nobodys_work() -> None:

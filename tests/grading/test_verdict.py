@@ -2046,6 +2046,20 @@ def test_a_period_follows_its_parameter(rubric: Rubric, name: str) -> None:
     assert judged(replace(e, runs=runs), rubric, "bonus.parameters").points == points
 
 
+def test_a_rhythm_that_was_asked_for_is_nobodys_own(rubric: Rubric) -> None:
+    """Where a program has another period while all obey together, that is by chance the right one."""
+    e = right()
+    status = evidences.status_run(period=4.0)
+    others = [run for run in e.runs if run.programs != [evidences.STATUS] and run.setting == "alone"]
+    obey = evidences.merged([*others, evidences.status_run(period=2.0)], "", "together")
+    obey = replace(obey, programs=[*evidences.NODES], parameters={})
+    alone, own, given = (
+        judged(replace(e, runs=[status, *others, *more]), rubric, "status_publisher.period").points
+        for more in ([], [obey], [replace(obey, changed=[evidences.STATUS])])
+    )
+    assert given == alone < own
+
+
 MEMORY = LIMITS["memory"].format(1000)
 
 

@@ -153,8 +153,10 @@ class Job:
 
         It tells of each of these what `shared` tells, and of all of them what `together` does.
         """
-        by_name = {program.name: program for program in changed}
-        programs = [by_name.get(program.name, program) for program in programs]
+        others = {
+            (program.name, *program.command): program for program in changed
+        }  # a name may be there twice
+        programs = [others.get((program.name, *program.command), program) for program in programs]
         return cls(programs, "together", is_shared=True, is_again=True)
 
     def apart(self) -> list[Job]:
