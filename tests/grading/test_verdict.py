@@ -681,6 +681,19 @@ def test_a_program_that_nothing_starts_is_missed_though_it_ends_at_once(
     assert judged(given, rubric, "package.executables").points == points
 
 
+def test_a_module_that_cannot_be_imported_is_no_fault_of_its_entry_point(rubric: Rubric) -> None:
+    given = evidences.without(evidences.VELOCITY, evidences.CRASH)(right())
+    assert given.build is not None
+    why = "Its module cannot be imported: ModuleNotFoundError: No module named 'rospy' (velocity_publisher.py, line 2)."
+    programs = [
+        replace(program, way="module", fault=why) if program.name == evidences.VELOCITY else program
+        for program in given.build.executables
+    ]
+    given = replace(given, build=replace(given.build, executables=programs))
+    criterion = judged(given, rubric, "package.executables")
+    assert criterion.points == criterion.max
+
+
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_that_nothing_is_installed_is_not_said_where_something_is(rubric: Rubric, count: int) -> None:
     """However many entry points lead to files that lie elsewhere, the others are started."""

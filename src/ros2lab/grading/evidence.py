@@ -137,6 +137,9 @@ class Files:
         ]
 
 
+NO_ENTRY_POINT = "No entry point leads to it."  # a fault of an executable
+
+
 @dataclass(frozen=True)
 class Executable:
     """A program of the package.
@@ -175,6 +178,11 @@ class Executable:
     def stem(self) -> str:
         """The last part of the name of its module: its file, without .py."""
         return self.module.rpartition(".")[2]
+
+    @property
+    def has_entry_point(self) -> bool:
+        """Whether an entry point of setup.py leads to it, or is meant to."""
+        return self.fault != NO_ENTRY_POINT
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.build_plan import Plan, Point, free_name, one_line
 from ros2lab.grading.colcon_build import READ_TIME, Outcome
-from ros2lab.grading.evidence import KEYBOARD, Executable
+from ros2lab.grading.evidence import KEYBOARD, NO_ENTRY_POINT, Executable
 from ros2lab.grading.modules import Module
 from ros2lab.grading.sandbox import FILES, World
 
@@ -214,7 +214,7 @@ def _otherwise(plan: Plan, point: Point, fault: str) -> Executable:
 def _alone(plan: Plan, module: Module, function: str) -> Executable:
     stem = PurePosixPath(module.file).stem
     name = stem if function in ("", "main") else function
-    fault, source = "No entry point leads to it.", plan.source_of(module.package)
+    fault, source = NO_ENTRY_POINT, plan.source_of(module.package)
     if not module.name:
         script = [sys.executable, f"{source}/{module.file}"]
         if "" in module.functions or not function:

@@ -152,7 +152,7 @@ def nodes_are_installed(case: Case) -> Answer:
     lost, faults = _lost(case)
     seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
-    ways = [one.way for one in build.executables if not one.fault.startswith("No entry point")]
+    ways = [one.way for one in build.executables if one.has_entry_point]
     if build.cut or ("installed" not in ways and not is_right):
         return Answer("none", seen, keys, "setup.py")
     is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
@@ -185,11 +185,16 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
 
 
 def _crashed(case: Case, part: Part) -> list[str]:
-    """Return the programs that may have the node of a part that nobody plays, and ended before it was seen."""
+    """Return the programs that may have the node of a part that nobody plays, and ended before it was seen.
+
+    One to which an entry point rightly leads ends by a fault of its own, such as an import, which counts at the node.
+    """
     if case.players[part.name]:
         return []
+    is_right = _has_right_points(case, is_whole=False) and case.evidence.files.setup.get("installs_modules")
     lost = sorted(case.lost(case.players), key=lambda name: case.assignment.meant_by(name) is not part)
-    return [name for name in lost if case.executables[name].command and case.may_be(name, part)]
+    programs = [case.executables[name] for name in lost if case.may_be(name, part)]
+    return [one.name for one in programs if one.command and not (is_right and one.has_entry_point)]
 
 
 def _idle(case: Case) -> list[str]:
