@@ -192,7 +192,7 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     if not player.commands:
         level, key = "untried", player.key
     elif mover is not None:
-        level, seen["command"] = "moves", _named(mover.text)
+        level, seen["command"] = "moves", _named(mover.text, "unknown command")
     elif not _is_answered(case, part):
         level = "unseen"
     elif _is_deaf(part, player.run):
@@ -409,7 +409,7 @@ def _last_answered(part: Part, run: Run) -> str:
     return _named(said[last].text) if is_known else VERY_MANY
 
 
-def _named(text: str) -> str:
+def _named(text: str, noun: str = "command") -> str:
     if FLOOD in text:
         return VERY_MANY
-    return f"the command {shown(text)!r}" if text else "an empty command"
+    return f"the {noun} {shown(text)!r}" if text else "an empty command"
