@@ -153,9 +153,9 @@ class Conductor:
         if not watch.is_stepped:
             quiet.on_the_real_clock()
             return
-        others = set(watch.nodes()) - watch.clock_followers()
-        if others:
-            raise NotStepped(f"{min(others)} does not follow the ROS clock.")
+        unclocked = set(watch.nodes()) - watch.clock_followers()
+        if unclocked:
+            raise NotStepped(f"{min(unclocked)} does not follow the ROS clock.")
         quiet.on_the_stepped_clock()
         if self._has_twin(watch):
             raise NotStepped(TWINS)
@@ -403,9 +403,9 @@ class Conductor:
         self._say_mark("b", self._marks)
         return self._marks
 
-    def _say_mark(self, what: str, number: int) -> None:
+    def _say_mark(self, label: str, number: int) -> None:
         """Print a line, and wait until the grader has seen it; with a number, it then marks what was printed before."""
-        line = f"({self.plan['run']}.{self._marks}{what})\n"
+        line = f"({self.plan['run']}.{self._marks}{label})\n"
         os.write(1, line.encode())
         self._say("mark", line=line, number=number)
         self._go.acquire()

@@ -15,25 +15,28 @@ from ros2lab.grading.questions.nodes import CODES as NODE_CODES
 from ros2lab.grading.questions.nodes import missing
 
 
-def is_about(case: Case, finding: Finding, one: Judgement, lost: Collection[Judgement]) -> bool:
+def is_about(case: Case, finding: Finding, criterion: Judgement, lost: Collection[Judgement]) -> bool:
     """Return whether a finding is about the node of a criterion, if it is about a node at all."""
     parts = case.assignment.parts
-    if one.component not in parts:
+    if criterion.component not in parts:
         return True
     if ".launch." in finding.place or "launch/" in finding.place:
         return False  # it has no node of its own
     if owners := owners_of(case, finding):
         # A program that has one node may be meant to have those, too, of which no program is known.
-        is_free = not _programs(case, one.component) and not {*owners} & {each.component for each in lost}
-        return one.component in owners or is_free
+        is_free = not _programs(case, criterion.component) and not {*owners} & {
+            judgement.component for judgement in lost
+        }
+        return criterion.component in owners or is_free
     if named := _with_topic(case, finding, parts):
-        return one.component in named
+        return criterion.component in named
     # Nothing says whose it is: then the node that lost most, and only what its program can have died of.
     candidates = _with_type(case, finding, parts) or [*parts]
     losses = {
-        name: sum(each.max - each.points for each in lost if each.component == name) for name in candidates
+        name: sum(judgement.max - judgement.points for judgement in lost if judgement.component == name)
+        for name in candidates
     }
-    return finding.code in NODE_CODES and one.component == max(losses, key=lambda name: losses[name])
+    return finding.code in NODE_CODES and criterion.component == max(losses, key=lambda name: losses[name])
 
 
 def owners_of(case: Case, finding: Finding) -> list[str]:

@@ -82,9 +82,13 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
         value.strip() for tag, value in tags if tag in ("depend", "exec_depend", "run_depend", "build_depend")
     }
     if manifest:
-        declared = {one.name for one in (*manifest.build_depends, *manifest.exec_depends)}
+        declared = {dependency.name for dependency in (*manifest.build_depends, *manifest.exec_depends)}
     findings = [*manifest_faults(package, names)]
-    imported = {one.target.partition(".")[0] for source in package.own_sources for one in source.imports}
+    imported = {
+        imported_name.target.partition(".")[0]
+        for source in package.own_sources
+        for imported_name in source.imports
+    }
     # Where nothing of it is imported, nothing was written yet.
     required = [name for name in asked if name in imported] or [*asked]
     missing = [name for name in required if name not in declared]
@@ -97,8 +101,8 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
     facts["is_ament_python"] &= ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
     facts |= {f"declares_{name}": name in declared for name in required}
     facts |= {f"{DECLARED}{name}": name in declared for name in asked if name not in required}
-    undeclared = [one for one in findings if one.code == "dependency-undeclared"]
-    facts |= {f"declares_{name}": False for one in undeclared for name in one.about}
+    undeclared = [finding for finding in findings if finding.code == "dependency-undeclared"]
+    facts |= {f"declares_{name}": False for finding in undeclared for name in finding.about}
     return facts | {f"{tag}_is_written": is_written for tag, is_written in own_words(text).items()}
 
 
@@ -116,7 +120,7 @@ def _is_about(finding: Finding, missing: Iterable[str], declared: Iterable[str])
     """Return whether a finding says only that one of the required packages is not declared, or misspelt."""
     names = {*missing}
     if finding.code == "dependency-unknown":
-        names = {one for one in declared if any(is_near_miss(one, name) for name in names)}
+        names = {package for package in declared if any(is_near_miss(package, name) for name in names)}
     elif finding.code != "dependency-undeclared":
         return False
     return not names.isdisjoint(finding.about)
@@ -141,8 +145,8 @@ def setup_facts(package: Package) -> dict[str, bool]:
         # One of the two names is the fault; all that agrees with the other is right.
         renamed = Package(package.folder, package.root)
         renamed.name = str(name)
-        others = _packaging_facts(renamed, setup)
-        facts |= others if sum(others.values()) > sum(facts.values()) else {}
+        renamed_facts = _packaging_facts(renamed, setup)
+        facts |= renamed_facts if sum(renamed_facts.values()) > sum(facts.values()) else {}
     if not setup.is_called:
         text = "\n".join(read_text(package.folder / name) for name in ("setup.py", "setup.cfg"))
         facts |= {fact: word in text for fact, word in _TRACES.items()}
@@ -158,7 +162,7 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
         if package.has("package.xml") or "package.xml" not in finding.about
     }
     facts = {"is_there": True}
-    facts |= {fact: not codes & theirs for fact, theirs in SETUP_FINDINGS.items()}
+    facts |= {fact: not codes & fault_codes for fact, fault_codes in SETUP_FINDINGS.items()}
     if facts["is_valid"] and setup.entry_points == [] and not setup.keywords.get("scripts"):
         facts["has_entry_points"] = False
     facts["installs_modules"] &= _installs_code(package, setup)

@@ -75,11 +75,11 @@ class Paths:
     def _joined(self, node: ast.BoolOp, facts: Facts) -> Iterator[tuple[ast.AST, Facts]]:
         yield node.op, facts
         decides = isinstance(node.op, ast.Or)
-        for one in node.values:
-            yield one, facts
-            if self._truths(one, facts) == {decides}:
+        for operand in node.values:
+            yield operand, facts
+            if self._truths(operand, facts) == {decides}:
                 return
-            facts = (*facts, (one, not decides))
+            facts = (*facts, (operand, not decides))
 
     def _until_left(
         self, source: PythonSource, parts: list[object], facts: Facts
@@ -173,7 +173,9 @@ class Paths:
     def _lets_others(self, call: ast.Call) -> bool:
         """Return whether a call may change attributes: of a function of the files, of what waits, or with the node itself."""
         name = getattr(call.func, "attr", getattr(call.func, "id", ""))
-        is_given = any(isinstance(one, ast.Name) and one.id in ("self", "node") for one in call.args)
+        is_given = any(
+            isinstance(argument, ast.Name) and argument.id in ("self", "node") for argument in call.args
+        )
         return name in self._own or name.startswith(_LETS_OTHERS) or is_given
 
     def _ends(self, source: PythonSource, body: list[ast.AST] | list[ast.stmt]) -> bool:
@@ -197,7 +199,7 @@ def _ends(source: PythonSource, part: ast.AST) -> bool:
         case ast.Expr(value=ast.Call(func=function)):
             return source.resolve(function) in ("rclpy.spin", "rclpy.shutdown", "rclpy.try_shutdown")
         case ast.Try(body=body) | ast.With(body=body):
-            return any(_ends(source, one) for one in body)
+            return any(_ends(source, statement) for statement in body)
     return False
 
 
@@ -248,5 +250,5 @@ def _is_made_of_constants(node: ast.AST) -> bool:
     match node:
         case ast.Call(func=ast.Name(id=name), args=[*given], keywords=[]):
             is_type = isinstance(getattr(builtins, name, None), type)
-            return is_type and all(isinstance(one, ast.Constant) for one in given)
+            return is_type and all(isinstance(argument, ast.Constant) for argument in given)
     return False

@@ -71,7 +71,7 @@ def is_followed(before: Run, tries: Sequence[Run], declared: object = None) -> b
         # Nodes of one program may have other values of one name.
         own = {numbers[node] for node in nodes if node in numbers} or {*numbers.values()}
         periods = [(value, *pairs[topic]) for value, pairs in seen if topic in pairs]
-        if any(_follows(periods, one, sign) for one in own for sign in (1, -1)):
+        if any(_follows(periods, number, sign) for number in own for sign in (1, -1)):
             return True
     return False
 

@@ -61,18 +61,18 @@ def _of_asciidoc(text: str) -> Iterator[str]:
 
 def _under_conditions(text: str, attributes: Mapping[str, str]) -> Iterator[str]:
     """Yield the lines that stand under no condition that does not hold, as far as attributes are known by then."""
-    open_ones = list[bool]()
+    open_conditions = list[bool]()
     for line in map(str.rstrip, text.splitlines()):
         if condition := _CONDITION.match(line):
             name, word, inner = condition.groups()
             holds = name != "ifeval" and _holds(name, word, attributes)
             if name == "ifeval" or not inner:
-                open_ones.append(holds)
-            elif holds and all(open_ones):
+                open_conditions.append(holds)
+            elif holds and all(open_conditions):
                 yield inner
         elif line.startswith("endif::"):
-            del open_ones[-1:]
-        elif all(open_ones):
+            del open_conditions[-1:]
+        elif all(open_conditions):
             yield line
 
 
@@ -82,7 +82,9 @@ def _underlines(line: str, before: str) -> bool:
 
 
 def _holds(name: str, word: str, attributes: Mapping[str, str]) -> bool:
-    is_set = any(one in attributes or _OF_THE_PAGE.match(one) for one in re.split("[,+]", word))
+    is_set = any(
+        attribute in attributes or _OF_THE_PAGE.match(attribute) for attribute in re.split("[,+]", word)
+    )
     return is_set if name == "ifdef" else word not in attributes
 
 

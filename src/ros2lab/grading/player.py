@@ -78,7 +78,7 @@ def finds_no_keyboard(said: str) -> bool:
 
 def lacked(said: str) -> list[str]:
     """Return what the machine on which it is graded lacks, as the error tells with which a program ended."""
-    return [what for what, error in _LACKED.items() if error.search(said)]
+    return [resource for resource, error in _LACKED.items() if error.search(said)]
 
 
 def stamped(type_name: str) -> str:
@@ -102,7 +102,7 @@ def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
             heard.type_name in types and heard.count for topics in run.stretches for heard in topics.values()
         )
     is_there = any(types & {*kinds} for nodes in run.subscribes.values() for kinds in nodes.values())
-    is_answered = any(one.log or one.topics or one.parameters for one in run.commands)
+    is_answered = any(command.log or command.topics or command.parameters for command in run.commands)
     return is_there and (is_answered or not run.commands)
 
 

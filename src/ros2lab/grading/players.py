@@ -114,7 +114,7 @@ class Case:
 
     def _is_unread(self, modules: Collection[str]) -> bool:
         """Return whether one of some modules is no Python, so that nobody knows what it makes."""
-        places = {one.place for one in self.evidence.files.told() if one.code == "node-syntax"}
+        places = {finding.place for finding in self.evidence.files.told() if finding.code == "node-syntax"}
         return any(PurePosixPath(place.partition(":")[0]).stem in modules for place in places)
 
     @cached_property
@@ -159,8 +159,8 @@ class Case:
         for name, players in found.items():
             taken = {
                 (player.number, player.topic, player.part.is_publisher)
-                for others in found.values()
-                for player in others
+                for candidates in found.values()
+                for player in candidates
                 if player.part.name != name and player.match in ("right", "near")
             }
             kept = [
@@ -230,7 +230,11 @@ class Case:
     def topics_besides(self, player: Player) -> list[str]:
         """Return the other topics on which a node might play the same part, and was not judged."""
         found = self._found[player.part.name]
-        own = {one.topic for one in found if (one.number, one.node) == (player.number, player.node)}
+        own = {
+            candidate.topic
+            for candidate in found
+            if (candidate.number, candidate.node) == (player.number, player.node)
+        }
         return sorted(own - {player.topic})
 
     def lost(self, found: Mapping[str, list[Player]]) -> set[str]:
@@ -239,7 +243,7 @@ class Case:
         crashed = {
             name
             for run in self.evidence.runs
-            if run.setting == "alone" and not any(other is run for other in playing)
+            if run.setting == "alone" and not any(played is run for played in playing)
             for name in run.ended
         }
         return crashed | {name for name, executable in self.executables.items() if not executable.command}
@@ -276,7 +280,7 @@ class Case:
     def main(self, part: Part) -> Player | None:
         """Return the most telling of a part's players, with a topic as right as in the best way of starting."""
         best = self.at_once(part)
-        players = (one for one in self.players[part.name] if best and one.match == best.match)
+        players = (player for player in self.players[part.name] if best and player.match == best.match)
         return next(filter(self.counts, players), best)
 
     def whole(self, part: Part) -> Player | None:
@@ -307,7 +311,7 @@ class Case:
         # Nodes that play all the parts are one, however many programs start it, and under whatever names.
         whole = set(choices[0]).intersection(*choices) if len(choices) > 2 else set()
         choices = [
-            [*dict.fromkeys(("", "", "") if one in whole else one for one in nodes)] for nodes in choices
+            [*dict.fromkeys(("", "", "") if node in whole else node for node in nodes)] for nodes in choices
         ]
         best = max(itertools.product(*choices), key=lambda players: len({*players}))
         return frozenset(name for number, name in enumerate(names) if best[number] in best[:number])
@@ -412,7 +416,7 @@ class Case:
                 or subject in f"{node} {program}"
                 or self._is_alike(part, topic, node, run)
             )
-            is_told = any(topic in other.publishes for other in self.evidence.runs)
+            is_told = any(topic in other_run.publishes for other_run in self.evidence.runs)
             is_other = is_about and (part.is_meant(topic) or not is_told)
         return "other" if is_other else None
 
@@ -432,19 +436,19 @@ class Case:
             is_known, is_done = any(has_period(gap, part.period) for gap in gaps), bool(gaps)
         else:
             is_done = any(
-                other.setting == "alone"
-                and other.commanded == topic
-                and node in other.subscribes.get(topic, ())
-                and is_followed(other, {})
-                for other in self.evidence.runs
+                other_run.setting == "alone"
+                and other_run.commanded == topic
+                and node in other_run.subscribes.get(topic, ())
+                and is_followed(other_run, {})
+                for other_run in self.evidence.runs
             )
             is_known = is_done and not {*self.evidence.files.compared}.isdisjoint(part.commands)
         return is_known or (is_done and not is_lost and not self._is_busy(part, node, run))
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:
         """Return whether a node plays another part, by its topic."""
-        others = (other for other in self.assignment.parts.values() if other is not part)
+        other_parts = (other_part for other_part in self.assignment.parts.values() if other_part is not part)
         return any(
-            node in (run.publishes if other.is_publisher else run.subscribes).get(other.topic, ())
-            for other in others
+            node in (run.publishes if other_part.is_publisher else run.subscribes).get(other_part.topic, ())
+            for other_part in other_parts
         )

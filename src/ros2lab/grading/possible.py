@@ -65,7 +65,9 @@ class Possible:
         self._depth += 1
         try:
             if [*leaves(expression)] == [expression]:
-                return frozenset(one for value in self._of_leaf(expression) for one in _parted(value))
+                return frozenset(
+                    alternative for value in self._of_leaf(expression) for alternative in _parted(value)
+                )
             found = set[Any]()
             for case in self._cases([expression], has_samples=False):
                 value = value_of(expression, case)
@@ -103,7 +105,7 @@ class Possible:
             held |= {text_of(leaf): leaf for leaf in leaves(expression)}
         compared = self._compared(expressions) if has_samples else {}
         choices = [
-            [one for value in self._of_leaf(leaf) for one in samples(value, compared.get(name))]
+            [sample for value in self._of_leaf(leaf) for sample in samples(value, compared.get(name))]
             for name, leaf in held.items()
         ]
         if math.prod(map(len, choices)) > MOST_CASES:
@@ -129,20 +131,20 @@ class Possible:
                 case ast.Compare(left=left, comparators=[right]) as whole:
                     if not self._enter(found, left, right):
                         opaque |= {text_of(leaf) for leaf in leaves(whole)}
-                case other:
-                    opaque |= {text_of(leaf) for leaf in leaves(other)}
+                case expression:
+                    opaque |= {text_of(leaf) for leaf in leaves(expression)}
         return {name: constants for name, constants in found.items() if name not in opaque}
 
     def _enter(self, found: dict[str, list[Any]], left: ast.expr, right: ast.expr) -> bool:
         """Enter a comparison; return whether it is one of a name or an attribute with itself, or with what is known."""
-        for one, other in ((left, right), (right, left)):
-            if not isinstance(one, (ast.Name, ast.Attribute)) or _calls(one):
+        for operand, opposite in ((left, right), (right, left)):
+            if not isinstance(operand, (ast.Name, ast.Attribute)) or _calls(operand):
                 continue
-            name = text_of(one)
-            if name == text_of(other):
+            name = text_of(operand)
+            if name == text_of(opposite):
                 found.setdefault(name, [])
                 return True
-            values = self.values(other)
+            values = self.values(opposite)
             if not any(isinstance(value, Given) for value in values):
                 found.setdefault(name, []).extend(values)
                 return True
@@ -170,7 +172,7 @@ class Possible:
     def _of_name(self, source: PythonSource, function: Function | None, name: str) -> Values:
         inner: ast.AST | None = function
         while isinstance(inner, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            if name in {one.arg for one in ast.walk(inner.args) if isinstance(one, ast.arg)}:
+            if name in {argument.arg for argument in ast.walk(inner.args) if isinstance(argument, ast.arg)}:
                 return self._of_parameter(inner, name)
             if (inner, name) in self._stores:
                 return self._stored((inner, name))
@@ -182,7 +184,7 @@ class Possible:
     def _of_parameter(self, function: Function, name: str) -> Values:
         """Return what a function is given: a message, where it is a subscription's callback."""
         kinds = self._callbacks.get(function, set())
-        names = [one.arg for one in parameters(function) if one.arg != "self"]
+        names = [parameter.arg for parameter in parameters(function) if parameter.arg != "self"]
         return frozenset(map(Given, kinds)) if kinds and names[:1] == [name] else ANY
 
     @cached_property
@@ -197,7 +199,7 @@ class Possible:
     def _of_attribute(self, owner: NodeClass, name: str) -> Values:
         """Return what an attribute of self may be: what any code gives an attribute of this name."""
         chain, _, is_known = self._sources.lineage(owner)
-        if not is_known or self._is_open or any(name in one.methods for one in chain):
+        if not is_known or self._is_open or any(name in node_class.methods for node_class in chain):
             return ANY
         return self._stored(name)
 
@@ -206,10 +208,10 @@ class Possible:
         whole = self._sources.resolve(source, leaf) or ""
         if whole in ("math.nan", "math.inf", "numpy.nan", "numpy.inf"):
             return frozenset((math.nan if whole.endswith("nan") else math.inf,))
-        one = self._sources.classes.get(whole.rpartition(".")[0])
-        if one and any(base and base.startswith("enum.") for base in one.bases):
+        owner = self._sources.classes.get(whole.rpartition(".")[0])
+        if owner and any(base and base.startswith("enum.") for base in owner.bases):
             return frozenset((Member(whole),))
-        if one and one.attributes and not self._is_open:
+        if owner and owner.attributes and not self._is_open:
             return self._stored(leaf.attr)
         if self._as_declared and (name := _parameter(leaf.value)):
             return self._of_declared(source, name)
@@ -226,7 +228,7 @@ class Possible:
         """Return with which values a parameter is declared: in the file that asks for it, if that does."""
         given = self._declarations.get(name, ())
         own = [value for value in given if self.scopes[value][0] is source]
-        return frozenset(one for value in own or given for one in self.values(value)) or ANY
+        return frozenset(held for value in own or given for held in self.values(value)) or ANY
 
     @cached_property
     def _declarations(self) -> Mapping[str, list[ast.expr]]:
@@ -334,10 +336,10 @@ class Possible:
         if function is None:
             return name if owner else (source, name)
         shared = {
-            one
+            declared
             for node in own_nodes(function)
             if isinstance(node, (ast.Global, ast.Nonlocal))
-            for one in node.names
+            for declared in node.names
         }
         if name not in shared:
             return (function, name)

@@ -90,16 +90,18 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
 
     At last come the executables of the other packages whose nodes are part of the work.
     """
-    installed = {one.name: one for one in outcome.points}
-    points = [*installed.values(), *(one for one in plan.points if one.name not in installed)][:MOST_PROGRAMS]
-    tried = [one.target for one in points if one.name in installed] if outcome.is_built else []
+    installed = {point.name: point for point in outcome.points}
+    points = [*installed.values(), *(point for point in plan.points if point.name not in installed)][
+        :MOST_PROGRAMS
+    ]
+    tried = [point.target for point in points if point.name in installed] if outcome.is_built else []
     imports = _try_imports(world, tried, overlay)
     faults = {point: _fault(plan, outcome, point, imports) for point in points}
     programs = [
         _otherwise(plan, point, fault) if fault else _installed(plan, point)
         for point, fault in faults.items()
     ]
-    programs += _plain_scripts(plan, outcome, {one.name for one in points})
+    programs += _plain_scripts(plan, outcome, {point.name for point in points})
     for program in (*_not_started(plan, programs), *_of_others(plan, outcome)):
         programs.append(_named_anew(program, programs))
     return [of_modules(plan, program) for program in programs]
@@ -121,25 +123,29 @@ def _not_started(plan: Plan, programs: Iterable[Executable], package: str = "") 
 def of_modules(plan: Plan, program: Executable) -> Executable:
     """Return a program with what is known of the modules that it imports, directly or not."""
     reached = _reached(plan, [program.module])
-    own = [one for one in plan.modules if one.name in reached or one.stem == (program.stem or program.name)]
+    own = [
+        module
+        for module in plan.modules
+        if module.name in reached or module.stem == (program.stem or program.name)
+    ]
     if not own:  # of which module it is made nobody knows
         return replace(program, absent=[*plan.absent_modules])
-    outside = {name for one in own for name in one.outside}
+    outside = {name for module in own for name in module.outside}
     return replace(
         program,
         absent=[
             *sorted(outside.intersection(plan.absent_modules)),
-            *([KEYBOARD] if any(one.asks_keyboard for one in own) else []),
+            *([KEYBOARD] if any(module.asks_keyboard for module in own) else []),
         ],
-        modules=sorted({one.stem for one in own}),
-        is_brief=not any(one.goes_on for one in own),
-        never_spins=not any(one.spins for one in own),
+        modules=sorted({module.stem for module in own}),
+        is_brief=not any(module.goes_on for module in own),
+        never_spins=not any(module.spins for module in own),
     )
 
 
-def _named_anew(program: Executable, others: Iterable[Executable]) -> Executable:
+def _named_anew(program: Executable, programs: Iterable[Executable]) -> Executable:
     """Return a program with a name that none of the others has."""
-    taken = {other.name for other in others}
+    taken = {known.name for known in programs}
     name = f"{program.name}.py" if program.name in taken else program.name
     return replace(program, name=free_name(name, taken))
 
@@ -162,7 +168,9 @@ def _of_others(plan: Plan, outcome: Outcome) -> Iterator[Executable]:
                     Executable(name, targets.get(name, ""), "installed", command, package=package)
                 )
         yield from installed
-        yield from (replace(one, package=package) for one in _not_started(plan, installed, package))
+        yield from (
+            replace(executable, package=package) for executable in _not_started(plan, installed, package)
+        )
 
 
 def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str]) -> dict[str, str]:
@@ -200,7 +208,7 @@ def _installed(plan: Plan, point: Point, fault: str = "") -> Executable:
 
 def _otherwise(plan: Plan, point: Point, fault: str) -> Executable:
     """Return how to start what an executable should have started."""
-    module = next((one for one in plan.modules if one.name == point.module), None)
+    module = next((module for module in plan.modules if module.name == point.module), None)
     if module is None:
         return _installed(plan, point, fault)
     function = point.function.partition(".")[0]
@@ -257,7 +265,7 @@ def _plain_scripts(plan: Plan, outcome: Outcome, known: Iterable[str]) -> list[E
 
 def _reached(plan: Plan, modules: Iterable[str]) -> set[str]:
     """Return the modules that these import, directly or not, and themselves."""
-    by_name = {one.name: one for one in plan.modules if one.name}
+    by_name = {module.name: module for module in plan.modules if module.name}
     reached: set[str] = set()
     queue = [*modules]
     while queue:

@@ -101,9 +101,9 @@ class Publishing:
                 case ast.Call(keywords=keywords) if is_interface(made := self._made(node)):
                     fields = fields_of(made) or {}
                     given |= {
-                        f"{one.arg} in {id(node)}": self._possible.values(one.value)
-                        for one in keywords
-                        if fields.get(one.arg or "") in ("double", "float")
+                        f"{keyword.arg} in {id(node)}": self._possible.values(keyword.value)
+                        for keyword in keywords
+                        if fields.get(keyword.arg or "") in ("double", "float")
                     }
         return not any(values and all(map(_is_endless, values)) for values in given.values())
 
@@ -174,18 +174,18 @@ class Publishing:
                 if node not in self._code or _name_of(node) != _last(target):
                     continue
                 if isinstance(target, ast.Name) and function is not None:
-                    is_it = isinstance(node, ast.Name) and self._is_within(within, function, target.id)
+                    is_taken = isinstance(node, ast.Name) and self._is_within(within, function, target.id)
                 else:
-                    is_it = isinstance(target, ast.Name) or not isinstance(node, ast.Name)
-                    is_it &= self._is_same(made_in, owner, node)
-                if is_it:
+                    is_taken = isinstance(target, ast.Name) or not isinstance(node, ast.Name)
+                    is_taken &= self._is_same(made_in, owner, node)
+                if is_taken:
                     yield node
 
     def _is_same(self, made_in: NodeClass | None, owner: NodeClass | None, node: ast.AST) -> bool:
         """Return whether what stands in a class may be what is kept in another one, for it is not of another self."""
         if not (is_self_attribute(node) and owner and made_in):
             return True
-        lines = [{*self._sources.lineage(one)[0]} for one in (owner, made_in)]
+        lines = [{*self._sources.lineage(node_class)[0]} for node_class in (owner, made_in)]
         return not lines[0].isdisjoint(lines[1])
 
     def _is_within(self, within: Function | None, function: Function, name: str) -> bool:
@@ -269,9 +269,9 @@ class Publishing:
             return self._of_place(outer, below)
         if name != "create_timer":
             return Rhythm(True, None)
-        given = {one.arg: one.value for one in outer.keywords}
+        given = {keyword.arg: keyword.value for keyword in outer.keywords}
         values = self._declared.values(given.get("timer_period_sec") or next(iter(outer.args), None))
-        numbers = [float(one) for one in values if isinstance(one, (int, float))]
+        numbers = [float(value) for value in values if isinstance(value, (int, float))]
         return Rhythm(True, {*numbers} if len(numbers) == len(values) else None)
 
     # --- what it holds ----------------------------------------------------------------------------------
@@ -285,7 +285,9 @@ class Publishing:
             return False
         inner = self._possible.values(target.value)
         kinds = {value.kind for value in inner if isinstance(value, Given)}
-        return any((fields_of(one) or {}).get(target.attr) in ("double", "float") for one in kinds)
+        return any(
+            (fields_of(message_type) or {}).get(target.attr) in ("double", "float") for message_type in kinds
+        )
 
     def _made(self, call: ast.Call) -> str:
         source = self._scope(call)[0]

@@ -39,7 +39,9 @@ def effects_of(
         echoes: changes that only repeat a word, as other runs have shown.
     """
     found: dict[str, str] = {}
-    numbers = {one.text: number for number, one in reversed([*enumerate(run.commands)])}  # the first of each
+    numbers = {
+        command.text: number for number, command in reversed([*enumerate(run.commands)])
+    }  # the first of each
     by_text = {text: run.commands[number] for text, number in numbers.items()}
     said = {word: templates(run, by_text[word]) for word in part.commands if word in by_text}
     if not said:
@@ -51,15 +53,15 @@ def effects_of(
     is_arbitrary = logs_arbitrarily(part, run)
     telling, is_changing = telling_lines(part, run), changing(part, run, alone, echoes)
     for word in said:
-        one = by_text[word]
+        command = by_text[word]
         own = {_template(line, word) for line in telling[word]} if has_own_log else set()
-        if not one.is_alive and unknown_word(part) not in by_text:
+        if not command.is_alive and unknown_word(part) not in by_text:
             own -= set[str].intersection(
                 known, *said.values()
             )  # that it was heard, but not that it was obeyed
-        elsewhere = set[str]().union(*(lines for other, lines in said.items() if other != word))
+        elsewhere = set[str]().union(*(lines for other_word, lines in said.items() if other_word != word))
         # A line that this word shares with unknown ones, and with no other word, says that it is not known.
-        is_refused = bool(unknown & (_warnings(run, one) | (own - elsewhere)))
+        is_refused = bool(unknown & (_warnings(run, command) | (own - elsewhere)))
         is_apart = not is_arbitrary and (own - unknown or (own and refuses))
         if is_changing[numbers[word]] or is_apart:
             found[word] = "processed"
@@ -73,8 +75,8 @@ def _control(part: Part, run: Run) -> set[str]:
 
     It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
     """
-    unknown = (one for one in run.commands if one.text in part.unknown)
-    said = _by_unknown(part, ((one.text, templates(run, one)) for one in unknown))
+    unknown = (command for command in run.commands if command.text in part.unknown)
+    said = _by_unknown(part, ((command.text, templates(run, command)) for command in unknown))
     return set[str]().union(
         *(
             set.intersection(*filter(None, times))
@@ -87,15 +89,15 @@ def _control(part: Part, run: Run) -> set[str]:
 def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, list[set[Any]]]:
     """Return by unknown word what was seen after it, each time."""
     found: dict[str, list[set[Any]]] = {}
-    for text, what in seen:
+    for text, answers in seen:
         if text and text in part.unknown:
-            found.setdefault(text, []).append(what)
+            found.setdefault(text, []).append(answers)
     return found
 
 
-def _warnings(run: Run, one: CommandSeen) -> set[str]:
+def _warnings(run: Run, command: CommandSeen) -> set[str]:
     """Return what was said after a command as a warning."""
-    return {_template(_line(run, text), one.text) for level, text in one.log if level in _WARNINGS}
+    return {_template(_line(run, text), command.text) for level, text in command.log if level in _WARNINGS}
 
 
 def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = True) -> bool:
@@ -103,7 +105,7 @@ def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = Tru
     return (
         any(command.parameters for command in run.commands)
         or any(changed(run, alone))
-        or (has_own_log and any(lines_of(run, one) - said_by_itself(run) for one in run.commands))
+        or (has_own_log and any(lines_of(run, command) - said_by_itself(run) for command in run.commands))
     )
 
 
@@ -112,9 +114,9 @@ def unknown_word(part: Part) -> str:
     return next(filter(None, part.unknown), "")
 
 
-def lines_of(run: Run, one: CommandSeen) -> set[str]:
+def lines_of(run: Run, command: CommandSeen) -> set[str]:
     """Return what was said after a command, without what a program prints when it dies of it."""
-    return {_line(run, text) for level, text in one.log if one.is_alive or level != "PRINT"}
+    return {_line(run, text) for level, text in command.log if command.is_alive or level != "PRINT"}
 
 
 def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
@@ -124,9 +126,9 @@ def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
     before, and follows no unknown word, tells of a state that a command brings back.
     """
     heard = {
-        one.text: lines_of(run, one)
-        for one in reversed(run.commands)
-        if one.text in (*part.commands, *part.unknown)
+        command.text: lines_of(run, command)
+        for command in reversed(run.commands)
+        if command.text in (*part.commands, *part.unknown)
     }
     is_arbitrary = logs_arbitrarily(part, run)
     again = {line for line, count in Counter(_line(run, text) for _, text in run.log).items() if count > 1}
@@ -140,8 +142,8 @@ def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
         common = (
             set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
         )
-        others = set().union(*(lines for text, lines in said.items() if text != word))
-        found[word] = said[word] - common - (others & again) - by_itself
+        other_lines = set().union(*(lines for text, lines in said.items() if text != word))
+        found[word] = said[word] - common - (other_lines & again) - by_itself
     return found
 
 
@@ -170,15 +172,15 @@ def _in_any_case(word: str) -> re.Pattern[str]:
     return re.compile(re.escape(word), re.IGNORECASE)
 
 
-def templates(run: Run, one: CommandSeen) -> set[str]:
+def templates(run: Run, command: CommandSeen) -> set[str]:
     """Return what was said after a command, with `{}` in the place of the command itself."""
-    return {_template(line, one.text) for line in lines_of(run, one)}
+    return {_template(line, command.text) for line in lines_of(run, command)}
 
 
 def changing(part: Part, run: Run, alone: Mapping[str, Heard], echoes: Collection[Change] = ()) -> list[bool]:
     """Return of each command whether a topic or parameter says something else after it than before, and than after unknown ones."""
     brought = _brought(run, alone)
-    unknown = _by_unknown(part, zip((one.text for one in run.commands), brought, strict=True))
+    unknown = _by_unknown(part, zip((command.text for command in run.commands), brought, strict=True))
     vain = _arbitrary(unknown) | {part.topic}
     common = {*_common(unknown), *echoes}
     return [any(change not in common and change[0] not in vain for change in changes) for changes in brought]
@@ -186,7 +188,9 @@ def changing(part: Part, run: Run, alone: Mapping[str, Heard], echoes: Collectio
 
 def echoes(part: Part, runs: Iterable[Run], alone: Mapping[str, Heard]) -> set[Change]:
     """Return the changes that repeat an unknown word each time that it comes, in some run."""
-    brought = (zip((one.text for one in run.commands), _brought(run, alone), strict=True) for run in runs)
+    brought = (
+        zip((command.text for command in run.commands), _brought(run, alone), strict=True) for run in runs
+    )
     common = (_common(_by_unknown(part, changes)) for changes in brought)
     return {change for found in common for change in found if "{}" in change[1]}
 
@@ -199,8 +203,8 @@ def _common(brought: Mapping[str, list[set[Change]]]) -> set[Change]:
 
 def logs_arbitrarily(part: Part, run: Run) -> bool:
     """Return whether the log says something else of each unknown word."""
-    unknown = (one for one in run.commands if one.text in part.unknown)
-    said = ((one.text, {("", line) for line in templates(run, one)}) for one in unknown)
+    unknown = (command for command in run.commands if command.text in part.unknown)
+    said = ((command.text, {("", line) for line in templates(run, command)}) for command in unknown)
     return bool(_arbitrary(_by_unknown(part, said)))
 
 
@@ -215,7 +219,9 @@ def _arbitrary(brought: Mapping[str, Iterable[set[Change]]]) -> set[str]:
         return set()
     common = set.intersection(*after)
     # A state in which one of them was said twice shows in lines which they share.
-    shared = {change for one, other in itertools.combinations(after, 2) for change in one & other} - common
+    shared = {
+        change for first, second in itertools.combinations(after, 2) for change in first & second
+    } - common
     places = [{place for place, _ in found - common} for found in after]
     return set.intersection(*places) - {place for place, _ in shared}
 
@@ -223,8 +229,11 @@ def _arbitrary(brought: Mapping[str, Iterable[set[Change]]]) -> set[str]:
 def _brought(run: Run, alone: Mapping[str, Heard]) -> list[set[Change]]:
     """Return of each command the topics and parameters that say something else after it than before, and what they say."""
     return [
-        {*changes, *((name, _template(str(value), one.text)) for name, value in one.parameters.items())}
-        for one, changes in zip(run.commands, changed(run, alone), strict=True)
+        {
+            *changes,
+            *((name, _template(str(value), command.text)) for name, value in command.parameters.items()),
+        }
+        for command, changes in zip(run.commands, changed(run, alone), strict=True)
     ]
 
 
@@ -233,15 +242,15 @@ def changed(run: Run, alone: Mapping[str, Heard]) -> list[list[Change]]:
     quiet = {**alone, **run.quiet}
     is_telling = functools.cache(lambda topic: tells(run, topic, alone))
     last, found = dict(quiet), list[list[Change]]()
-    for one in run.commands:
+    for command in run.commands:
         found.append(
             [
-                (topic, _template(heard.sense, one.text))
-                for topic, heard in one.topics.items()
+                (topic, _template(heard.sense, command.text))
+                for topic, heard in command.topics.items()
                 if heard.values and _is_news(heard, last.get(topic), quiet.get(topic)) and is_telling(topic)
             ]
         )
-        last |= one.topics
+        last |= command.topics
     return found
 
 
@@ -268,7 +277,7 @@ def tells(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
     steady by itself tells, and where words are said again, what the same word was seen to bring more than once.
     """
     left = _left_by(run, topic)
-    is_said_once = len({one.text for one in run.commands}) == len(run.commands)
+    is_said_once = len({command.text for command in run.commands}) == len(run.commands)
     is_told_twice = is_said_once or any(len(states) > 1 for states in left.values())
     is_from_there = is_reached(run, topic) or (is_told_twice and not _is_restless(run, topic, alone))
     return is_from_there and all(len({*states}) == 1 for states in left.values())
@@ -282,16 +291,16 @@ def is_reached(run: Run, topic: str) -> bool:
     topics, nodes = {run.commanded}, set[str]()
     if len(run.programs) == 1 or not run.subscribes.get(run.commanded):
         return True
-    while hearing := {node for one in topics for node in run.subscribes.get(one, ())} - nodes:
+    while hearing := {node for known_topic in topics for node in run.subscribes.get(known_topic, ())} - nodes:
         nodes |= hearing
-        topics |= {one for one, ends in run.publishes.items() if not nodes.isdisjoint(ends)}
+        topics |= {published for published, ends in run.publishes.items() if not nodes.isdisjoint(ends)}
     return not nodes.isdisjoint(run.publishes.get(topic, ()))
 
 
 def _is_restless(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
     """Return whether what a topic says changes by itself: before any command, or more than once after one."""
     quiet = [part[topic] for part in (alone, run.quiet) if topic in part]
-    later = [one.topics[topic] for one in run.commands if topic in one.topics]
+    later = [command.topics[topic] for command in run.commands if topic in command.topics]
     changes = [turns(heard.senses) for heard in (*quiet, *later)]
     return any(changes[: len(quiet)]) or any(count > 1 for count in changes[len(quiet) :])
 
@@ -304,14 +313,14 @@ def _left_by(run: Run, topic: str) -> dict[str, list[str]]:
     after: dict[str, list[str]] = {}
     before = run.quiet.get(topic)
     state = _state(before) if before and before.values else ""
-    for one in run.commands:
-        heard = one.topics.get(topic)
+    for command in run.commands:
+        heard = command.topics.get(topic)
         if heard and heard.values:
             previous, state = state, _state(heard)
             if state != previous:
-                after.setdefault(one.text, []).append(state)
-            elif one.text in after:
-                after[one.text].append(state)
+                after.setdefault(command.text, []).append(state)
+            elif command.text in after:
+                after[command.text].append(state)
     return after
 
 
@@ -329,7 +338,7 @@ def _by_turns(quiet: Heard) -> set[str]:
 
 def turns(values: Sequence[object]) -> int:
     """Return how many values differ from the one before them."""
-    return sum(one != other for one, other in itertools.pairwise(values))
+    return sum(before != after for before, after in itertools.pairwise(values))
 
 
 def stands(heard: Heard | None) -> bool | None:

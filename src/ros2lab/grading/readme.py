@@ -51,8 +51,10 @@ def commands(
         if (words := match.group().split()) and _is_to_be_run(text, match.start(), words, code, known)
     ]
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
-    judged |= {one: False for one, is_true in judged.items() if is_true and not operands.fit(one.split())}
-    judged |= {one: None for one in judged if any(map(is_placeholder, one.split()[2:4]))}
+    judged |= {
+        command: False for command, is_true in judged.items() if is_true and not operands.fit(command.split())
+    }
+    judged |= {command: None for command in judged if any(map(is_placeholder, command.split()[2:4]))}
     # A README may name tools such as rqt_graph, and what those publish: whether that is true nobody knows here.
     foreign = [command for command in judged if known.is_foreign(command.split())]
     elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
@@ -124,10 +126,14 @@ class _Known:
         # Where setup.py and package.xml differ, a README may have either name; the folder's is the likelier one.
         names = (found.name, PurePosixPath(found.folder).name) if found else ()
         self._own = {name for name in names if name}
-        self._packages = {one.name for one in submission.packages}
-        self._executables = {one.name for one in built.executables if one.command and not one.fault}
+        self._packages = {package.name for package in submission.packages}
+        self._executables = {
+            executable.name for executable in built.executables if executable.command and not executable.fault
+        }
         self._scripts = {
-            f"{one.name.removesuffix('.py')}.py" for one in built.executables if one.way == "script"
+            f"{executable.name.removesuffix('.py')}.py"
+            for executable in built.executables
+            if executable.way == "script"
         }
         self._shared = {PurePosixPath(path).name for path in built.shared}
         self._broken = {name for run in runs if run.setting == "launched" for name in run.ended}
@@ -157,7 +163,7 @@ class _Known:
             case ["ros2", "topic" | "node" | "param", _, *rest]:
                 own = self._topics | self._nodes
                 named = next(filter(_VALUE.fullmatch, rest), "")
-                return bool(named) and not any(named == one or is_near_miss(named, one) for one in own)
+                return bool(named) and not any(named == name or is_near_miss(named, name) for name in own)
         return False
 
     def judge(self, words: Sequence[str]) -> bool | None:

@@ -125,11 +125,11 @@ class _RubricReader(Reader):
         criteria: list[Criterion] = []
         for node in self.items(parts["criteria"]):
             criterion = self._criterion(node, components, assignment)
-            if any(other.id == criterion.id for other in criteria):
+            if any(earlier.id == criterion.id for earlier in criteria):
                 raise self.error(node, f"there is another criterion {criterion.id}; ids must differ")
             criteria.append(criterion)
         for component, points in components.items():
-            given = sum(one.points for one in criteria if one.component == component)
+            given = sum(criterion.points for criterion in criteria if criterion.component == component)
             if not math.isclose(given, points):
                 raise self.error(
                     parts["criteria"], f"the criteria of {component} add up to {given:g}, not to {points:g}"

@@ -56,10 +56,13 @@ def running(
     """
     paths = Paths(sources, possible)
     named = _definitions(sources)
-    classes = {node.name for one in sources for node in one.nodes if isinstance(node, ast.ClassDef)}
+    classes = {node.name for source in sources for node in source.nodes if isinstance(node, ast.ClassDef)}
     waiting: list[tuple[PythonSource, ast.AST]] = [(source, source.tree) for source in sources]
     waiting += [
-        (one, part) for one in sources for part in one.tree.body if _is_entrance(one, part, entrances)
+        (source, part)
+        for source in sources
+        for part in source.tree.body
+        if _is_entrance(source, part, entrances)
     ]
     done = set[ast.AST]()
     while waiting:
@@ -74,7 +77,7 @@ def running(
             for name in _names_in(node):
                 waiting += named.pop(name, ())
             if _finds_any(node):
-                waiting += [one for found in named.values() for one in found]
+                waiting += [definition for found in named.values() for definition in found]
                 named.clear()
 
 
@@ -110,9 +113,9 @@ def idle(sources: Collection[PythonSource], code: Code) -> dict[str, list[int]]:
     return dict(found)
 
 
-def _is_entrance(source: PythonSource, one: ast.stmt, entrances: Collection[str] | None) -> bool:
+def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collection[str] | None) -> bool:
     """Return whether a statement of a module is what runs if the program is started right: that may be the fault."""
-    match one:
+    match statement:
         case ast.ClassDef(bases=bases):
             return bool(bases)  # whoever has forgotten `main` has written the node
         case ast.FunctionDef(name=name, args=arguments) | ast.AsyncFunctionDef(name=name, args=arguments):
@@ -121,7 +124,7 @@ def _is_entrance(source: PythonSource, one: ast.stmt, entrances: Collection[str]
             is_named = entrances is None or name in entrances or name == "main"
             return is_named or any(
                 isinstance(node, ast.Call) and source.resolve(node.func) in ("rclpy.init", "rclpy.init.init")
-                for node in ast.walk(one)
+                for node in ast.walk(statement)
             )
     return False
 
@@ -149,15 +152,15 @@ def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.
 
 
 def _called_by_others(
-    source: PythonSource, one: ast.ClassDef, classes: Collection[str]
+    source: PythonSource, definition: ast.ClassDef, classes: Collection[str]
 ) -> Iterator[Function]:
     """Yield the methods of a class that Python calls, or a base class that is not among `classes`."""
     own = {*classes, "object", "Node"}
     is_open = any(
-        base is None or base.rpartition(".")[2] not in own for base in map(source.resolve, one.bases)
+        base is None or base.rpartition(".")[2] not in own for base in map(source.resolve, definition.bases)
     )
-    inherited = members_of("rclpy.node", "Node")[0] if one.bases else frozenset()
-    for method in one.body:
+    inherited = members_of("rclpy.node", "Node")[0] if definition.bases else frozenset()
+    for method in definition.body:
         if not isinstance(method, (ast.FunctionDef, ast.AsyncFunctionDef)):
             continue
         if is_open or method.name.startswith("__") or method.name in inherited:

@@ -121,9 +121,9 @@ class World:
 
     def beside(self) -> World:
         """Return another World that is like this one, with a network of its own and an empty folder."""
-        other = type(self)(shown=self._given, limits=self.limits)
-        other.folders = self.folders
-        return other
+        world = type(self)(shown=self._given, limits=self.limits)
+        world.folders = self.folders
+        return world
 
     def fill(self, files: Path, only: str = "") -> None:
         """Copy a folder into this World's, before a box has had that.

@@ -29,7 +29,7 @@ def shared_out(seen: Seen, enclaves: Sequence[str]) -> list[Seen]:
 def _has_open(seen: Seen, nodes: Sequence[Collection[str]]) -> bool:
     """Return whether something was noted, does not answer or has stopped, or may be of several programs."""
     owners = [sum(any(node in own for node in ends) for own in nodes) for ends in seen["publishes"].values()]
-    lines = [line for log in (seen["log"], *(one["log"] for one in seen["commands"])) for line in log]
+    lines = [line for log in (seen["log"], *(command["log"] for command in seen["commands"])) for line in log]
     return (
         bool(seen["notes"] or seen["twins"] or seen["stalled"])
         or seen["commanded"] in seen["publishes"]  # one commands the others

@@ -51,7 +51,7 @@ def _begins(before: str) -> bool:
             commands.append(([], ""))
         else:
             commands[-1][0].append(word)
-    if any((" ".join(one), sign) in _NEVER for one, sign in commands):
+    if any((" ".join(command), sign) in _NEVER for command, sign in commands):
         return False
     return _is_handed_on(commands[-1][0])
 

@@ -75,20 +75,20 @@ def _end(tree: ast.Module, idle: Collection[int], is_ended: Callable[[], ast.exp
 
 def _hands_back(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     """Return whether a function does nothing but give back something that it is given, or that stands in it."""
-    given = {one.arg for one in ast.walk(function.args) if isinstance(one, ast.arg)}
-    match [one for one in function.body if not _is_text(one)]:
+    given = {argument.arg for argument in ast.walk(function.args) if isinstance(argument, ast.arg)}
+    match [statement for statement in function.body if not _is_text(statement)]:
         case [ast.Return(value=ast.Name(id=name))]:
             return name in given
         case [ast.Return(value=ast.expr() as value)]:
-            return not any(isinstance(one, (ast.Name, ast.Call)) for one in ast.walk(value))
+            return not any(isinstance(node, (ast.Name, ast.Call)) for node in ast.walk(value))
     return False
 
 
 def _named(tree: ast.Module) -> Constants:
     """Return the single texts and numbers that have a name in a module or a class, by that."""
-    bodies = [one.body for one in ast.walk(tree) if isinstance(one, (ast.Module, ast.ClassDef))]
+    bodies = [node.body for node in ast.walk(tree) if isinstance(node, (ast.Module, ast.ClassDef))]
     found = Constants()
-    for statement in (one for body in bodies for one in body):
+    for statement in (statement for body in bodies for statement in body):
         match statement:
             case (
                 ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant() as value)
@@ -152,12 +152,12 @@ class _Change(ast.NodeTransformer):
     def _other(self, node: ast.expr, constant: ast.Constant) -> ast.expr:
         value = constant.value
         if isinstance(value, str) and value != "__main__":
-            other: str | float = f"{value}x"
+            changed: str | float = f"{value}x"
         elif isinstance(value, (int, float)) and not isinstance(value, bool):
-            other = value + 1
+            changed = value + 1
         else:
             return node
-        return ast.copy_location(ast.IfExp(_true(), ast.Constant(other), node), node)
+        return ast.copy_location(ast.IfExp(_true(), ast.Constant(changed), node), node)
 
     def visit_Expr(self, node: ast.Expr) -> ast.Expr:
         return node if _is_text(node) else self.generic_visit(node)  # type: ignore[return-value]

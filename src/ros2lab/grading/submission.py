@@ -194,7 +194,7 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
         packages[chosen.folder] if chosen else None,
         node_files,
         [*received.notes, *noted.notes],
-        [packages[other.folder] for other in also],
+        [packages[candidate.folder] for candidate in also],
     )
 
 
@@ -216,9 +216,9 @@ def _note_others(
     candidates: Sequence[Candidate], chosen: Candidate | None, also: Sequence[Candidate], noted: Noted
 ) -> None:
     """Note why each of the other packages that have sources of nodes is not graded."""
-    for other in candidates:
-        if chosen and other.sources and other is not chosen and other not in also:
-            noted.note(why_not(other, chosen), str(other.folder), shown(str(chosen.folder)))
+    for candidate in candidates:
+        if chosen and candidate.sources and candidate is not chosen and candidate not in also:
+            noted.note(why_not(candidate, chosen), str(candidate.folder), shown(str(chosen.folder)))
 
 
 def _files_in(root: Path) -> list[PurePosixPath]:
@@ -306,7 +306,7 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
         if there.is_relative_to(end)
     ]
     for path in [folder, *map(PurePosixPath, sorted(by_link))]:
-        sources = [one for one in (path, *path.parents) if one.name == "src"]
+        sources = [parent for parent in (path, *path.parents) if parent.name == "src"]
         if sources:
             return str(sources[0].parent)
     return None
@@ -314,11 +314,11 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
 
 def _starts_node(source: PythonSource) -> bool:
     """Return whether a file defines a node or starts ROS; one that Python cannot read only has to import rclpy."""
-    targets = {one.target for one in source.imports}
+    targets = {imported.target for imported in source.imports}
     if source.fault:
         return re.search(r"^\s*(import|from)\s+rclpy\b", source.text, re.MULTILINE) is not None
     used = [base for node in source.nodes if isinstance(node, ast.ClassDef) for base in node.bases]
     used += [node.func for node in source.nodes if isinstance(node, ast.Call)]
     return not targets.isdisjoint(("rclpy.*", "rclpy.node.*")) or any(
-        source.resolve(one) in _STARTS for one in used
+        source.resolve(expression) in _STARTS for expression in used
     )

@@ -37,7 +37,7 @@ def told_by_place(part: Part, runs: Collection[Run], alone: Mapping[str, Heard])
 
 def _before(part: Part, run: Run) -> list[CommandSeen]:
     """Return what was said before any command."""
-    return [*itertools.takewhile(lambda one: one.text not in part.commands, run.commands)]
+    return [*itertools.takewhile(lambda command: command.text not in part.commands, run.commands)]
 
 
 class _Said:
@@ -53,7 +53,7 @@ class _Said:
         self._part = part
         self._run = run
         self._changed = reactions.changed(run, alone)
-        self._numbers = {one.text: number for number, one in reversed([*enumerate(run.commands)])}
+        self._numbers = {command.text: number for number, command in reversed([*enumerate(run.commands)])}
 
     @cached_property
     def _telling(self) -> dict[str, set[str]]:
@@ -62,7 +62,7 @@ class _Said:
     @cached_property
     def _early(self) -> set[Answer]:
         """What followed what was said before any command."""
-        return set[Answer]().union(*(_said(self._run, one) for one in _before(self._part, self._run)))
+        return set[Answer]().union(*(_said(self._run, command) for command in _before(self._part, self._run)))
 
     def answers(self, word: str) -> set[Answer]:
         """Return what followed a command, and does not follow whatever comes."""
@@ -70,7 +70,7 @@ class _Said:
             return set()
         changes = self._changed[self._numbers[word]]
         lines = {("", line) for line in self._telling[word]}
-        return lines | {(topic, what) for topic, what in changes if topic != self._part.topic}
+        return lines | {(topic, sense) for topic, sense in changes if topic != self._part.topic}
 
     def is_elsewhere(self, word: str, answers: Collection[Answer]) -> bool:
         """Return whether one of some answers to a command follows other words, and none of them this one.
@@ -86,19 +86,19 @@ class _Said:
     def _after(self, number: int) -> set[Answer]:
         return {
             answer
-            for one, changes in zip(
+            for command, changes in zip(
                 self._run.commands[number : number + 1], self._changed[number : number + 1], strict=True
             )
-            for answer in (*_said(self._run, one), *changes)
+            for answer in (*_said(self._run, command), *changes)
         }
 
 
-def _said(run: Run, one: CommandSeen) -> set[Answer]:
+def _said(run: Run, command: CommandSeen) -> set[Answer]:
     """Return what came after a command, of what does not come by itself."""
-    lines = {("", line) for line in reactions.lines_of(run, one) - reactions.said_by_itself(run)}
+    lines = {("", line) for line in reactions.lines_of(run, command) - reactions.said_by_itself(run)}
     return lines | {
-        (topic, what)
-        for topic, heard in one.topics.items()
-        for what in heard.senses
+        (topic, sense)
+        for topic, heard in command.topics.items()
+        for sense in heard.senses
         if topic not in run.quiet
     }

@@ -31,7 +31,11 @@ class Comparison:
     @property
     def lost(self) -> list[Judgement]:
         """The criteria of which the solution does not have all points; the bonus may be left."""
-        return [one for one in self.solution.criteria if one.points < one.max and one.component != BONUS]
+        return [
+            criterion
+            for criterion in self.solution.criteria
+            if criterion.points < criterion.max and criterion.component != BONUS
+        ]
 
     @property
     def alike(self) -> list[Judgement]:
@@ -54,15 +58,15 @@ def sentences(comparison: Comparison) -> Iterator[str]:
     """Yield what a comparison says, a line each."""
     solution, bare = comparison.solution, comparison.bare
     yield f"The solution gets {solution.total:g} of {solution.max:g} points."
-    for one in comparison.lost:
-        yield f"  {one.id} loses {one.max - one.points:g} of {one.max:g}: {one.reason} {one.hint}"
+    for criterion in comparison.lost:
+        yield f"  {criterion.id} loses {criterion.max - criterion.points:g} of {criterion.max:g}: {criterion.reason} {criterion.hint}"
     yield f"What `ros2 pkg create` makes gets {bare.total:g} of {bare.max:g} points."
     if not comparison.is_low:
         yield "  That is more than half for nothing: give the criteria below fewer points."
     if comparison.alike:
         yield "Criteria that cannot tell the two apart:"
-    for one in comparison.alike:
-        yield f"  {one.id} gives both {one.points:g} of {one.max:g}: {one.reason}"
+    for criterion in comparison.alike:
+        yield f"  {criterion.id} gives both {criterion.points:g} of {criterion.max:g}: {criterion.reason}"
 
 
 def create_bare(assignment: Assignment, folder: Path) -> Path:

@@ -61,15 +61,17 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
         if not case.players[name] and not case.is_foreign(part) and missing(case, part).seen["why"]
     }
     machine = [*_judged(rubric, answers, gone)]
-    criteria = [_decided(one, decisions.get(one.id)) for one in machine]
-    total = round(sum(one.points for one in criteria), 2)
+    criteria = [_decided(judgement, decisions.get(judgement.id)) for judgement in machine]
+    total = round(sum(criterion.points for criterion in criteria), 2)
     return Grade(
         schema=SCHEMA,
         submission=shown(evidence.name),
         total=total,
         max=round(sum(points for name, points in rubric.components.items() if name != BONUS), 2),
         components={
-            name: Points(round(sum(one.points for one in criteria if one.component == name), 2), most)
+            name: Points(
+                round(sum(criterion.points for criterion in criteria if criterion.component == name), 2), most
+            )
             for name, most in rubric.components.items()
         },
         criteria=criteria,
@@ -108,11 +110,11 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         )
 
 
-def _decided(one: Judgement, decision: Decision | None) -> Judgement:
+def _decided(judgement: Judgement, decision: Decision | None) -> Judgement:
     if decision is None:
-        return one
-    override = Override(decision.points, decision.comment, decision.by, one.points)
-    changed = {**vars(one), "points": decision.points, "override": override}
+        return judgement
+    override = Override(decision.points, decision.comment, decision.by, judgement.points)
+    changed = {**vars(judgement), "points": decision.points, "override": override}
     return Judgement(**changed)
 
 
@@ -124,17 +126,21 @@ def _faults(
 ) -> Iterator[Fault]:
     """Yield what is wrong: what the diagnosis says of a lost criterion, else what was observed."""
     questions = {criterion.id: QUESTIONS[criterion.question] for criterion in rubric.criteria}
-    lost = [one for one in judged if one.points < one.max and _is_fault(one, answers[one.id].level)]
+    lost = [
+        judgement
+        for judgement in judged
+        if judgement.points < judgement.max and _is_fault(judgement, answers[judgement.id].level)
+    ]
     explained: set[str] = set()
     told: set[tuple[str, ...]] = set()
     for finding in case.evidence.files.told():
         owners = [
-            one
-            for one in lost
-            if finding.code in questions[one.id].codes and is_about(case, finding, one, lost)
+            judgement
+            for judgement in lost
+            if finding.code in questions[judgement.id].codes and is_about(case, finding, judgement, lost)
         ]
-        explained |= {one.id for one in owners}
-        components = list(dict.fromkeys(one.component for one in owners))
+        explained |= {judgement.id for judgement in owners}
+        components = list(dict.fromkeys(judgement.component for judgement in owners))
         if not owners and finding.code in ALWAYS_WRONG:
             components = owners_of(case, finding)[:1]
         key = (finding.code, finding.cause, finding.place)
@@ -142,7 +148,7 @@ def _faults(
             told.add(key)
             texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.fix))
             yield Fault(finding.code, components[0], *texts)
-    yield from _unexplained(case, [one for one in lost if one.id not in explained], answers)
+    yield from _unexplained(case, [judgement for judgement in lost if judgement.id not in explained], answers)
 
 
 def _is_fault(lost: Judgement, level: str) -> bool:
@@ -156,14 +162,14 @@ def _is_fault(lost: Judgement, level: str) -> bool:
 def _unexplained(case: Case, lost: Iterable[Judgement], answers: Mapping[str, Answer]) -> Iterator[Fault]:
     """Yield what was observed of lost criteria; a node that is not there is one fault, however many it costs."""
     told: set[str] = set()
-    for one in lost:
-        answer = answers[one.id]
-        is_absent = answer.level in ABSENT and one.component in case.assignment.parts
-        subject = f"{one.component}-{MISSING}" if is_absent else f"{one.id}-{answer.level}"
+    for judgement in lost:
+        answer = answers[judgement.id]
+        is_absent = answer.level in ABSENT and judgement.component in case.assignment.parts
+        subject = f"{judgement.component}-{MISSING}" if is_absent else f"{judgement.id}-{answer.level}"
         code = re.sub(r"[._]", "-", subject)
         if code not in told:
             told.add(code)
-            yield Fault(code, one.component, one.reason, answer.place, one.hint)
+            yield Fault(code, judgement.component, judgement.reason, answer.place, judgement.hint)
 
 
 # --- notes ------------------------------------------------------------------------------------------------
@@ -174,7 +180,7 @@ def _notes(case: Case) -> Iterator[str]:
     evidence = case.evidence
     for note in (*map(str, evidence.submission.notes), *evidence.files.notes):
         yield shown(note, LONGEST_FAULT)
-    if also := [one.name or "" for one in evidence.submission.also]:
+    if also := [package.name or "" for package in evidence.submission.also]:
         yield f"Part of the work is in other packages, whose nodes are graded as well: {listed(also)}."
     if evidence.submission.form != "nothing":
         yield f"Evidence of running is left to the instructor: {_shown_running(evidence)}."
@@ -220,10 +226,10 @@ def _not_launched(evidence: Evidence) -> Iterator[str]:
 
 def _notes_of_build(build: Build) -> Iterator[str]:
     yield from (shown(note, LONGEST_FAULT) for note in build.notes)
-    for one in build.executables:
-        if one.fault:
-            how = f"was run as a {one.way}" if one.command else "could not be run"
-            yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
+    for executable in build.executables:
+        if executable.fault:
+            how = f"was run as a {executable.way}" if executable.command else "could not be run"
+            yield f"{shown(executable.name)} {how}: {shown(executable.fault, LONGEST_FAULT)}"
 
 
 def _unwritten(case: Case, player: Player) -> Iterator[str]:
@@ -267,11 +273,11 @@ def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
 
 def _unheard(player: Player) -> Iterator[str]:
     """Yield that by its QoS a node does not hear, or is not heard by, ends with the default QoS."""
-    end, policy, what = (
+    end, policy, effect = (
         ("subscriber", "transient_local", "hears only publishers that are transient local, too")
         if not player.part.is_publisher
         else ("publisher", "best_effort", "is not heard by subscriptions that are reliable")
     )
     ends = [words for words in map(str.split, player.run.qos.get(player.topic, [])) if words[0] == end]
     if ends and all(policy in words for words in ends):
-        yield f"{shown(player.node)} {what}, on {shown(player.topic)}."
+        yield f"{shown(player.node)} {effect}, on {shown(player.topic)}."

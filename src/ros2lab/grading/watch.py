@@ -230,10 +230,10 @@ class Watch(ObservedDomain):
             for name, nodes in sorted(self.services.items())
             if any(part.type_name in types for types in nodes.values())
         ]
-        taken = {other.topic for other in self._services if other is not part}
-        others = [name for name in fitting if name not in taken]
-        others.sort(key=lambda name: (name != part.topic, not is_near_topic(name, part.topic)))
-        return others[0] if others else ""
+        taken = {service.topic for service in self._services if service is not part}
+        free = [name for name in fitting if name not in taken]
+        free.sort(key=lambda name: (name != part.topic, not is_near_topic(name, part.topic)))
+        return free[0] if free else ""
 
     def call(self, part: Part, name: str, request: Mapping[str, Any]) -> tuple[dict[str, Any] | None, float]:
         """Call a service, and wait for the response.

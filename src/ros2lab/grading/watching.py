@@ -41,8 +41,8 @@ def watch(
         built: what came of the build.
         show: told what is being done.
     """
-    programs = [_program(one, built, facts) for one in built.executables if one.command]
-    asking = {one.name for one in built.executables if KEYBOARD in one.absent}
+    programs = [_program(executable, built, facts) for executable in built.executables if executable.command]
+    asking = {executable.name for executable in built.executables if KEYBOARD in executable.absent}
     launches = [*_launches(submission, facts, built)] if built.is_built else []
     if not programs and not launches:
         return []
@@ -88,22 +88,27 @@ class _Watching:
 
     def untold(self, names: Collection[str]) -> bool:
         """See which of some programs follow `/clock` though nobody tells them; return whether one does that was not known to."""
-        programs = [one for one in self._programs if one.name in {*names} - self._known and not one.has_clock]
-        self._known |= {one.name for one in programs}
+        programs = [
+            program
+            for program in self._programs
+            if program.name in {*names} - self._known and not program.has_clock
+        ]
+        self._known |= {program.name for program in programs}
         if not programs:
             return False
         self._show("watching what may follow a simulated clock")
         runs = self._observer.watch([*map(Job.untold, programs)])
         found = {run.programs[0] for run in runs if run.clocked}
         self._programs = [
-            replace(one, has_clock=one.has_clock or one.name in found) for one in self._programs
+            replace(program, has_clock=program.has_clock or program.name in found)
+            for program in self._programs
         ]
         return bool(found)
 
     def each(self) -> None:
         """Watch what each program does: among the others, and alone where that leaves something open."""
         self._together, self._is_shared, self._is_given_up = [], False, False
-        if len(self._programs) > 1 and not any(one.has_clock for one in self._programs):
+        if len(self._programs) > 1 and not any(program.has_clock for program in self._programs):
             whole = Job.shared(self._programs)
             seen = self._observer.watch([whole])
             self._together, self._ended = seen if whole.result else [], {*whole.ended}
@@ -141,7 +146,7 @@ class _Watching:
         if not waiting:
             return
         self._show("watching again what reads a keyboard, with answers")
-        by_name = {one.name: one for one in self._programs}
+        by_name = {program.name: program for program in self._programs}
         answered, last = dict[str, Run](), dict[str, Run]()
         places: dict[str, set[str | int]] = {name: set() for name in waiting}  # where each has ended
         part = self._assignment.commanded
@@ -149,8 +154,10 @@ class _Watching:
             asked = [name for name in waiting if name not in answered and not is_ended_by_one(places[name])]
             programs = [replace(by_name[name], keys=keys) for name in asked]
             jobs = [
-                Job.alone(one, is_stepped=one.name not in last or last[one.name].clock == "stepped")
-                for one in programs
+                Job.alone(
+                    program, is_stepped=program.name not in last or last[program.name].clock == "stepped"
+                )
+                for program in programs
             ]
             for program, run in zip(programs, self._observer.watch(jobs), strict=True):
                 name = program.name
@@ -184,12 +191,14 @@ class _Watching:
             is_commanded = any(run.commands for run in self.runs) or self._is_torn()
             together = [Job.together(self._programs)] if is_commanded else [] if is_known else self._anew()
         wanted = [*asked(self._assignment, self._programs, self.runs)]
-        tried = [one for one in changed(self._programs, self.runs, self._facts) if one not in wanted]
-        others = [*wanted, *tried[:MOST_PARAMETERS]]
+        tried = [
+            program for program in changed(self._programs, self.runs, self._facts) if program not in wanted
+        ]
+        varied = [*wanted, *tried[:MOST_PARAMETERS]]
         if not self._is_shared:
-            jobs += [Job.alone(program, has_commands=False) for program in others]
+            jobs += [Job.alone(program, has_commands=False) for program in varied]
         else:
-            groups = _groups(others)
+            groups = _groups(varied)
             if groups and together and not wanted and all(map(_is_timed_otherwise, groups[0])):
                 together = [Job.again(self._programs, groups.pop(0))]
             jobs += [Job.shared(group, has_commands=False) for group in groups]
@@ -253,7 +262,7 @@ def _groups(programs: Iterable[Program]) -> list[list[Program]]:
     """Return programs in groups, in each of which none is twice."""
     groups: list[list[Program]] = []
     for program in programs:
-        free = (group for group in groups if all(other.name != program.name for other in group))
+        free = (group for group in groups if all(member.name != program.name for member in group))
         group = next(free, None)
         if group is None:
             groups.append(group := [])
@@ -283,7 +292,7 @@ def _simulated(facts: Files, built: Build) -> list[str]:
     is_set = any(
         values.get("use_sim_time") for nodes in facts.parameter_files.values() for values in nodes.values()
     )
-    return [one.name for one in built.executables] if is_set else []
+    return [executable.name for executable in built.executables] if is_set else []
 
 
 def _clocked(runs: Iterable[Run]) -> list[str]:
@@ -295,7 +304,9 @@ def _clocked(runs: Iterable[Run]) -> list[str]:
 
 def _is_idle(run: Run) -> bool:
     """Return whether nothing was seen of what a program does, but that it is there, or has ended."""
-    return not run.quiet and not any(one.log or one.topics or one.parameters for one in run.commands)
+    return not run.quiet and not any(
+        command.log or command.topics or command.parameters for command in run.commands
+    )
 
 
 def _refused(assignment: Assignment, facts: Files, runs: Sequence[Run]) -> dict[str, str]:
@@ -319,7 +330,9 @@ def _is_mute(assignment: Assignment, run: Run) -> bool:
 
 def _unchecked(programs: Iterable[Program]) -> list[Program]:
     """Return programs as they are outside the lab, where a float field takes an int, and makes 5e-324 of it."""
-    return [replace(one, environ={**one.environ, "ROS_PYTHON_CHECK_FIELDS": "0"}) for one in programs]
+    return [
+        replace(program, environ={**program.environ, "ROS_PYTHON_CHECK_FIELDS": "0"}) for program in programs
+    ]
 
 
 def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Program]:
@@ -333,8 +346,12 @@ def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Pr
 
 def _owner(submission: Submission, path: str) -> str:
     """Return the name of the package in which a file lies; empty if it lies in none."""
-    owners = [one for one in submission.packages if PurePosixPath(one.folder) in PurePosixPath(path).parents]
-    return max(owners, key=lambda one: len(one.folder)).name or "" if owners else ""
+    owners = [
+        package
+        for package in submission.packages
+        if PurePosixPath(package.folder) in PurePosixPath(path).parents
+    ]
+    return max(owners, key=lambda package: len(package.folder)).name or "" if owners else ""
 
 
 def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
@@ -373,4 +390,4 @@ def _is_at_work(part: Part, run: Run) -> bool:
     heard = (
         heard for topics in run.stretches for heard in topics.values() if heard.type_name == part.type_name
     )
-    return any(not is_still(value) for one in heard for value in one.values)
+    return any(not is_still(value) for messages in heard for value in messages.values)

@@ -80,29 +80,34 @@ def _ends(run: Run) -> set[tuple[str, str]]:
 
 def _only(players: Mapping[str, Sequence[Player]], numbers: set[int]) -> Way:
     """Return who plays which part in some of the runs."""
-    found = {name: [one for one in everybody if one.number in numbers] for name, everybody in players.items()}
+    found = {
+        name: [player for player in everybody if player.number in numbers]
+        for name, everybody in players.items()
+    }
     return {name: some for name, some in found.items() if some}
 
 
-def _completed(way: Way, others: Iterable[Way], lone: Collection[str]) -> Way:
+def _completed(way: Way, ways: Iterable[Way], lone: Collection[str]) -> Way:
     """Return a way with what can be started beside it.
 
     Args:
         way: by itself.
-        others: all ways.
+        ways: all of them.
         lone: the nodes that do not run beside others: a launch file that starts one of them is no company.
     """
     whole = dict(way)
     if _launches(way, lone):
         return whole
-    others = [other for other in others if not _launches(other, lone)]
-    for other in sorted(others, key=lambda other: (_is_launched(other), _worth(other)), reverse=True):
-        if _is_launched(other) and not other.keys().isdisjoint(whole):
+    ways = [candidate for candidate in ways if not _launches(candidate, lone)]
+    for candidate in sorted(
+        ways, key=lambda candidate: (_is_launched(candidate), _worth(candidate)), reverse=True
+    ):
+        if _is_launched(candidate) and not candidate.keys().isdisjoint(whole):
             continue  # it can only be started as a whole
         started = _launched_in(whole)
         whole |= {
             name: players
-            for name, players in other.items()
+            for name, players in candidate.items()
             if name not in whole and started.isdisjoint(_base(player.node) for player in players)
         }
     return whole
@@ -134,7 +139,7 @@ def _base(node: str) -> str:
 def _worth(way: Way) -> tuple[int, int, int]:
     """Return how many topics and periods are right in a way, and how near the other topics are."""
     best = [min(MATCHES.index(player.match) for player in players) for players in way.values()]
-    return best.count(0), sum(map(_has_period, way.values())), sum(len(MATCHES) - one for one in best)
+    return best.count(0), sum(map(_has_period, way.values())), sum(len(MATCHES) - rank for rank in best)
 
 
 def _has_period(players: Sequence[Player]) -> bool:

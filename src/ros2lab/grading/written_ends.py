@@ -52,17 +52,17 @@ def written_ends(
     code = [*running([*sources.sources.values()], entrances)]
     run, deeds = {node for _, node in code}, Deeds(sources, living(sources, entrances), words)
     found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
-    for one in sources.creations:
-        if one.method not in _MAKERS:
+    for creation in sources.creations:
+        if creation.method not in _MAKERS:
             continue
-        end = told.get(one.call)
-        made = WrittenEnd("", "", _MAKERS[one.method], [], one.source.name.rpartition(".")[2])
-        made = deeds.entered(made, one)
+        end = told.get(creation.call)
+        made = WrittenEnd("", "", _MAKERS[creation.method], [], creation.source.name.rpartition(".")[2])
+        made = deeds.entered(made, creation)
         if end:
             type_name = (end.type or "").replace(".", "/")
             periods = [seconds for _, seconds in timers_of(end)]
             made = replace(made, topic=f"/{end.topic}", type_name=type_name, periods=periods)
-        found[one.call in run].append(made)
+        found[creation.call in run].append(made)
     # The ones of which more is known come first, if there are too many.
     live, dead = (sorted(found[key], key=lambda end: not end.topic)[:MOST_ENDS] for key in (True, False))
     return live, dead
@@ -80,8 +80,8 @@ def ends_elsewhere(
     known = {source.path for source in sources}
     named = Counter(name for source in sources for name in _makers_in(source))
     named.subtract(_MAKER_OF[end.is_publisher] for end in ends)
-    others = (path for path in paths if root / path not in known and not is_prose(path))
-    named.update(name for path in others for name in _named_makers(root / path))
+    unparsed = (path for path in paths if root / path not in known and not is_prose(path))
+    named.update(name for path in unparsed for name in _named_makers(root / path))
     found = [
         WrittenEnd("", "", is_publisher, []) for name, is_publisher in _MAKERS.items() if named[name] > 0
     ]

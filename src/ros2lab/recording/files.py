@@ -37,7 +37,7 @@ def open_recording(path: Path) -> RecordingFile:
     try:
         return RecordingFile(path, shown)
     except FileNotFoundError:
-        there = sorted(other.name for other in path.parent.glob("*.mcap"))
+        there = sorted(found.name for found in path.parent.glob("*.mcap"))
         named = f"there are: {', '.join(there)}" if there else "there is no recording"
         raise FileNotFoundError(
             f"There is no file {shown}; in {course.shown_path(path.parent)} {named}."

@@ -185,7 +185,7 @@ class Replay:
         publishers = {}
         for topic in self._chosen(topics):
             recorded = self._file.topics[topic]
-            others = self._others_on(topic)
+            nodes = self._others_on(topic)
             try:
                 message_type = installed_type(recorded)
                 with one_type_a_topic(self._node, topic, recorded.type_name):
@@ -195,11 +195,11 @@ class Replay:
             except (ValueError, NameValidationException) as error:
                 self.notes.append(f"{topic} is not replayed: {error}")
                 continue
-            if others:
-                verb = "publishes" if len(others) == 1 else "publish"
+            if nodes:
+                verb = "publishes" if len(nodes) == 1 else "publish"
                 self.notes.append(
-                    f"{' and '.join(others)} {verb} on {topic}, too, so its subscribers receive both: stop "
-                    f"{'it' if len(others) == 1 else 'them'}, or leave the topic out with topics=[...]."
+                    f"{' and '.join(nodes)} {verb} on {topic}, too, so its subscribers receive both: stop "
+                    f"{'it' if len(nodes) == 1 else 'them'}, or leave the topic out with topics=[...]."
                 )
         if not publishers:
             raise ValueError(" ".join(self.notes) or f"{self._file.shown} holds no messages to replay.")

@@ -29,7 +29,7 @@ def period_parameters_take_effect(case: Case) -> Answer:
         for name in values
     }
     meant = _meant(tried, answered)
-    known = [one for one in meant if one.has_effect is not None]
+    known = [trial for trial in meant if trial.has_effect is not None]
     if not known:
         return Answer("unseen" if meant else "missing", {"without": ""}, ("runs",))
     without = _without_effect(known)
@@ -37,7 +37,7 @@ def period_parameters_take_effect(case: Case) -> Answer:
     return Answer(
         level,
         {"without": listed(without)},
-        tuple(f"runs[{number}].setting" for one in known for number in one.numbers),
+        tuple(f"runs[{number}].setting" for trial in known for number in trial.numbers),
     )
 
 
@@ -57,12 +57,12 @@ def _meant(tried: Sequence[_Tried], answered: Collection[str]) -> list[_Tried]:
     Where no name is a timer's, other numbers were tried; one that has no effect is for something else. What a program
     does not tell of may be another's.
     """
-    at_work = {one.parameter for one in tried if one.has_effect}
+    at_work = {trial.parameter for trial in tried if trial.has_effect}
     return [
-        one
-        for one in tried
-        if one.has_effect
-        or (is_timers(one.parameter) and (one.parameter in answered or one.parameter not in at_work))
+        trial
+        for trial in tried
+        if trial.has_effect
+        or (is_timers(trial.parameter) and (trial.parameter in answered or trial.parameter not in at_work))
     ]
 
 
@@ -71,11 +71,11 @@ def _without_effect(known: Sequence[_Tried]) -> list[str]:
 
     A turn rate is no timer's: what has such a name is a fault only where no parameter of the program is one's.
     """
-    working = {one.program for one in known if one.has_effect}
+    working = {trial.program for trial in known if trial.has_effect}
     return [
-        f"{one.program} {one.parameter}"
-        for one in known
-        if not one.has_effect and (one.program not in working or _SURELY_TIMERS.search(one.parameter))
+        f"{trial.program} {trial.parameter}"
+        for trial in known
+        if not trial.has_effect and (trial.program not in working or _SURELY_TIMERS.search(trial.parameter))
     ]
 
 
@@ -84,7 +84,9 @@ def _tried(case: Case) -> Iterator[_Tried]:
     runs = [(number, run) for number, run in enumerate(case.evidence.runs) if run.programs]
     alone = {run.programs[0]: run for _, run in runs if run.setting == "alone"}
     parts = case.assignment.parts.values()
-    of_messages = {one.name for part in parts for one in part.parameters if one.changes == "message"}
+    of_messages = {
+        parameter.name for part in parts for parameter in part.parameters if parameter.changes == "message"
+    }
     found: dict[tuple[str, str], list[tuple[int, Run]]] = {}
     for number, run in runs:
         name, is_changed, _ = run.setting.partition(":=")

@@ -103,8 +103,8 @@ def _own_words(
 def _with_own(part: Part, run: Run) -> Part:
     """Return a part whose commands are the words of the node's own that were tried in a run."""
     known = {*part.commands, *part.unknown, *(word.upper() for word in part.commands[:1])}
-    said = itertools.dropwhile(lambda one: one.text not in part.commands, run.commands)
-    texts = [one.text for one in said if one.text not in known and FLOOD not in one.text]
+    said = itertools.dropwhile(lambda command: command.text not in part.commands, run.commands)
+    texts = [command.text for command in said if command.text not in known and FLOOD not in command.text]
     return replace(part, commands=tuple(dict.fromkeys(texts)))
 
 
@@ -187,7 +187,7 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     key = f"runs[{player.number}].commands"
     if player.end is not None:
         return _end(player, seen)
-    movers = (_mover(case, other) for other in case.players[part.name] if other.commands)
+    movers = (_mover(case, candidate) for candidate in case.players[part.name] if candidate.commands)
     mover = next(filter(None, movers), None)
     if not player.commands:
         level, key = "untried", player.key
@@ -245,9 +245,9 @@ def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
     """Return the words that could not be tried, because an earlier one was a node's end; that counts elsewhere."""
     sent = set()
     for run in runs:
-        for one in run.commands:
-            sent.add(one.text)
-            if not one.is_alive:
+        for command in run.commands:
+            sent.add(command.text)
+            if not command.is_alive:
                 break
     return {*part.commands} - sent
 
@@ -294,14 +294,14 @@ def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, st
         if command.is_alive and found.get(command.text) == "echoed"
     }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
-    first, *others = part.commands
+    first, *later = part.commands
     drives = any(
         reactions.stands(player.run.quiet.get(player.topic)) is False
         and reactions.tells(player.run, player.topic, _alone(case))
         and any(
             reactions.stands(command.topics.get(player.topic))
             for command in player.run.commands
-            if command.text in others
+            if command.text in later
         )
         for moved in _moved_parts(case)
         for player in case.players[moved.name]
@@ -335,7 +335,7 @@ def _is_inverted(case: Case, part: Part) -> bool:
 
 def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
     """Return whether something follows START that does not follow an unknown word, nor comes by itself."""
-    numbers = {one.text: number for number, one in enumerate(run.commands)}
+    numbers = {command.text: number for number, command in enumerate(run.commands)}
     capitals, strange = part.commands[0].upper(), reactions.unknown_word(part)
     if not {capitals, strange} <= numbers.keys():
         return False
@@ -391,13 +391,12 @@ def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
     What follows an unknown word as well as one of the later commands comes by itself, such as from a loop in which a
     node is caught.
     """
-    unknown, others = (
-        set[str]().union(*(reactions.lines_of(run, other) for other in run.commands if other.text in texts))
+    unknown, known = (
+        set[str]().union(*(reactions.lines_of(run, seen) for seen in run.commands if seen.text in texts))
         for texts in (part.unknown, part.commands[1:])
     )
     return bool(
-        reactions.lines_of(run, command) - reactions.said_by_itself(run) - (unknown & others)
-        or command.topics
+        reactions.lines_of(run, command) - reactions.said_by_itself(run) - (unknown & known) or command.topics
     )
 
 

@@ -106,9 +106,9 @@ def _failed(case: Case) -> _Failed:
     return found
 
 
-def _level_of_wrong(others: int, misgiven: int) -> str:
+def _level_of_wrong(right: int, misgiven: int) -> str:
     """Return the level of a README with wrong commands: as many that are given wrongly spoil the others."""
-    return "some_wrong" if others > misgiven or (others and not misgiven) else "wrong"
+    return "some_wrong" if right > misgiven or (right and not misgiven) else "wrong"
 
 
 def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
@@ -119,8 +119,8 @@ def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
     files = case.evidence.files
     typed = [text for text in files.readme_commands if _can_be_typed(case, text)]
     lacking = [
-        what
-        for what, (pattern, commands) in needed.items()
+        task
+        for task, (pattern, commands) in needed.items()
         if not pattern.search(files.readme) and not any(text.startswith(commands) for text in typed)
     ]
     if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
@@ -176,7 +176,7 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
         # One about another package may name topics and nodes of that one.
         seen = {"unnamed": "any topic or node", "which": " about this package" if text else ""}
         return Answer("none", seen, ("files.readme",), "README")
-    unnamed = [*dict.fromkeys(what for what, names in wanted if not _is_any_named(names, text))]
+    unnamed = [*dict.fromkeys(subject for subject, names in wanted if not _is_any_named(names, text))]
     unnamed = unnamed if wanted else [_NOTHING]
     is_any = any(_is_any_named(names, text) for _, names in wanted) or _is_any_named(
         _names(case) - {case.package}, text
@@ -187,7 +187,7 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
 
 def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
     """Yield what a README is to name, and the names by which it may: each part's topic, and its node."""
-    modules = [one.stem for one in case.executables.values()]
+    modules = [executable.stem for executable in case.executables.values()]
     lost = set[str]() if case.evidence.files.ends else case.lost(case.players)
     for name, part in case.assignment.parts.items():
         players = case.players[name]
@@ -201,8 +201,8 @@ def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
             program = case.executables.get(players[0].program)
             if program and modules.count(program.stem) == 1:
                 names.add(program.stem)
-            what = "program" if players[0].is_read else "node"
-            yield f"the {what} {players[0].node}", names
+            kind = "program" if players[0].is_read else "node"
+            yield f"the {kind} {players[0].node}", names
 
 
 def _is_any_named(names: Collection[str], text: str) -> bool:
@@ -230,7 +230,7 @@ def _has_code(case: Case) -> bool:
 
 
 def _names(case: Case) -> set[str]:
-    names = {case.package} | {one.name for one in case.executables.values()}
+    names = {case.package} | {executable.name for executable in case.executables.values()}
     names |= {node.rpartition("/")[2] for run in case.evidence.runs for node in run.nodes}
     return {name for name in names if len(name) > 3}
 
@@ -310,7 +310,7 @@ def _is_misgiven(case: Case, text: str) -> bool:
 
 def _programs(case: Case) -> set[str]:
     """Return what the programs and their modules are called."""
-    return {*case.executables, *(one.stem for one in case.executables.values())} - {""}
+    return {*case.executables, *(executable.stem for executable in case.executables.values())} - {""}
 
 
 def _packages(case: Case) -> set[str]:

@@ -87,7 +87,9 @@ def excuse(case: Case, path: str) -> str:
     ]
     absent += _modules_missing(case, said)
     is_for_another = said and not any(name in text for name in absent for text in said)
-    is_faulty = any(one.code in _FAULTS and re.sub(r":\d+$", "", one.place) == path for one in files.told())
+    is_faulty = any(
+        finding.code in _FAULTS and re.sub(r":\d+$", "", finding.place) == path for finding in files.told()
+    )
     is_excused = absent and _names_own(case, path) and not is_faulty and not is_for_another
     return f"{file} needs {listed(absent)}, not installed here" if is_excused else ""
 
@@ -99,7 +101,8 @@ def _modules_missing(case: Case, said: Iterable[str]) -> list[str]:
     return [
         name
         for name in dict.fromkeys(names)
-        if not interfaces.meant(name) and not any(name == one or is_near_miss(name, one) for one in own)
+        if not interfaces.meant(name)
+        and not any(name == package or is_near_miss(name, package) for package in own)
     ]
 
 
@@ -115,7 +118,9 @@ def _lacks(case: Case, run: Run, path: str) -> str:
     absent = [match[1] for match in map(_NOT_HERE.fullmatch, dict.fromkeys(map(str.strip, lines))) if match]
     known = {*case.executables, *_OF_ROS}
     absent = [
-        name for name in absent if name not in known and not any(is_near_miss(name, one) for one in known)
+        name
+        for name in absent
+        if name not in known and not any(is_near_miss(name, program) for program in known)
     ]
     named = case.evidence.files.launched_programs.get(path)
     lost = _lost(case, _started(case, run))
@@ -183,7 +188,9 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
         return "nothing", {} if _names_own(case, path) else {
             "lost": ": it names no package that was handed in"
         }
-    ends = set[tuple[str, str]]().union(*(_ends(one) for one in case.evidence.runs if one.setting == "alone"))
+    ends = set[tuple[str, str]]().union(
+        *(_ends(lone_run) for lone_run in case.evidence.runs if lone_run.setting == "alone")
+    )
     is_any_played = any(case.players.values())
     if not is_any_played and len({node for node, _ in ends}) > 1 and ends <= _ends(run):
         return whole, {}
@@ -192,7 +199,7 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
 
 def _is_there(case: Case, run: Run, name: str) -> bool:
     """Return whether a node that plays a part was started, though it may play it on another topic."""
-    return not {*map(_base, run.nodes)}.isdisjoint(_base(one.node) for one in case.players[name])
+    return not {*map(_base, run.nodes)}.isdisjoint(_base(player.node) for player in case.players[name])
 
 
 def _base(node: str) -> str:
@@ -214,5 +221,7 @@ def _lost(case: Case, started: set[str]) -> list[str]:
         name
         for name, players in case.players.items()
         if players and name not in started
-        if not any(one.is_read or one.run.typed or one.node in case.short_lived for one in players)
+        if not any(
+            player.is_read or player.run.typed or player.node in case.short_lived for player in players
+        )
     ]

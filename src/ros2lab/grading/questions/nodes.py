@@ -129,10 +129,10 @@ def goes_on(case: Case, part: Part) -> Answer:
         is_error = "Error" in player.end or "Exception" in player.end
         level = "cut" if is_limit(player.end) else "dies" if is_error else "ends"
         return Answer(level, seen, key, raised_at(player.end, player.program))
-    alike = [other for other in case.players[part.name] if other.match == player.match]
-    if any(other.topic in other.run.stalled for other in alike):
+    alike = [candidate for candidate in case.players[part.name] if candidate.match == player.match]
+    if any(candidate.topic in candidate.run.stalled for candidate in alike):
         return Answer("stops", seen, (f"runs[{player.number}].stalled",), shown(player.node))
-    is_silent = not any(other.is_heard for other in case.players[part.name])
+    is_silent = not any(candidate.is_heard for candidate in case.players[part.name])
     return Answer("silent" if is_silent else "lives", seen, key, shown(player.node))
 
 
@@ -166,12 +166,16 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
     crashed = {
         name: (number, end)
         for number, run in enumerate(case.evidence.runs)
-        if run.setting == "alone" and not any(other is run for other in playing)
+        if run.setting == "alone" and not any(played is run for played in playing)
         for name, end in run.ended.items()
         if not is_for_want(end)
     }
-    started = {one.stem for one in case.executables.values() if one.command} - {""}  # also by another way
-    dead = [n for n, one in case.executables.items() if one.stem not in started and n not in crashed]
+    started = {executable.stem for executable in case.executables.values() if executable.command} - {
+        ""
+    }  # also by another way
+    dead = [
+        n for n, executable in case.executables.items() if executable.stem not in started and n not in crashed
+    ]
     lost = [name for name in (*crashed, *dead) if case.may_be(name, part)]
     for name in sorted(lost, key=lambda name: case.assignment.meant_by(name) is not part):
         place = shown(name)
@@ -195,11 +199,11 @@ def _turned(case: Case, part: Part) -> Iterator[Answer]:
 def _dies_of_command(case: Case, player: Player) -> bool:
     """Return whether its program ended at a command that it takes, or at a request to its service."""
     if any(
-        not call.is_alive and call.service == other.topic and other.program == player.program
+        not call.is_alive and call.service == provider.topic and provider.program == player.program
         for part in case.assignment.services
-        for other in case.players[part.name]
-        for call in other.run.calls
-        if other.number == player.number
+        for provider in case.players[part.name]
+        for call in provider.run.calls
+        if provider.number == player.number
     ):
         return True
     commanded = case.assignment.commanded
@@ -208,6 +212,6 @@ def _dies_of_command(case: Case, player: Player) -> bool:
     if player.run.commanded != commanded.topic:
         return True  # only this grader took its topic for the one of the commands
     return any(
-        other.program == player.program and other.number == player.number
-        for other in case.players[commanded.name]
+        taker.program == player.program and taker.number == player.number
+        for taker in case.players[commanded.name]
     )

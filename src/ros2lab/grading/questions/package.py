@@ -66,8 +66,10 @@ def dependencies_are_declared(case: Case) -> Answer:
     elif not missing and not (facts.get("dependencies_exist") and facts.get("declares_all_imports")):
         level = "other"
     declared = {fact.removeprefix("declares_"): holds for fact, holds in facts.items() if "declares_" in fact}
-    others = [name for name, holds in declared.items() if not holds and name not in (*wanted, "all_imports")]
-    fault = f"not {listed(others)}, which is imported, too" if others else "also what does not exist"
+    undeclared = [
+        name for name, holds in declared.items() if not holds and name not in (*wanted, "all_imports")
+    ]
+    fault = f"not {listed(undeclared)}, which is imported, too" if undeclared else "also what does not exist"
     seen = {"missing": listed(missing), "fault": fault}
     return Answer(level, seen, ("files.manifest",), "package.xml")
 
@@ -152,7 +154,7 @@ def nodes_are_installed(case: Case) -> Answer:
     lost, faults = _lost(case)
     seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
-    ways = [one.way for one in build.executables if one.has_entry_point]
+    ways = [executable.way for executable in build.executables if executable.has_entry_point]
     if build.cut or ("installed" not in ways and not is_right):
         return Answer("none", seen, keys, "setup.py")
     is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
@@ -227,8 +229,8 @@ def _has_right_points(case: Case, *, is_whole: bool) -> bool:
 
 def _meant(case: Case) -> dict[str, Finding]:
     """Return the modules, or files, that lie elsewhere than entry points say, and what was found of each."""
-    astray = (one for one in case.evidence.files.told() if one.code == "entry-point-module")
-    return {one.about[1]: one for one in astray if len(one.about) > 1}
+    astray = (finding for finding in case.evidence.files.told() if finding.code == "entry-point-module")
+    return {finding.about[1]: finding for finding in astray if len(finding.about) > 1}
 
 
 def _astray(case: Case, meant: list[Finding]) -> tuple[list[str], list[str]]:
@@ -236,17 +238,19 @@ def _astray(case: Case, meant: list[Finding]) -> tuple[list[str], list[str]]:
 
     Their nodes may not run for reasons of their own, so that nothing else tells of it.
     """
-    named = [one.name for one in case.executables.values() if not one.command]
-    return [name for name in named if any(name in one.about for one in meant)], [one.cause for one in meant]
+    named = [executable.name for executable in case.executables.values() if not executable.command]
+    return [name for name in named if any(name in finding.about for finding in meant)], [
+        finding.cause for finding in meant
+    ]
 
 
 @question("written partly todo", "missing where")
 def package_is_described(case: Case) -> Answer:
     """Whether description, license and maintainer are somebody's own words."""
     files = case.evidence.files
-    facts = {what: files.manifest.get(fact, False) for fact, what in _WRITTEN.items()}
+    facts = {field: files.manifest.get(fact, False) for fact, field in _WRITTEN.items()}
     has_any = any(facts.values())
-    missing = [what for what, is_written in facts.items() if not is_written]
+    missing = [field for field, is_written in facts.items() if not is_written]
     is_there = files.manifest.get("is_there")
     where = " in package.xml" if is_there else ", for there is no package.xml"
     seen = {"where": where, "missing": listed(missing)}

@@ -155,7 +155,7 @@ def _meant(case: Case, pattern: str, runs: Sequence[Run]) -> list[tuple[Run, str
     """
     started = [(run, node) for run in runs for node in run.parameters]
     for players in case.players.values():
-        known = [(one.run, one.node) for one in players if one.node in one.run.parameters]
+        known = [(player.run, player.node) for player in players if player.node in player.run.parameters]
         if not any(run.setting == "launched" for run, _ in known):
             started += known
     return [(run, node) for run, node in started if _fits(pattern, node)]
@@ -179,9 +179,9 @@ def _misfit(meant: Sequence[tuple[Run, str]], name: str, value: Any) -> str:
     if not held:
         return "is no parameter of it"
     is_launched = any(run.setting == "launched" for run, *_ in held)
-    if not is_launched and not any(_is_alike(one, value) for *_, one in held):
+    if not is_launched and not any(_is_alike(current, value) for *_, current in held):
         return "has another type"
-    if is_launched and not any(node in run.twins or _is_same(one, value) for run, node, one in held):
+    if is_launched and not any(node in run.twins or _is_same(current, value) for run, node, current in held):
         return "has another value"
     return ""
 
@@ -193,13 +193,13 @@ def _fits(pattern: str, node: str) -> bool:
     return re.fullmatch(expression, node.lstrip("/")) is not None
 
 
-def _is_alike(one: Any, other: Any) -> bool:
+def _is_alike(current: Any, wanted: Any) -> bool:
     """Return whether one value of a parameter may replace another; a list is shown as a text in a file's facts."""
-    return type(one) is type(other) or isinstance(one, list)
+    return type(current) is type(wanted) or isinstance(current, list)
 
 
-def _is_same(one: Any, other: Any) -> bool:
+def _is_same(current: Any, wanted: Any) -> bool:
     try:
-        return bool(float(one) == float(other))
+        return bool(float(current) == float(wanted))
     except (TypeError, ValueError, OverflowError):
-        return str(one) == str(other)
+        return str(current) == str(wanted)

@@ -72,22 +72,22 @@ def _is_try(parameter: AskedParameter, run: Run, players: Sequence[Player]) -> b
 def _fault(case: Case, parameter: AskedParameter, players: Sequence[Player], run: Run) -> str:
     """Return what is wrong with the effect of a parameter in a run; empty if nothing is."""
     before = next(player for player in players if player.run.programs == run.programs)
-    what = shown(run.setting)
+    tried = shown(run.setting)
     if run.ended:
-        return f"{what}, with which it ended {ended(' '.join(run.ended.values()), 'by')}"
+        return f"{tried}, with which it ended {ended(' '.join(run.ended.values()), 'by')}"
     held = [values[parameter.name] for values in before.run.parameters.values() if parameter.name in values]
     unchanged = {setting(parameter.name, value) for value in held}
     if run.setting in unchanged:
-        return f"{what}, which is what it has by itself"
+        return f"{tried}, which is what it has by itself"
     after = replace(before, run=run)
     if parameter.changes == "rhythm":
-        return "" if _changes_rhythm(before, after) else what
+        return "" if _changes_rhythm(before, after) else tried
     again = [
-        replace(before, run=other)
-        for other in case.evidence.runs
-        if other.setting in unchanged and other.programs == run.programs
+        replace(before, run=repeated)
+        for repeated in case.evidence.runs
+        if repeated.setting in unchanged and repeated.programs == run.programs
     ]
-    return "" if _changes_messages(after, [before, *again]) else what
+    return "" if _changes_messages(after, [before, *again]) else tried
 
 
 def _changes_rhythm(before: Player, after: Player) -> bool:
@@ -104,8 +104,8 @@ def _changes_messages(after: Player, unchanged: Sequence[Player]) -> bool:
         count = (count + 1) // 2
     for number, fields in enumerate(changed[:count]):
         for name, value in fields.items():
-            then = {one[number].get(name, "") for one in before}
-            ever = {one.get(name, "") for messages in before for one in messages}
+            then = {messages[number].get(name, "") for messages in before}
+            ever = {message.get(name, "") for messages in before for message in messages}
             if len(then) == 1 and value not in ever:
                 return True
     return False

@@ -140,17 +140,17 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
         return Answer("missing", seen, ("runs",))
     if not player.is_heard:
         return Answer("silent", seen, (player.key,), shown(player.topic))
-    alike = [other for other in case.players[part.name] if other.match == player.match]
+    alike = [candidate for candidate in case.players[part.name] if candidate.match == player.match]
     numbers = [
         (key, name, number)
-        for other in alike
-        for key, heard in other.heard_at
+        for candidate in alike
+        for key, heard in candidate.heard_at
         for value in heard.values
         for name, number in numbers_in(value)
     ]
     level = "right" if numbers else "no_numbers"
     key = player.quiet_key if player.topic in player.run.quiet else player.key
-    wrong = next((one for one in numbers if not _is_usable(one[-1])), None)
+    wrong = next((entry for entry in numbers if not _is_usable(entry[-1])), None)
     if wrong is not None:
         key, name, number = wrong
         level = "tiny" if math.isfinite(number) else "not_finite"
@@ -175,9 +175,9 @@ def _is_other(case: Case, player: Player) -> bool:
     """Return whether the node has other parameters in this run than alone, and its period is not right for that."""
     own = player.run.parameters.get(player.node)
     values = [
-        other.run.parameters.get(other.node)
-        for other in case.players[player.part.name]
-        if other.run.setting == "alone" and player.program in ("", other.program)
+        candidate.run.parameters.get(candidate.node)
+        for candidate in case.players[player.part.name]
+        if candidate.run.setting == "alone" and player.program in ("", candidate.program)
     ]
     is_changed = bool(own) and any(value and value != own for value in values)
     return is_changed and not _is_steady(player)

@@ -26,8 +26,10 @@ def package_lies_in_src(case: Case) -> Answer:
     form = case.evidence.submission.form
     level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
     folder = shown(_folder(case))
-    what = "The handed-in folder is itself the package, and" if folder == "." else f"The package in {folder}"
-    seen = {"folder": spoken(folder), "what": what}
+    subject = (
+        "The handed-in folder is itself the package, and" if folder == "." else f"The package in {folder}"
+    )
+    seen = {"folder": spoken(folder), "what": subject}
     return Answer(level, seen, ("submission.form",), folder)
 
 

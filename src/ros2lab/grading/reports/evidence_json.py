@@ -87,11 +87,11 @@ def plain(value: Any, path: str) -> Any:
                     f"Evidence cannot be written: a name in {path or 'it'} is no text but {name!r}."
                 )
         return {
-            f"${name}" if name.startswith("$") else name: plain(one, f"{path}.{name}" if path else name)
-            for name, one in value.items()
+            f"${name}" if name.startswith("$") else name: plain(inner, f"{path}.{name}" if path else name)
+            for name, inner in value.items()
         }
     if isinstance(value, list):
-        return [plain(one, f"{path}[{index}]") for index, one in enumerate(value)]
+        return [plain(item, f"{path}[{index}]") for index, item in enumerate(value)]
     if isinstance(value, float) and not math.isfinite(value):
         return {_FLOAT: str(value)}
     if isinstance(value, int) and value.bit_length() > _LONGEST_INT:
@@ -135,11 +135,11 @@ def typed(data: Any, wanted: Any, path: str) -> Any:
         if parts[0] is not Any and set(map(type, data)) - {
             parts[0]
         }:  # long lists of texts and numbers at once
-            return [typed(one, parts[0], f"{path}[{index}]") for index, one in enumerate(data)]
+            return [typed(item, parts[0], f"{path}[{index}]") for index, item in enumerate(data)]
     elif origin is dict:
         _check(data, dict, path)
         if parts[1] is not Any:
-            return {name: typed(one, parts[1], f"{path}.{name}") for name, one in data.items()}
+            return {name: typed(inner, parts[1], f"{path}.{name}") for name, inner in data.items()}
     elif origin is not Any:
         _check(data, wanted, path)
     return data
@@ -177,11 +177,11 @@ def _fields(wanted: Any) -> Mapping[str, tuple[Any, bool]]:
     """Return the type of each field, and whether it must be given."""
     hints = typing.get_type_hints(wanted)
     return {
-        one.name: (
-            hints[one.name],
-            one.default is dataclasses.MISSING and one.default_factory is dataclasses.MISSING,
+        field.name: (
+            hints[field.name],
+            field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING,
         )
-        for one in dataclasses.fields(wanted)
+        for field in dataclasses.fields(wanted)
     }
 
 

@@ -24,7 +24,7 @@ def gradescope(grade: Grade) -> str:
         "test_name_format": "text",
         "visibility": "visible",
         "stdout_visibility": "hidden",
-        "tests": [_test(one) for one in grade.criteria],
+        "tests": [_test(criterion) for criterion in grade.criteria],
     }
     return json.dumps(result, indent=1, allow_nan=False) + "\n"
 
@@ -49,21 +49,21 @@ def _fault(fault: Fault) -> str:
     return f"{visible(fault.cause)}{place}{fix}"
 
 
-def _test(one: Judgement) -> dict[str, object]:
-    lines = [visible(one.reason)]
-    if one.hint:
-        lines.append(f"Hint: {visible(one.hint)}")
-    if one.override:
+def _test(criterion: Judgement) -> dict[str, object]:
+    lines = [visible(criterion.reason)]
+    if criterion.hint:
+        lines.append(f"Hint: {visible(criterion.hint)}")
+    if criterion.override:
         lines.append(
-            f"Set by {visible(one.override.by)}: {visible(one.override.comment)} "
-            f"(the machine gave {number(one.override.machine)})"
+            f"Set by {visible(criterion.override.by)}: {visible(criterion.override.comment)} "
+            f"(the machine gave {number(criterion.override.machine)})"
         )
     return {
-        "name": disarmed(f"{title(visible(one.component))}: {visible(one.title)}"),
-        "score": round(one.points, 4),
-        "max_score": round(one.max, 4),
-        "status": "passed" if one.points >= one.max else "failed",
+        "name": disarmed(f"{title(visible(criterion.component))}: {visible(criterion.title)}"),
+        "score": round(criterion.points, 4),
+        "max_score": round(criterion.max, 4),
+        "status": "passed" if criterion.points >= criterion.max else "failed",
         "output": disarmed("\n".join(lines)),
-        "tags": [disarmed(visible(one.component))],
+        "tags": [disarmed(visible(criterion.component))],
         "visibility": "visible",
     }

@@ -17,34 +17,34 @@ def junit(grade: Grade) -> str:
     seconds = number(grade.seconds.get("total", 0.0))
     root = ET.Element("testsuites", name=visible(grade.submission), id=grade.run, time=seconds)
     for component, given in grade.components.items():
-        criteria = [one for one in grade.criteria if one.component == component]
+        criteria = [criterion for criterion in grade.criteria if criterion.component == component]
         suite = ET.SubElement(root, "testsuite", name=visible(component), tests=str(len(criteria)))
         properties = ET.SubElement(suite, "properties")
         for name, value in (("points", given.points), ("max", given.max)):
             ET.SubElement(properties, "property", name=name, value=number(value))
-        for one in criteria:
-            _add(suite, one)
+        for criterion in criteria:
+            _add(suite, criterion)
         _count(suite, suite.findall("testcase"))
     _count(root, root.findall("testsuite/testcase"))
     ET.indent(root, " ")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'
 
 
-def _add(suite: ET.Element, one: Judgement) -> None:
+def _add(suite: ET.Element, criterion: Judgement) -> None:
     case = ET.SubElement(
-        suite, "testcase", classname=visible(one.component), name=visible(one.title), time="0"
+        suite, "testcase", classname=visible(criterion.component), name=visible(criterion.title), time="0"
     )
-    reason = f"{number(one.points)} of {number(one.max)} points: {visible(one.reason)}"
-    if one.points < one.max:
-        is_bonus = one.component == BONUS
+    reason = f"{number(criterion.points)} of {number(criterion.max)} points: {visible(criterion.reason)}"
+    if criterion.points < criterion.max:
+        is_bonus = criterion.component == BONUS
         kind = {} if is_bonus else {"type": "LostPoints"}
         lost = ET.SubElement(case, "skipped" if is_bonus else "failure", {"message": reason, **kind})
-        lost.text = visible(one.hint)
+        lost.text = visible(criterion.hint)
     said = reason
-    if one.override:
+    if criterion.override:
         said += (
-            f"\nSet by {visible(one.override.by)}: {visible(one.override.comment)} "
-            f"(the machine gave {number(one.override.machine)})"
+            f"\nSet by {visible(criterion.override.by)}: {visible(criterion.override.comment)} "
+            f"(the machine gave {number(criterion.override.machine)})"
         )
     ET.SubElement(case, "system-out").text = said
 

@@ -30,10 +30,16 @@ def losses(grade: Grade) -> list[Loss]:
     """Return what each component lost, in the order of the rubric; the bonus, which costs nothing, is not there."""
     found = []
     for component, given in grade.components.items():
-        criteria = [one for one in grade.criteria if one.component == component and one.points < one.max]
+        criteria = [
+            criterion
+            for criterion in grade.criteria
+            if criterion.component == component and criterion.points < criterion.max
+        ]
         if criteria and component != BONUS:
-            told = {one.reason for one in criteria}
-            faults = [one for one in grade.faults if one.component == component and one.cause not in told]
+            told = {criterion.reason for criterion in criteria}
+            faults = [
+                fault for fault in grade.faults if fault.component == component and fault.cause not in told
+            ]
             found.append(Loss(component, given.max - given.points, criteria, faults))
     return found
 
@@ -41,10 +47,14 @@ def losses(grade: Grade) -> list[Loss]:
 def other_faults(grade: Grade) -> list[Fault]:
     """Return the faults that stand with no loss, and say more than what is said of the bonus."""
     lost = {loss.component for loss in losses(grade)}
-    told = {one.reason for one in missed_bonus(grade)}
-    return [one for one in grade.faults if one.component not in lost and one.cause not in told]
+    told = {criterion.reason for criterion in missed_bonus(grade)}
+    return [fault for fault in grade.faults if fault.component not in lost and fault.cause not in told]
 
 
 def missed_bonus(grade: Grade) -> list[Judgement]:
     """Return the criteria of the bonus that could be worth more."""
-    return [one for one in grade.criteria if one.component == BONUS and one.points < one.max]
+    return [
+        criterion
+        for criterion in grade.criteria
+        if criterion.component == BONUS and criterion.points < criterion.max
+    ]

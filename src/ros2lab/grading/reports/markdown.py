@@ -82,25 +82,25 @@ def _lost(grade: Grade) -> list[str]:
     for loss in losses(grade):
         blocks.append(f"### {prose(title(loss.component))}: {number(loss.points)} lost")
         lines = []
-        for one in loss.criteria:
+        for criterion in loss.criteria:
             lines.append(
-                f"- **{number(one.max - one.points)} lost**: {prose(one.title)}. {prose(one.reason)}"
+                f"- **{number(criterion.max - criterion.points)} lost**: {prose(criterion.title)}. {prose(criterion.reason)}"
             )
-            if one.hint:
-                lines.append(f"  - Hint: {prose(one.hint)}")
+            if criterion.hint:
+                lines.append(f"  - Hint: {prose(criterion.hint)}")
         blocks.append("\n".join(lines))
         if loss.faults:
             blocks.append(_list(list(map(_fault, loss.faults))))
     if not blocks:
         blocks.append("None.")
-    if others := other_faults(grade):
-        blocks += ["### Also found", _list(list(map(_fault, others)))]
+    if further := other_faults(grade):
+        blocks += ["### Also found", _list(list(map(_fault, further)))]
     if missed := missed_bonus(grade):
         blocks += [
             "### Bonus that is still to be had",
             "\n".join(
-                f"- **{number(one.max - one.points)} more**: {prose(one.title)}. {prose(one.hint)}"
-                for one in missed
+                f"- **{number(criterion.max - criterion.points)} more**: {prose(criterion.title)}. {prose(criterion.hint)}"
+                for criterion in missed
             ),
         ]
     return blocks
@@ -115,12 +115,12 @@ def _fault(fault: Fault) -> str:
     return "\n".join(lines)
 
 
-def _criterion(one: Judgement) -> str:
-    line = f"- **{number(one.points)} of {number(one.max)}**: {prose(one.title)}. {prose(one.reason)}"
-    if one.override:
+def _criterion(criterion: Judgement) -> str:
+    line = f"- **{number(criterion.points)} of {number(criterion.max)}**: {prose(criterion.title)}. {prose(criterion.reason)}"
+    if criterion.override:
         line += (
-            f"\n  - Set by {prose(one.override.by)}: {prose(one.override.comment)} "
-            f"(the machine gave {number(one.override.machine)})"
+            f"\n  - Set by {prose(criterion.override.by)}: {prose(criterion.override.comment)} "
+            f"(the machine gave {number(criterion.override.machine)})"
         )
     return line
 

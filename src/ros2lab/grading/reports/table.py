@@ -20,13 +20,13 @@ def table(grade: Grade) -> RenderableType:
     lost = _lost(grade)
     if lost.row_count:
         parts.append(lost)
-    for one in grade.criteria:
-        if one.override:
+    for criterion in grade.criteria:
+        if criterion.override:
             parts.append(
                 _text(
-                    f"{visible(one.id)}: {number(one.points)} of {number(one.max)}, set by "
-                    f"{visible(one.override.by)}: {visible(one.override.comment)} "
-                    f"(the machine gave {number(one.override.machine)})"
+                    f"{visible(criterion.id)}: {number(criterion.points)} of {number(criterion.max)}, set by "
+                    f"{visible(criterion.override.by)}: {visible(criterion.override.comment)} "
+                    f"(the machine gave {number(criterion.override.machine)})"
                 )
             )
     parts += [_text(f"Note: {visible(note)}") for note in grade.notes[:MOST]]
@@ -65,14 +65,17 @@ def _lost(grade: Grade) -> Table:
     for name in ("What", "Why", "Fix"):
         result.add_column(name, overflow="fold")
     for loss in losses(grade):
-        for one in loss.criteria:
+        for criterion in loss.criteria:
             result.add_row(
-                number(one.max - one.points), *map(_text, map(visible, (one.title, one.reason, one.hint)))
+                number(criterion.max - criterion.points),
+                *map(_text, map(visible, (criterion.title, criterion.reason, criterion.hint))),
             )
         _add_faults(result, loss.faults)
     _add_faults(result, other_faults(grade))
-    for one in missed_bonus(grade):
-        result.add_row("bonus", *map(_text, map(visible, (one.title, one.reason, one.hint))))
+    for criterion in missed_bonus(grade):
+        result.add_row(
+            "bonus", *map(_text, map(visible, (criterion.title, criterion.reason, criterion.hint)))
+        )
     return result
 
 

@@ -50,7 +50,9 @@ class _Part:
 
 def published_by(run: Run, node: str) -> list[str]:
     """Return the topics on which a node was heard, sorted; for an empty node those that are nobody's."""
-    topics = {topic for heard in (run.quiet, *(one.topics for one in run.commands)) for topic in heard}
+    topics = {
+        topic for heard in (run.quiet, *(command.topics for command in run.commands)) for topic in heard
+    }
     return sorted(
         topic
         for topic in topics
@@ -128,9 +130,9 @@ def _parts(run: Run) -> tuple[list[_Part], _Scale]:
     """Return the parts of a run; when a command came is known from what was heard around it."""
     rows: list[tuple[str, Mapping[str, Heard], int]] = [
         ("", run.quiet, 0),
-        *((one.text, one.topics, len(one.log)) for one in run.commands),
+        *((command.text, command.topics, len(command.log)) for command in run.commands),
     ]
-    spans = [[time for one in heard.values() for time in _times(one)] for _, heard, _ in rows]
+    spans = [[time for messages in heard.values() for time in _times(messages)] for _, heard, _ in rows]
     starts: list[float] = []
     latest = 0.0
     for index, times in enumerate(spans):
@@ -294,7 +296,7 @@ def _velocities(heard: Heard | None, name: str) -> Iterator[tuple[float, float]]
 
 def _amount(parts: Iterable[_Part], topic: str) -> str:
     heard = [part.heard[topic] for part in parts if topic in part.heard]
-    count, kept = sum(one.count for one in heard), sum(len(one.times) for one in heard)
+    count, kept = sum(messages.count for messages in heard), sum(len(messages.times) for messages in heard)
     shown = f", {kept} of them shown" if count > kept else ""
     return f"{count} message{'' if count == 1 else 's'}{shown}"
 
