@@ -1,7 +1,7 @@
-"""Start a submission's programs, and have them watched: a `Run` for each, as plain data.
+"""Start a submission's programs and have an observer watch them; each yields a `Run`, as plain data.
 
-The programs run in boxes of a World, and so does the observer (see `observer`), which alone is believed. What it
-is told and what it tells goes through a socket that no program of the submission has.
+The programs and the observer (see `observer`) run in boxes of a World. Only the observer is trusted: it talks
+to the grader through a socket that no program of the submission has.
 """
 
 from __future__ import annotations
@@ -30,52 +30,50 @@ from ros2lab.grading.evidence import Run
 from ros2lab.grading.job import STOP_TIMEOUT, Job
 from ros2lab.grading.sandbox import ROS_SETTINGS, World
 
-# Jobs: each room costs a second of processor time, which only a core of its own makes up for.
+# Jobs watched at once: each room costs a second of processor time, which pays off only on a core of its own.
 AT_ONCE = min(3, len(os.sched_getaffinity(0)))
-QUEUE = 3  # jobs of a room, where other submissions have work for the other cores
-# Memory that nobody holds counts for all boxes of a World, and must not end this one before a program does.
+QUEUE = 3  # jobs per room, where other submissions keep the other cores busy
+# Memory that no process owns counts for every box of a World, and must not end this one before a program's.
 OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=3_000_000_000)
-# A node may log a thousand lines of the usual length in each second of the clock that is stepped.
+# A node may log a thousand lines of the usual length in each second of the stepped clock.
 PROGRAM_LIMITS = Limits(
     wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256, output_bytes=5_000_000
 )
-POLL = 0.03  # s between two looks whether a program has ended
-RUN_TIMEOUT, LEAST_TIMEOUT = 110.0, 40.0  # s that a job has on one clock, and as long as any time is left
-OBSERVER_TIMEOUT = (
-    180.0  # s from a job's start to what was seen of it: whatever it is that keeps the observer busy
-)
+POLL = 0.03  # s between two checks whether a program has ended
+RUN_TIMEOUT, LEAST_TIMEOUT = 110.0, 40.0  # s that a job gets on one clock: at most, and at least
+OBSERVER_TIMEOUT = 180.0  # s from a job's start to its result, whatever keeps the observer busy
 WATCHING_TIMEOUT = 300.0  # s for all jobs of a submission
-AT_A_TIME = 2 / 3  # of what is left of them, for the jobs that are watched at a time
+AT_A_TIME = 2 / 3  # share of the remaining time for the jobs of one `watch` call
 LONGEST_ANSWER = 100_000_000  # bytes
 
 
 def _folders_of(*names: str) -> list[Path]:
-    """Return the folders from which packages are imported, of those that are installed."""
+    """Return the folders from which these packages are imported, for those that are installed."""
     specs = [importlib.util.find_spec(name) for name in names]
     return [Path(spec.origin).parent.parent for spec in specs if spec and spec.origin]
 
 
-# What a World has to show besides: where `ros2 launch` comes from.
+# What a World must show in addition: where `ros2 launch` comes from.
 SHOWN = (*_folders_of("launch", "portable_ros2"), environment.DDS_PROFILE)
 
 
 class ObserverLost(Exception):  # noqa: N818 -- no fault of ours
-    """The observer has ended, or does not answer; the message says why."""
+    """The observer has ended or does not answer; the message says why."""
 
 
 class Observer:
     """Watches programs; a context manager.
 
-    Each of the jobs that go on at once has a room: a World of its own, so that no program reaches what is watched for
-    another one. It takes half a second to start, which for the first one goes on while others work. One Observer is
-    enough for a submission.
+    Each job has a room while it runs: a World of its own, so that no program reaches those of another job. A
+    room takes half a second to start; the first one starts while other work goes on. One Observer is enough
+    for a submission.
 
     Args:
-        world: whose files the programs have, as they are when the first one is watched; made with `shown=SHOWN`.
-        assignment: whose parts the programs may play; None takes the course's own.
-        rooms: how many are made at once, where it is known that so many jobs will come.
-        queue: how many jobs are left to a room before another one is made for them.
-        seconds: for all jobs; one that has begun by then still ends.
+        world: the World with the programs' files, copied when the first job starts; made with `shown=SHOWN`.
+        assignment: the assignment whose parts the programs may play; None takes the course's own.
+        rooms: how many rooms to make at once, if that many jobs are known to come.
+        queue: how many jobs wait for a room before another one is made.
+        seconds: the time for all jobs; a job that has started by then still finishes.
 
     Attributes:
         assignment: as above.
@@ -102,14 +100,14 @@ class Observer:
             raise
 
     def watch(self, jobs: Sequence[Job]) -> list[Run]:
-        """Watch programs as jobs say, a few jobs at a time, and return a Run for each; none hears another's programs.
+        """Run the jobs, a few at a time, and return a Run for each; no job hears another's programs.
 
-        The Run of a job that could not be watched has a note that says so; one for which no time was left is
-        unfinished. Each has a share of the time, so that what is slow leaves some to the others.
+        The Run of a job that could not be watched has a note that says so; a job for which no time was left
+        is unfinished. Each job has a share of the time, so that a slow one leaves some for the others.
         """
         try:
             self._furnish(len(jobs))
-        except ValueError as reason:  # what a build has left may be anything
+        except ValueError as reason:  # a build may leave anything behind
             return [replace(job.run(), notes=[f"This could not be watched: {reason}"]) for job in jobs]
         waiting = deque(jobs)
         start = time.monotonic()
@@ -131,7 +129,7 @@ class Observer:
         return [job.run() for job in jobs]
 
     def close(self) -> None:
-        """End the observers and what they watch; closing it again does nothing."""
+        """End the observers and what they watch; closing twice does nothing."""
         for room in self._rooms:
             room.close()
 
@@ -142,7 +140,7 @@ class Observer:
         self.close()
 
     def _furnish(self, count: int) -> None:
-        """Have so many rooms, at least, and in each of them a copy of the files."""
+        """Make enough rooms for `count` jobs, and copy the files into each."""
         self._make_rooms(math.ceil(count / self._queue))
         for room in self._rooms:
             if not room.is_furnished:
@@ -158,13 +156,13 @@ class _Room:
     """A World in which an observer watches the programs of one job at a time.
 
     Args:
-        world: the room's own.
-        assignment: whose parts the programs may play.
+        world: the room's own World.
+        assignment: the assignment whose parts the programs may play.
 
     Attributes:
         world: as above.
-        job: that goes on; None if there is none.
-        is_furnished: whether the World has the files.
+        job: the job that is being watched; None if there is none.
+        is_furnished: whether the World has its copy of the files.
     """
 
     def __init__(self, world: World, assignment: Assignment) -> None:
@@ -176,18 +174,18 @@ class _Room:
         self._start()
 
     def fileno(self) -> int:
-        """Return what can be read when the observer has said something."""
+        """Return the file descriptor that is readable when the observer has sent a message."""
         return self._socket.fileno()
 
     def take(self, job: Job, seconds: float) -> None:
-        """Begin to watch as a job says, on each clock for so many seconds at most."""
+        """Start a job, for at most `seconds` on each clock."""
         self.job = job
         job.seconds = seconds
         with self._losing():
             self._begin(job)
 
     def go_on(self) -> None:
-        """Do what the observer asks for, and what is due by now."""
+        """Do what the observer asks for, and what is due."""
         with self._losing():
             for message in self._messages():
                 if self.job and message["run"] == self.job.number:
@@ -196,13 +194,13 @@ class _Room:
                 self._watch_over(self.job)
 
     def close(self) -> None:
-        """End the observer, and all else in the room."""
+        """End the observer and everything else in the room."""
         self._socket.close()
         self.world.close()
 
     @contextlib.contextmanager
     def _losing(self) -> Iterator[None]:
-        """Where the observer is lost meanwhile, end the job, and go on with another observer."""
+        """If the observer is lost meanwhile, end the job and start another observer."""
         try:
             yield
         except ObserverLost as reason:
@@ -289,7 +287,7 @@ class _Room:
             self._finish(job, message if do == "result" else failed)
 
     def _hold(self, job: Job, enclave: str) -> None:
-        """Let only the program of an enclave go on, or all of them if it is empty; give the job up where one cannot be held."""
+        """Hold all programs but that of an enclave; none if it is empty. Give up the job if one cannot be held."""
         for program in job.programs:
             box = job.boxes[program.name]
             if enclave in ("", program.enclave):
@@ -300,7 +298,7 @@ class _Room:
         self._tell(job, go=True)
 
     def _watch_over(self, job: Job) -> None:
-        """Tell the observer of programs that have ended, and end those that do not."""
+        """Tell the observer which programs have ended, and kill those that do not end in time."""
         if time.monotonic() - job.since > OBSERVER_TIMEOUT:
             raise ObserverLost(f"it did not come to its end within {OBSERVER_TIMEOUT:g} s.")
         has_changed = job.look()
@@ -330,7 +328,7 @@ class _Room:
             raise ObserverLost(self._last_word()) from None
 
     def _messages(self) -> Iterator[dict[str, Any]]:
-        """Give what the observer has said."""
+        """Yield the messages that the observer has sent."""
         if not select.select([self._socket], [], [], 0)[0]:
             return
         try:
@@ -355,5 +353,5 @@ class _Room:
 
 
 def _settings(environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the environment of a box with ROS in it."""
+    """Return the environment of a box in which ROS runs."""
     return {**environment.lab_settings({}), "PYTHONUNBUFFERED": "1", **environ, **ROS_SETTINGS}

@@ -1,7 +1,7 @@
-"""Watch a submission's programs on the ROS graph: the trusted program in a box of its own, which `observe` starts.
+"""Watch a submission's programs on the ROS graph: the trusted program that `observe` starts in its own box.
 
-Standard input is a socket to the grader, which carries a JSON object a line both ways; what a program of the
-submission prints or publishes cannot get into it. Each run has a thread and a ROS domain of its own.
+Standard input is a socket to the grader that carries one JSON object per line both ways; nothing that a
+program of the submission prints or publishes gets into it. Each run has its own thread and ROS domain.
 """
 
 from __future__ import annotations
@@ -27,32 +27,34 @@ from ros2lab.grading.service_calls import call_services
 from ros2lab.grading.watch import ANSWER_TIMEOUT, OWN_CLOCK, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
-QUEUE = 10  # messages of a flood that a node keeps, and takes one after the other
-FLOOD_ROUNDS = 20  # each lets a node take two messages out of its queue
+QUEUE = 10  # messages of a flood that a node keeps in its queue, and takes one after the other
+FLOOD_ROUNDS = 20  # each lets a node take two messages from its queue
 
-TIMER = 1.0  # s, of a node that does later what it was told
+TIMER = 1.0  # s, the period of a node that acts on a command later
 TWINS = "Which of two nodes of one name follows the clock cannot be told."
 
-# What only a wrong program, or one that never spins, makes us wait for, in s.
+# How long we wait, in s, for what only a wrong program, or one that never spins, keeps from coming.
 START_TIMEOUT = 30.0
 MEET_TIMEOUT = 5.0  # participants announce themselves every 3 s
 REACTION_TIMEOUT = 1.0
-REACTION_MESSAGES = 3  # a loop that takes one message a round publishes once or twice before it obeys
-SLOW_REACTION = 2.0  # s between messages, above which nobody waits for what follows a command
-MOST_UNANSWERED = 2  # commands in a row, after which nothing is waited for any more
+REACTION_MESSAGES = 3  # a loop that takes one message per round publishes once or twice before it obeys
+SLOW_REACTION = 2.0  # s between messages; for slower topics we do not wait after a command
+MOST_UNANSWERED = 2  # unanswered commands in a row, after which we stop waiting
 LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
 
 
 class Conductor:
-    """One run, from the start of its programs to the end.
+    """Conducts one run, from the start of its programs to their end.
 
     Args:
-        assignment: whose parts the programs may play.
-        plan: `run` (its number), `domain`, `seconds` (that it has), `programs` (how many), `nodes` (how many a launch file has to start;
-            0 if it is none), `enclaves` (by which it is to be told whose the nodes are, if it is), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already), `is_again` (so is what they do at commands),
-            `is_given` (they receive what they may wait for), `has_flags` (what the flags in it are), `has_keys` (whether somebody
-            types for them).
+        assignment: the assignment whose parts the programs may play.
+        plan: `run` (its number), `domain`, `seconds` (its time limit), `programs` (how many), `nodes` (how
+            many a launch file has to start; 0 for other programs), `enclaves` (those that tell which program
+            a node belongs to, if that is to be told), `is_stepped`, `has_commands`, `is_brief` (what the
+            programs do alone is known), `is_again` (so is what they do on commands), `is_given` (they receive
+            what they may wait for), `has_flags` (the value of the flags in that), `has_keys` (whether
+            somebody types for them).
         say: sends a message to the grader.
     """
 
@@ -71,8 +73,8 @@ class Conductor:
         self._quiet: dict[str, Any] = {}
         self._quiet_log: list[list[str]] = []
         self._stalled: list[str] = []
-        self._coming: set[str] = set()  # topics that came when the stepped clock was last set far forward
-        self._longest_taken = 0.0  # s, until a node had taken a command
+        self._coming: set[str] = set()  # topics with messages when the stepped clock was last set far forward
+        self._longest_taken = 0.0  # s, the longest that a node needed to take a command
         self._unanswered = 0  # commands in a row after which a node did not answer
         self._unfollowed = 0  # commands in a row after which nothing came
         self._has_printed = False  # since the last mark
@@ -82,7 +84,7 @@ class Conductor:
         self._deadline = time.monotonic() + plan["seconds"]
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Take a message of the grader's: how many programs are alive, whether they have printed, and whether to go on."""
+        """Take a message from the grader: how many programs live, whether they printed, whether to go on."""
         self._alive = message.get("alive", self._alive)
         self._has_printed = message.get("printed", self._has_printed)
         if message.get("go"):
@@ -105,14 +107,14 @@ class Conductor:
                     self._observe(watch)
                     watch.look()
                 except NotStepped as reason:
-                    # Which of two nodes of one name shows it first is chance.
+                    # Which of two nodes with the same name shows it first is chance.
                     why = TWINS if self._has_twin(watch) else str(reason)
                     self._say("real", why=why, parameters=self._first_values)
                     return
                 except Gone:
                     pass
                 self._end(watch)
-        except Exception as error:  # the grader says so
+        except Exception as error:  # the grader reports it
             self._say("failed", why=f"{type(error).__name__}: {error}"[:TEXT])
 
     def _observe(self, watch: Watch) -> None:
@@ -124,7 +126,7 @@ class Conductor:
             self._given = Given(watch, kept, flags=self.plan["has_flags"])
         self._listen(watch)
         self._quiet = watch.part()
-        self._mark()  # what came before is quiet
+        self._mark()  # what was printed before belongs to the quiet part
         self._quiet_log = watch.log_part()
         self._coming = {
             t for t, heard in self._quiet.items() if heard["count"] > 1 and t not in self._stalled
@@ -135,19 +137,20 @@ class Conductor:
         if self.plan["has_commands"]:
             for call in call_services(watch, self._assignment.services, answered, self._is_whole):
                 self._calls.append(call)
-            if self._calls:  # what is logged of a request is of no command
+            if self._calls:  # log lines about a request belong to no command
                 watch.log_part()
                 self._mark()
             if watch.command_topic():
                 self._give_commands(watch, answered)
-        # That came while the clock was stepped; one that obeys another one may come only then.
+        # How many messages prove that a topic follows the clock: one that follows another may come only
+        # later.
         least = 3 if self.plan["is_brief"] or self.plan["programs"] > 1 else math.inf
         unknown = [t for t, count in answered.items() if count < 2 and watch.ears[t].total < least]
         if watch.is_stepped and unknown:
             raise NotStepped(unfollowing(unknown))
 
     def _listen(self, watch: Watch) -> None:
-        """Listen to what comes before any command."""
+        """Record what is published before any command."""
         quiet = Quiet(watch, is_brief=self.plan["is_brief"], given=self._given)
         self._stalled = quiet.stalled
         if not watch.is_stepped:
@@ -161,10 +164,10 @@ class Conductor:
             raise NotStepped(TWINS)
 
     def _verify_owners(self, watch: Watch) -> None:
-        """Ask the nodes of each program while nothing of the others runs, for a node may tell another's enclave.
+        """Ask the nodes of each program while all others are held, for a node may report another's enclave.
 
         Raises:
-            NotStepped: if one of them does not answer then.
+            NotStepped: if a node does not answer then.
         """
         for enclave in self.plan["enclaves"]:
             self._hold(enclave)
@@ -175,13 +178,13 @@ class Conductor:
             self._hold("")
 
     def _hold(self, enclave: str) -> None:
-        """Have the grader let only the program of an enclave go on, or all of them if it is empty."""
+        """Have the grader let only the program of an enclave run, or all of them if it is empty."""
         self._say("hold", enclave=enclave)
         self._go.acquire()
 
     def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
-        """Give the commands: all of them, or a few where the time would not do for more."""
-        # Alone, or with the parameters that programs have by themselves, where all were tried.
+        """Send all commands, or only a few if the time does not suffice for more."""
+        # All were tried already: alone, or with the programs' own parameters.
         is_told_before = self.plan["is_brief"] or self.plan["nodes"] or self.plan["is_again"]
         if is_told_before and self._script.before:
             self._command(watch, self._script.first, answered)
@@ -211,19 +214,19 @@ class Conductor:
         watch.until(lambda: watch.participants() >= self._alive, START_TIMEOUT)
         watch.until(lambda: len(watch.nodes()) >= self.plan["nodes"], START_TIMEOUT)
         watch.check()
-        watch.look()  # what does not follow the clock is heard from now on
+        watch.look()  # from now on, what does not follow the clock is heard
         watch.is_answering = watch.settle(watch.patience)
         watch.check()
         watch.check_still()
         watch.look()
-        # Under load one participant may be met seconds after another; and the graph tells of an end before it
-        # tells whose it is.
+        # Under load one participant may be met seconds after another, and the graph shows an endpoint before
+        # its node.
         watch.until(lambda: not watch.has_unmet() and not watch.has_nameless(), MEET_TIMEOUT)
         watch.look()
         if watch.is_stepped and not watch.is_answering:
             raise NotStepped("A node does not answer.")
         watch.list_parameters()  # by new clients, as in `look_again`
-        # A node that was met only now may be one that does not answer.
+        # A node that was met only now may not answer.
         watch.is_answering &= watch.settle(ANSWER_TIMEOUT if watch.is_answering else LATE)
         watch.look_again()
         watch.check()
@@ -245,7 +248,7 @@ class Conductor:
                 self._let_time_pass(watch)
         said = [command["text"] for command in self._commands]
         if self._script.flood in said and text == said[-1] and not watch.has_part():
-            # What a flood has crowded out comes with the next heartbeat of DDS, in real time.
+            # What a flood crowded out comes with the next DDS heartbeat, in real time.
             watch.until(watch.has_part, watch.patience)
         self._commands.append(
             {
@@ -265,7 +268,7 @@ class Conductor:
         watch.check()
 
     def _say_command(self, watch: Watch, text: str) -> None:
-        """Publish a command, and wait until the nodes have taken it."""
+        """Publish a command and wait until the nodes have taken it."""
         if self._script.before and text == self._script.first:
             for word in self._script.before[:-1]:
                 watch.say(watch.command_topic(), word)
@@ -282,13 +285,13 @@ class Conductor:
             watch.is_answering = self._unanswered < MOST_UNANSWERED
             if self._unfollowed < MOST_UNANSWERED:
                 self._unfollowed = 0 if self._is_followed(watch) else self._unfollowed + 1
-        if is_flood:  # how many of them a queue of ten has lost is chance
+        if is_flood:  # how many of them a queue of ten loses is chance
             watch.part()
             watch.log_part()
             self._mark()
 
     def _is_followed(self, watch: Watch) -> bool:
-        """Wait for what follows a command: where a node has threads, it may come after the answers to questions."""
+        """Wait for a reaction to a command; a node with threads may react after it has answered questions."""
         if watch.until(watch.has_part, MOMENT):
             return True
         self._say_mark("look", 0)
@@ -298,12 +301,12 @@ class Conductor:
         )
 
     def _let_time_pass(self, watch: Watch) -> None:
-        """Let the topics that come again and again come, after a command."""
+        """After a command, wait until the topics that are published repeatedly have come again."""
         if self._given:
             self._given.give()
         periods = {topic: self._period(topic) for topic in watch.ears}
         if watch.is_stepped:
-            # Where nothing comes by itself, what follows may wait for a timer.
+            # Where nothing is published by itself, the reaction may wait for a timer.
             self._step_on(watch, max(periods.values(), default=0.0) or TIMER)
         else:
             self._wait_on(watch, periods)
@@ -317,8 +320,9 @@ class Conductor:
             self._coming = {topic for topic, total in before.items() if watch.ears[topic].total > total}
 
     def _wait_on(self, watch: Watch, periods: Mapping[str, float]) -> None:
-        """Wait for the next messages of what comes often, and of what is to answer commands."""
-        # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
+        """Wait for the next messages on frequent topics, and on those that are to answer commands."""
+        # A robot that starts with the first command publishes velocities repeatedly or once: that takes time
+        # to see.
         moved = {
             part.type_name
             for part in self._assignment.parts.values()
@@ -343,7 +347,7 @@ class Conductor:
             watch.until(lambda: False, REACTION_TIMEOUT)
 
     def _period(self, topic: str) -> float:
-        """Return the longest time without a message on a topic before any command, in s; 0 if there was none."""
+        """Return the longest gap between messages on a topic before any command, in s; 0 if there is none."""
         times = self._quiet.get(topic, {}).get("times", [])
         # On the real clock, what came before the first message is the time in which programs start.
         return max(gaps(times)[0 if self.plan["is_stepped"] else 1 :], default=0.0)
@@ -360,7 +364,7 @@ class Conductor:
         topics = [topic for topic in watch.ears if topic in watch.publishes]
         watch.wait(lambda: not any(watch.node.count_publishers(topic) for topic in topics), LEAVE_TIMEOUT)
         before = -1
-        while before != watch.heard:  # what they said last
+        while before != watch.heard:  # their last messages
             before = watch.heard
             watch.wait(lambda: watch.heard > before, MOMENT)  # noqa: B023
         final = {topic: ear.plain(ear.last) for topic, ear in sorted(watch.ears.items()) if ear.last}
@@ -393,10 +397,10 @@ class Conductor:
         self._send({"run": self.plan["run"], "do": do, **more})
 
     def _mark(self) -> int:
-        """Have the grader mark how far the programs' output has come.
+        """Have the grader mark how much the programs have printed so far.
 
-        The World reads what programs print and what is printed here in one thread. Once it has read the second
-        line, which is written after it has read the first, it has read all that was printed before the first.
+        The World reads the programs' output and ours in one thread. The second line is written after it has
+        read the first; once it has read the second, it has read all that was printed before the first.
         """
         self._marks += 1
         self._say_mark("a", 0)
@@ -404,7 +408,7 @@ class Conductor:
         return self._marks
 
     def _say_mark(self, label: str, number: int) -> None:
-        """Print a line, and wait until the grader has seen it; with a number, it then marks what was printed before."""
+        """Print a line and wait until the grader has seen it; with a number, it marks the output until then."""
         line = f"({self.plan['run']}.{self._marks}{label})\n"
         os.write(1, line.encode())
         self._say("mark", line=line, number=number)
@@ -435,7 +439,7 @@ def main() -> None:
             else:
                 runs[message["run"]].tell(message)
     sys.stdout.flush()
-    os._exit(0)  # the grader has gone, and with it all that the threads wait for
+    os._exit(0)  # the grader has gone, and with it everything that the threads wait for
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Run a submission's programs without a sandbox, where none can be made and somebody insists.
+"""Run a submission's programs without a sandbox, where none can be made and the user insists.
 
-They can read, change and send whatever the user who grades can. What is limited is time and output, and what each
-process may take; what they leave behind is ended.
+They can read, change and send whatever the user who grades can. Only time, output and the resources of each
+process are limited; processes that they leave behind are ended.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from ros2lab.scratch import scratch_folder
 
 NAME = "none: --unsafe-no-sandbox"
 TMP = "/tmp"  # noqa: S108 -- below the scratch folder
-POLL = 0.1  # s between two looks whether a program has ended, while it says nothing
+POLL = 0.1  # s between two checks whether a silent program has ended
 
 
 class OpenWorld(World):
-    """A private copy of a folder, and programs in it that nothing confines; it is used as a `World` is.
+    """A private copy of a folder, and unconfined programs in it; used like a `World`.
 
     Args:
-        files: the folder to copy; None begins with an empty one.
-        shown: without a meaning here: everything can be seen.
-        limits: what holds for a box that is given no others.
+        files: the folder to copy; None starts with an empty one.
+        shown: ignored: everything can be seen.
+        limits: the limits of a box that is given no others.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class OpenWorld(World):
     ) -> None:
         self._given = [*shown]
         self.limits = limits or Limits()
-        self.folders = []  # nothing is made on the machine itself
+        self.folders = []  # no folders are made on the machine itself
         self._open = contextlib.ExitStack()
         self._scratch = str(self._open.enter_context(scratch_folder()))
         self.folder = Path(self._scratch, FILES.strip("/"))
@@ -71,14 +71,14 @@ class OpenWorld(World):
 
         Args:
             command: the program and its arguments; /submission in them is the copy.
-            files: without a meaning here.
-            environ: the environment; what is in `ENVIRON` has defaults.
+            files: ignored.
+            environ: the environment; `ENVIRON` has the defaults.
             cwd: the working folder.
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
-            shown: without a meaning here.
-            limits: what it may use; None takes the World's.
-            among: without a meaning here: all have /tmp in common.
-            neighbours: without a meaning here: all have their processes in common.
+            shown: ignored.
+            limits: the box's limits; None takes the World's.
+            among: ignored: all share /tmp.
+            neighbours: ignored: all see each other's processes.
         """
         del files, shown, among, neighbours
         limits = limits or self.limits
@@ -95,7 +95,7 @@ class OpenWorld(World):
         return box
 
     def close(self) -> None:
-        """End everything that was started; closing it again does nothing."""
+        """End everything that was started; closing twice does nothing."""
         for box in self._running:
             box.kill()
             box.join()
@@ -103,7 +103,7 @@ class OpenWorld(World):
         self._open.close()
 
     def _moved(self, text: str) -> str:
-        """Put the scratch folder before the paths that a sandbox would have."""
+        """Return a text with the scratch folder before the paths that a sandbox would have."""
         if text == TMP:
             return f"{self._scratch}{TMP}"
         for path in (FILES, HOME):
@@ -146,11 +146,11 @@ class _OpenBox(Box):
 
     @property
     def output(self) -> str:
-        """What it has written so far, with the paths that a sandbox would show."""
+        """What the program has written so far, with the paths that a sandbox would show."""
         return super().output.replace(self._scratch, "")
 
     def join(self) -> None:
-        """Wait until all that it wrote is read."""
+        """Wait until all output is read."""
         self._thread.join()
 
     def _signal(self, do: str) -> None:
@@ -170,7 +170,7 @@ class _OpenBox(Box):
                     process.send_signal(number)
 
     def _watch(self) -> None:
-        """Read what it writes, until it has ended, or its time is over."""
+        """Read the program's output until it has ended or its time is up."""
         deadline, cut = time.monotonic() + self._limits.wall_s, None
         is_open = True
         while self._popen.poll() is None:
@@ -188,7 +188,7 @@ class _OpenBox(Box):
             self._add(b"")
         os.close(self._reading)
         code = self._popen.returncode
-        if code == -signal.SIGHUP:  # killed before anything of it was there
+        if code == -signal.SIGHUP:  # killed before it had really started
             code = -signal.SIGKILL
         self._set_end(
             End(128 - code if code < 0 else code, cut, time.monotonic() - self._start, was_made=True)

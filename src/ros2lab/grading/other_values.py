@@ -1,4 +1,4 @@
-"""Which programs are started again with other values of their parameters, and with which."""
+"""Choose which programs are started again with other parameter values, and with which values."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from ros2lab.grading.periods import is_changed, is_followed
 from ros2lab.grading.player import RATE, is_timers
 from ros2lab.grading.questions.parameters import setting
 
-DOUBTFUL = 1.4  # s or Hz, where the value of a timer's parameter is not known
+DOUBTFUL = 1.4  # s or Hz, for a timer parameter whose value is not known
 
 
 def changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
-    """Yield programs with another value for a parameter that seems to be a timer's; if none does, for any number.
+    """Yield programs with another value for each timer parameter; if there is none, for each number.
 
-    A program that does not spin does not answer what parameters it has; those that the code declares are tried on it.
+    A program that does not spin cannot say which parameters it has; for it, those that the code declares are
+    tried.
     """
     by_name = {program.name: program for program in programs}
     numbers = {
@@ -46,7 +47,7 @@ def changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> I
 
 
 def doubtful(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
-    """Yield programs with a value on the other side of the one that they have, where the rhythm did not follow."""
+    """Yield programs whose rhythm did not follow a parameter, with a value on the other side of their own."""
     by_name = {program.name: program for program in programs}
     alone = {run.programs[0]: run for run in runs if run.setting == "alone"}
     for run in runs:
@@ -64,9 +65,10 @@ def doubtful(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> 
 
 
 def asked(assignment: Assignment, programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:
-    """Yield programs with another value for each parameter that the assignment asks for.
+    """Yield programs with the value that the assignment asks for, for each parameter that it names.
 
-    Where it is to change messages, they are also started with the value that it has: what differs then, too, is chance.
+    For a parameter that is to change messages, also yield them with their own value: what differs then is
+    chance.
     """
     by_name = {program.name: program for program in programs}
     wanted = [parameter for part in assignment.parts.values() for parameter in part.parameters]
@@ -82,12 +84,12 @@ def asked(assignment: Assignment, programs: Sequence[Program], runs: Sequence[Ru
 
 
 def _positive(value: Any) -> float:
-    """Return a number that is above zero, as it is; 0 for anything else."""
+    """Return a value if it is a positive number, else 0."""
     return value if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0 else 0
 
 
 def _other(value: float, *, is_rate: bool) -> float:
-    """Return a value with which a timer fires half as often, or twice as often if that would take long to see."""
+    """Return a value with which a timer fires half as often; twice as often if that takes long to see."""
     is_slow = value <= 1 if is_rate else value >= 1
     if is_slow == is_rate:
         return value * 2

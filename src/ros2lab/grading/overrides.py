@@ -1,4 +1,4 @@
-"""What an instructor decides in place of the machine: a YAML file with `criterion: {points, comment, by}`."""
+"""An instructor's decisions, which override the machine's: YAML with `criterion: {points, comment, by}`."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ class OverridesError(Exception):
 
 @dataclass(frozen=True)
 class Decision:
-    """What a criterion is worth.
+    """An instructor's decision about a criterion.
 
     Attributes:
-        points: what it is worth.
-        comment: why.
-        by: who says so.
+        points: how many points it gets.
+        comment: the reason.
+        by: who decided.
     """
 
     points: float
@@ -29,11 +29,11 @@ class Decision:
 
 
 def read(path: Path, rubric: Rubric) -> dict[str, Decision]:
-    """Read the decisions about one submission, by criterion; an empty file holds none.
+    """Read the decisions about a submission, by criterion; an empty file has none.
 
     Raises:
         OverridesError: if the file cannot be read, names a criterion that the rubric does not have, gives more
-            points than there are, or does not say why and by whom.
+            points than the criterion has, or lacks the comment or the author.
     """
     try:
         text = path.read_text(encoding="utf-8")

@@ -1,9 +1,10 @@
-"""Run a submission's own tests, as `colcon test` does, and again with its nodes broken on purpose.
+"""Run a submission's own tests as `colcon test` does, and again with its nodes broken on purpose.
 
-Tests that pass whatever the nodes do test nothing. So each of two copies of the package is broken in another way:
-in one no function does anything, in the other every text and number is another one. Only what is run is broken: the
-sources are the same in all copies, so that a test that reads them, in whatever way, notices nothing. Each copy has a
-World of its own, at the place where the package lies, made of what was received and not of what its build has left.
+Tests that pass whatever the nodes do test nothing. So two copies of the package are broken, each in its own
+way: in one no function does anything, in the other every text and number is changed. Only the compiled code
+is broken: the sources are the same in all copies, so a test that reads them notices nothing. Each copy has a
+World of its own, at the package's own path, and is made from the received files, not from what its build has
+left.
 """
 
 from __future__ import annotations
@@ -29,15 +30,15 @@ from ros2lab.grading.sandbox import FILES, World
 
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
 TESTING_TIMEOUT = 180.0  # s for all trials of a submission
-PATIENCE = 10.0  # s that a test may take longer than any did before, on a broken copy: it waits for what does not come
+PATIENCE = 10.0  # s more than the longest test before, for a test that waits in vain on a broken copy
 SPOILING = Limits(wall_s=60, cpu_s=20, memory_bytes=1_000_000_000)
 KINDS = ("passed", "failed", "skipped")
 LONGEST_ANSWER = 10_000  # bytes
 
-# Runs pytest, and writes its counts to what it was given as standard input, with the numbers of the files, the quickest
-# first. It starts in Python's isolated mode, for a pytest.py or a sitecustomize.py of the submission must not come
-# before the real ones. A test that takes longer than its first argument says, in s, ends it without an answer; 0 lets
-# each take its time.
+# Runs pytest, and writes its counts to the socket on standard input, with the indices of the files, the
+# quickest first. It starts in Python's isolated mode, so that a pytest.py or a sitecustomize.py of the
+# submission does not shadow the real one. A test that takes longer than the first argument, in s, ends it
+# without an answer; 0 means no limit.
 _RUNNER = """
 import collections, json, os, signal, sys, time
 answer = os.dup(0)
@@ -74,10 +75,10 @@ class OwnTests:
     """The tests of a package.
 
     Args:
-        root: into which the submission was received; nothing of it has run there.
-        folder: of the package, below that.
-        files: the tests, below that.
-        idle: by module, in which lines what begins is used by no program: to break it breaks no node.
+        root: the folder with the submission as received; nothing in it has run.
+        folder: the package's folder below the root.
+        files: the test files below the root.
+        idle: by module, the first lines of code that no program uses: breaking it breaks no node.
     """
 
     def __init__(
@@ -92,18 +93,19 @@ class OwnTests:
     def run(self, world: World, built: Build) -> dict[str, Any]:
         """Run the tests on the package and, if they pass, on the broken copies.
 
-        The package, too, runs other code than its own, which does the same: a test that this makes fail compares how
-        code looks, and not what it does.
+        The package itself also runs rewritten code that does the same as its own: a test that fails because
+        of that compares what code looks like, not what it does.
 
         Args:
-            world: in which the package was built, and no box runs any more.
+            world: the World in which the package was built; no box runs in it any more.
             built: the package's build.
 
         Returns:
-            Counts: `passed`, `failed`, `skipped`; `error`: the first failure, or what was said last if nothing could be counted;
-            `is_noticed`: whether a test fails, or never ends, on a broken copy, and then passes again on the whole one, so
-            that it is not time that tells; only where all had passed before. `is_unfinished`: whether there was no time
-            for that.
+            Counts: `passed`, `failed`, `skipped`; `error`: the first failure, or the last line of output if
+                nothing
+            could be counted. If all tests passed, also `is_noticed`: whether a test fails, or never ends, on
+            a broken copy and then passes again on the whole one, so that it does not depend on timing; and
+            `is_unfinished`: whether the time was too short for that.
         """
         self._until = time.monotonic() + TESTING_TIMEOUT
         try:
@@ -120,12 +122,12 @@ class OwnTests:
                     spoiler.HARMLESS
                 )
                 result["is_unfinished"] = time.monotonic() > self._until
-        except ValueError as reason:  # what a build has left may be anything
+        except ValueError as reason:  # a build may leave anything behind
             return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
         return result
 
     def _try(self, world: World, built: Build, files: Sequence[str], patience: float, kind: str) -> _Trial:
-        """Run the tests in a World of their own."""
+        """Run the tests in a new World."""
         with world.beside() as copy:
             copy.fill(self._root)
             copy.fill(world.folder, only=workspace_of(self._root))
@@ -139,12 +141,12 @@ class OwnTests:
 
 @dataclass(frozen=True)
 class _Trial:
-    """What a run of the tests has told.
+    """The result of one run of the tests.
 
     Attributes:
         counts: as `OwnTests.run` returns them.
-        longest: how long the longest test took, in s; 0 if that cannot be.
-        files: the tests, the quickest first: what is likely to fail at once is not kept waiting by what waits in vain.
+        longest: how long the longest test took, in s; 0 if the number cannot be true.
+        files: the test files, the quickest first, so that those that wait in vain come last.
     """
 
     counts: dict[str, Any]
@@ -153,7 +155,7 @@ class _Trial:
 
 
 def _spoil(world: World, files: Mapping[str, Sequence[int]], kind: str) -> None:
-    """Change modules of a package, in a World in which nothing has run."""
+    """Change the compiled modules of a package, in a World in which nothing has run."""
     given = os.memfd_create("modules")
     try:
         os.write(given, json.dumps({f"{FILES}/{file}": idle for file, idle in files.items()}).encode())
@@ -174,7 +176,7 @@ def _run(
     *,
     limits: Limits,
 ) -> _Trial:
-    """Run the tests in some files."""
+    """Run the tests in these files."""
     paths = [folder, f"{folder}/src", environ.get("PYTHONPATH", "")]
     ours, its = socket.socketpair()
     with ours:

@@ -1,4 +1,4 @@
-"""Whose a finding is: the node's that the module makes in which it lies."""
+"""Which node a finding belongs to: the one that is made in the module where the finding lies."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from ros2lab.grading.questions.nodes import missing
 
 
 def is_about(case: Case, finding: Finding, criterion: Judgement, lost: Collection[Judgement]) -> bool:
-    """Return whether a finding is about the node of a criterion, if it is about a node at all."""
+    """Return whether a finding is about a criterion's node; True for a criterion that has none."""
     parts = case.assignment.parts
     if criterion.component not in parts:
         return True
     if ".launch." in finding.place or "launch/" in finding.place:
-        return False  # it has no node of its own
+        return False  # a launch file belongs to no node
     if owners := owners_of(case, finding):
-        # A program that has one node may be meant to have those, too, of which no program is known.
+        # A program with one node may also be meant to have the nodes whose program is not known.
         is_free = not _programs(case, criterion.component) and not {*owners} & {
             judgement.component for judgement in lost
         }
         return criterion.component in owners or is_free
     if named := _with_topic(case, finding, parts):
         return criterion.component in named
-    # Nothing says whose it is: then the node that lost most, and only what its program can have died of.
+    # Nothing says whose it is: take the node that lost most, and only for faults that can end a program.
     candidates = _with_type(case, finding, parts) or [*parts]
     losses = {
         name: sum(judgement.max - judgement.points for judgement in lost if judgement.component == name)
@@ -40,10 +40,10 @@ def is_about(case: Case, finding: Finding, criterion: Judgement, lost: Collectio
 
 
 def owners_of(case: Case, finding: Finding) -> list[str]:
-    """Return the parts whose nodes the module makes in which a finding lies.
+    """Return the parts whose nodes are made in the module of a finding.
 
-    Where it makes none, these are the parts whose program it is, else those whose program imports it. Of several that
-    one module makes, these are the ones of whose topic, or of whose messages, the finding is.
+    If it makes none, return the parts whose program it is, else those whose program imports it. Of several
+    parts, prefer those whose topic, else those whose message type, the finding is about.
     """
     stem = PurePosixPath(re.sub(r":\d+$", "", finding.place)).stem
     for modules_of in (_makers, _programs, _imported):
@@ -54,7 +54,7 @@ def owners_of(case: Case, finding: Finding) -> list[str]:
 
 
 def _makers(case: Case, name: str) -> set[str]:
-    """Return the modules that make what the node of a part has; its program's where reading does not tell."""
+    """Return the modules that make a part's publisher or subscription; its program's if no code tells."""
     part, players = case.assignment.parts[name], case.players[name]
     topics = {part.topic, *(player.topic for player in players)}
     ends = [end for end in case.evidence.files.ends if end.module and end.is_publisher is part.is_publisher]
@@ -65,7 +65,7 @@ def _makers(case: Case, name: str) -> set[str]:
 
 
 def _programs(case: Case, name: str) -> set[str]:
-    """Return the programs that are likely to have the node of a part, and their own modules."""
+    """Return the programs that are likely to have a part's node, and their own modules."""
     programs = {player.program for player in case.players[name]} - {""}
     programs = programs or {missing(case, case.assignment.parts[name]).place}
     own = {case.executables[program].stem for program in programs & case.executables.keys()}
@@ -73,25 +73,25 @@ def _programs(case: Case, name: str) -> set[str]:
 
 
 def _imported(case: Case, name: str) -> set[str]:
-    """Return all modules of the programs that are likely to have the node of a part."""
+    """Return all modules of the programs that are likely to have a part's node."""
     programs = _programs(case, name) & case.executables.keys()
     return {module for program in programs for module in case.executables[program].modules}
 
 
 def _with_topic(case: Case, finding: Finding, names: Iterable[str]) -> list[str]:
-    """Return the parts whose topic a finding is about."""
+    """Return the parts, among these names, whose topic a finding is about."""
     topics = {name.strip("/") for name in finding.about}
     return [name for name in names if case.assignment.parts[name].topic.strip("/") in topics]
 
 
 def _with_type(case: Case, finding: Finding, names: Iterable[str]) -> list[str]:
-    """Return the parts of whose messages, or of what these hold, a finding is about the type."""
+    """Return the parts, among these names, whose message type, or a type inside it, a finding is about."""
     types = {name.rpartition(".")[2] for name in finding.about}
     return [name for name in names if types & _types_in(case.assignment.parts[name].type_name)]
 
 
 def _types_in(type_name: str) -> set[str]:
-    """Return a message's type without its package, and those of the messages that it holds."""
+    """Return the name of a message type without its package, and those of the messages nested in it."""
     match = re.search(r"(\w+)/(?:\w+/)?(\w+)", type_name)
     if match is None:
         return set()

@@ -1,7 +1,7 @@
-"""What package.xml, setup.py and setup.cfg say: facts that the questions ask for, by parsing.
+"""What package.xml, setup.py and setup.cfg say: the facts that the questions ask for, found by parsing.
 
-What is wrong with a package is found by `diagnose`, so that a lost point and the advice for it have one source.
-Where a value is known only to whoever runs setup.py, the fact counts as true; the build tells whether it is.
+Faults of a package are found by `diagnose`, so that a lost point and the advice for it have the same source.
+A fact that only running setup.py could tell counts as true; the build shows whether it is.
 """
 
 from __future__ import annotations
@@ -20,17 +20,18 @@ from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.graded_package import Package, written_modules
 from ros2lab.manifest_words import describes, is_to_be_done
 
-DECLARED = "has_"  # begins the fact that a package is declared which no module imports
-# The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that the
-# assignment asks for, and whether description, license and maintainer are written, are asked of the file itself.
+DECLARED = "has_"  # prefix of the fact that a package is declared that no module imports
+# The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each package that
+# the assignment needs, and whether description, license and maintainer are written, come from the file
+# itself.
 MANIFEST_FINDINGS: Mapping[str, frozenset[str]] = {
     "is_valid": frozenset(("manifest-invalid",)),
     "is_ament_python": frozenset(("build-type-missing", "build-type-unknown", "build-type-cmake")),
     "dependencies_exist": frozenset(("dependency-unknown", "dependency-not-ros")),
     "declares_all_imports": frozenset(("dependency-undeclared",)),
 }
-# Those of setup.py, setup.cfg and what they name. `name_agrees`, `marker_exists`, `manifest_is_installed` and
-# `is_described` are asked of the files themselves.
+# The same for setup.py, setup.cfg and what they name. `name_agrees`, `marker_exists`, `manifest_is_installed`
+# and `is_described` come from the files themselves.
 SETUP_FINDINGS: Mapping[str, frozenset[str]] = {
     "is_valid": frozenset(("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup")),
     "installs_modules": frozenset(("package-folder-missing", "package-not-listed", "init-file-missing")),
@@ -51,7 +52,7 @@ SETUP_FINDINGS: Mapping[str, frozenset[str]] = {
     ),
 }
 
-# What a setup.py that cannot be read must hold, so that a fact about it may be true all the same.
+# The text that a setup.py that cannot be read must contain for a fact about it to count as true.
 _TRACES = {
     "installs_modules": "packages",
     "marker_is_installed": "resource_index/packages",
@@ -68,14 +69,14 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
     """Return the facts of package.xml.
 
     Args:
-        package: of the submission.
-        names: of all its packages.
-        asked: the packages that the assignment needs; those that are imported have to be declared.
+        package: the submission's package.
+        names: the names of all packages in the submission.
+        asked: the packages that the assignment needs; those that are imported must be declared.
     """
     if not package.has("package.xml"):
         return {"is_there": False}
     text = re.sub(r"<!--.*?(?:-->|\Z)", "", read_text(package.folder / "package.xml"), flags=re.DOTALL)
-    # Also of a file that is not valid XML: its other lines may be right.
+    # This also reads a file that is not valid XML: its other lines may be right.
     tags = re.findall(r"<(\w+)\b[^<>]*>\s*([^<>]*)", text)
     manifest = package.manifest
     declared = {
@@ -89,7 +90,7 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
         for source in package.own_sources
         for imported_name in source.imports
     }
-    # Where nothing of it is imported, nothing was written yet.
+    # Where none of them is imported, nothing was written yet.
     required = [name for name in asked if name in imported] or [*asked]
     missing = [name for name in required if name not in declared]
     facts = {"is_there": True}
@@ -97,7 +98,7 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
         facts[fact] = not any(
             finding.code in codes and not _is_about(finding, missing, declared) for finding in findings
         )
-    # Another build type is no fault for the diagnosis where its CMakeLists.txt is there; it was not asked for.
+    # With a CMakeLists.txt, another build type is no fault for the diagnosis; but it was not asked for.
     facts["is_ament_python"] &= ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
     facts |= {f"declares_{name}": name in declared for name in required}
     facts |= {f"{DECLARED}{name}": name in declared for name in asked if name not in required}
@@ -107,7 +108,7 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
 
 
 def own_words(manifest: str) -> dict[str, bool]:
-    """Return whether description, license and maintainer in the text of a package.xml are somebody's own words."""
+    """Return whether description, license and maintainer in a package.xml were written by the author."""
     written = {tag: _between(manifest, tag) for tag in ("description", "license", "maintainer")}
     facts = {tag: bool(text) and not is_to_be_done(text) for tag, text in written.items()}
     facts["description"] &= describes(html.unescape(written["description"]), _between(manifest, "name"))
@@ -117,7 +118,7 @@ def own_words(manifest: str) -> dict[str, bool]:
 
 
 def _is_about(finding: Finding, missing: Iterable[str], declared: Iterable[str]) -> bool:
-    """Return whether a finding says only that one of the required packages is not declared, or misspelt."""
+    """Return whether a finding says that a required package is not declared, or is misspelt."""
     names = {*missing}
     if finding.code == "dependency-unknown":
         names = {package for package in declared if any(is_near_miss(package, name) for name in names)}
@@ -127,7 +128,7 @@ def _is_about(finding: Finding, missing: Iterable[str], declared: Iterable[str])
 
 
 def _between(text: str, tag: str) -> str:
-    """Return what stands in an element, without the elements in it."""
+    """Return the text of an element, without the tags in it."""
     match = re.search(rf"<{tag}\b[^<>]*>(?:((?s:.{{0,5000}}?))</{tag}\s*>|([^<]*))", text)
     inner = (match[1] or match[2] or "") if match else ""
     return re.sub(r"<!\[CDATA\[|\]\]>|<[^<>]*>", " ", inner).strip()
@@ -142,7 +143,7 @@ def setup_facts(package: Package) -> dict[str, bool]:
     name = setup.keywords.get("name")
     facts["name_agrees"] = not isinstance(name, str) or _normal(name) == _normal(package.name)
     if not facts["name_agrees"]:
-        # One of the two names is the fault; all that agrees with the other is right.
+        # Only one of the two names is wrong; whatever agrees with the other is right.
         renamed = Package(package.folder, package.root)
         renamed.name = str(name)
         renamed_facts = _packaging_facts(renamed, setup)
@@ -158,7 +159,7 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
     codes = {
         finding.code
         for finding in packaging_faults(package)
-        # That there is no package.xml is a fact of its own.
+        # A missing package.xml is a fact of its own.
         if package.has("package.xml") or "package.xml" not in finding.about
     }
     facts = {"is_there": True}
@@ -177,14 +178,14 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
 
 
 def _installs_code(package: Package, setup: SetupScript) -> bool:
-    """Return whether setup.py installs any module that is not empty, as far as it says what it installs."""
+    """Return whether setup.py installs a module that is not empty; True if that is not known."""
     if package.notes or package.packages is None or setup.keywords.get("py_modules"):
         return True
     return any(source.text.strip() for source in package.sources.values())
 
 
 def _are_own(package: Package, setup: SetupScript) -> bool:
-    """Return whether the entry points name modules of this package, though they may lie in another folder of it."""
+    """Return whether the entry points name modules of this package, in whatever folder of it."""
     stems = {path.stem for path in written_modules(package.folder)}
     tops = {package.name, *(package.packages or ()), *package.package_dirs}
     return all(
@@ -196,7 +197,7 @@ def _are_own(package: Package, setup: SetupScript) -> bool:
 
 
 def _normal(name: str) -> str:
-    """Return a name as Python's packaging compares it."""
+    """Return a name in the normalised form in which Python packaging compares names."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
