@@ -287,7 +287,7 @@ class _Room:
             self._finish(job, message if do == "result" else failed)
 
     def _hold(self, job: Job, enclave: str) -> None:
-        """Hold all programs but that of an enclave; none if it is empty. Give up the job if one cannot be held."""
+        """Hold all programs but that of an enclave, none if it is empty; give up the job if that fails."""
         for program in job.programs:
             box = job.boxes[program.name]
             if enclave in ("", program.enclave):

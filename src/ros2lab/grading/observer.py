@@ -408,7 +408,7 @@ class Conductor:
         return self._marks
 
     def _say_mark(self, label: str, number: int) -> None:
-        """Print a line and wait until the grader has seen it; with a number, it marks the output until then."""
+        """Print a line and wait until the grader has seen it; a number also marks the output until then."""
         line = f"({self.plan['run']}.{self._marks}{label})\n"
         os.write(1, line.encode())
         self._say("mark", line=line, number=number)

@@ -1,4 +1,4 @@
-"""Which parts of a statement are reached if it is, and under which conditions."""
+"""Which parts of a statement can be reached, and under which conditions."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from ros2lab.grading.possible import Facts, Possible
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
 _PLAIN = (ast.Pass, ast.Expr, ast.Assign, ast.Constant, ast.Name, ast.Attribute, ast.expr_context)
 _EXITS = frozenset(("sys.exit", "os._exit", "exit", "quit"))
-_LETS_OTHERS = ("spin", "sleep", "wait")  # how what lets callbacks or threads run is called
+_LETS_OTHERS = ("spin", "sleep", "wait")  # prefixes of functions that let callbacks or threads run
 _BOTH = frozenset((True, False))
-_UNDEFINED = WeakKeyDictionary[PythonSource, set[str]]()  # what `_undefined_in` has found
+_UNDEFINED = WeakKeyDictionary[PythonSource, set[str]]()  # the results of `_undefined_in`
 
 
 class Paths:
-    """The ways through the code of some files.
+    """The paths through the code of some files.
 
     Args:
         sources: the files.
-        possible: what names may hold in them; None takes constants alone for what shuts a branch, and what stands
-            behind a spin for code like any other.
+        possible: what names may hold in them; None lets only constants close a branch, and treats code after
+            a spin like any other.
     """
 
     def __init__(self, sources: Iterable[PythonSource], possible: Possible | None) -> None:
@@ -40,7 +40,7 @@ class Paths:
         }
 
     def reached(self, source: PythonSource, node: ast.AST, facts: Facts) -> Iterator[tuple[ast.AST, Facts]]:
-        """Yield the parts of a node that are reached if it is, each with what holds there."""
+        """Yield the parts of a node that are reached if the node is, each with the facts that hold there."""
         if isinstance(node, ast.expr) and not isinstance(node, (ast.BoolOp, ast.IfExp)):
             yield from ((part, facts) for part in ast.iter_child_nodes(node))
             return
@@ -84,7 +84,7 @@ class Paths:
     def _until_left(
         self, source: PythonSource, parts: list[object], facts: Facts
     ) -> Iterator[tuple[ast.AST, Facts]]:
-        """Yield the parts of a list up to a statement that leaves what they stand in."""
+        """Yield the statements of a block up to the first that leaves it."""
         for part in parts:
             if not isinstance(part, ast.AST):
                 continue
@@ -113,7 +113,7 @@ class Paths:
             )
 
     def _fails(self, source: PythonSource, part: ast.AST) -> bool:
-        """Return whether a statement takes a name that nothing has: nothing comes of it, and nothing behind it is reached."""
+        """Return whether a statement uses an undefined name, so that nothing after it is reached."""
         if self._possible is None or not isinstance(part, (ast.Expr, ast.Assign, ast.AugAssign, ast.Return)):
             return False
         if not (undefined := _undefined_in(source)):
@@ -124,7 +124,7 @@ class Paths:
         )
 
     def _passed(self, source: PythonSource, part: ast.If, facts: Facts) -> Collection[bool]:
-        """Return with which outcomes of its condition a statement is passed, and what follows it reached."""
+        """Return the outcomes of an if statement's condition after which the next statement is reached."""
         truths = self._truths(part.test, facts)
         branches = {True: part.body, False: part.orelse}
         return {truth for truth in truths if not self._always_leaves(source, branches[truth])}
@@ -142,14 +142,14 @@ class Paths:
         )
 
     def _truths(self, test: ast.expr, facts: Facts) -> frozenset[bool]:
-        """Return what a condition may come to."""
+        """Return the truth values that a condition may have."""
         truth = _truth(test)
         if truth is not None:
             return frozenset((truth,))
         return self._possible.outcomes(test, facts) if self._possible else _BOTH
 
     def _left(self, statement: ast.AST, facts: Facts) -> Facts:
-        """Return what still holds behind a statement, which may have changed some of what was known."""
+        """Return the facts that still hold after a statement, which may have changed what they are about."""
         if not facts:
             return facts
         stored = set[str]()
@@ -171,7 +171,7 @@ class Paths:
         )
 
     def _lets_others(self, call: ast.Call) -> bool:
-        """Return whether a call may change attributes: of a function of the files, of what waits, or with the node itself."""
+        """Return whether a call may change attributes: it calls own code, waits, or is given the node."""
         name = getattr(call.func, "attr", getattr(call.func, "id", ""))
         is_given = any(
             isinstance(argument, ast.Name) and argument.id in ("self", "node") for argument in call.args
@@ -179,12 +179,12 @@ class Paths:
         return name in self._own or name.startswith(_LETS_OTHERS) or is_given
 
     def _ends(self, source: PythonSource, body: list[ast.AST] | list[ast.stmt]) -> bool:
-        """Return whether a program has had its life behind some statements: it has spun, or shut rclpy down."""
+        """Return whether a program is over after some statements: it has spun, or shut rclpy down."""
         return self._possible is not None and any(_ends(source, part) for part in body)
 
 
 def _undefined_in(source: PythonSource) -> set[str]:
-    """Return the names that nothing in a file has; they are the same in each round."""
+    """Return the undefined names in a file; they are the same in each round."""
     if source not in _UNDEFINED:
         _UNDEFINED[source] = set()
         with contextlib.suppress(RecursionError):
@@ -215,7 +215,7 @@ def _breaks(loop: ast.While) -> bool:
 
 
 def _truth(test: ast.expr) -> bool | None:
-    """Return whether a condition of constants holds; None if there is more in it."""
+    """Return whether a condition of constants holds; None if it is not made of constants."""
     match test:
         case ast.Constant(value=value):
             return bool(value)
@@ -233,7 +233,7 @@ def _truth(test: ast.expr) -> bool | None:
 
 
 def _cannot_fail(statement: ast.stmt) -> bool:
-    """Return whether a statement only gives names to constants, to what types make of these, and to other names."""
+    """Return whether a statement only assigns constants, what types make of constants, or other names."""
     made = [node for node in ast.walk(statement) if _is_made_of_constants(node)]
     return all(
         node in made
@@ -246,7 +246,7 @@ def _cannot_fail(statement: ast.stmt) -> bool:
 
 
 def _is_made_of_constants(node: ast.AST) -> bool:
-    """Return whether a type of Python's makes the same of the same constants each time, such as `float("2.0")`."""
+    """Return whether a node calls a built-in type with constants only, such as `float("2.0")`."""
     match node:
         case ast.Call(func=ast.Name(id=name), args=[*given], keywords=[]):
             is_type = isinstance(getattr(builtins, name, None), type)

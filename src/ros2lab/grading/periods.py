@@ -1,4 +1,4 @@
-"""How often the messages of a node came, as it was seen in runs, and whether that follows a parameter."""
+"""How often the messages of a node came in the runs, and whether that follows a parameter."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ros2lab.grading.evidence import Run
 from ros2lab.grading.player import Player
 from ros2lab.rhythm import gaps_apart, is_another
 
-NEARLY = 1.2  # times, by which what follows a parameter may differ from it, and what is the same from itself
+NEARLY = 1.2  # the factor within which two periods count as the same, or a change as following a parameter
 
 
 def period_of(player: Player) -> float | None:
-    """Return the time between two messages, in s, before any command if it is seen there.
+    """Return the median time between two messages, in s; before any command, if messages came then.
 
-    None if it is not seen, or the program had other parameters than by itself.
+    None if there are no two messages, or the program ran with changed parameters.
     """
     if player.program in player.run.changed:
         return None
@@ -27,37 +27,37 @@ def period_of(player: Player) -> float | None:
 
 
 def quiet_times(player: Player) -> list[float]:
-    """Return when messages came before any command, in s."""
+    """Return the times of the messages before any command, in s."""
     quiet = player.run.quiet.get(player.topic)
     return quiet.times if quiet else []
 
 
 def gaps_of(player: Player) -> list[float]:
-    """Return the times between all messages that came in a run, in s.
+    """Return the times between the messages of a whole run, in s.
 
-    What never comes but once behind a command has the rhythm of the commands, and none of its own.
+    Empty if at most one message came after each command: then the rhythm is that of the commands.
     """
     is_own = quiet_times(player) or any(heard.count > 1 for heard in player.heard)
     return gaps_apart([time for heard in player.heard for time in heard.times]) if is_own else []
 
 
 def is_changed(before: Run, after: Run) -> bool:
-    """Return whether any topic comes in another rhythm, by more than chance."""
+    """Return whether the period of any topic changed by more than chance."""
     return any(is_another(new, old) for old, new in _pairs(before, after).values())
 
 
 def is_followed(before: Run, tries: Sequence[Run], declared: object = None) -> bool | None:
-    """Return whether a topic's period, or its rate, changes as the values of a parameter do.
+    """Return whether the period or rate of a topic changes with the values of a parameter.
 
-    One that keeps to a limit follows some values less far; it does not go the other way, nor further.
+    A limit in the code may make it follow less far; it must not go the other way, nor further.
 
     Args:
-        before: a program with the value that it has by itself.
-        tries: the same with other values.
-        declared: what it has by itself as the code says, for where it does not tell.
+        before: the program with its own value.
+        tries: the same program with other values.
+        declared: its own value in the code, for a program that does not report it.
 
     Returns:
-        None if no number is known that it had before.
+        None if its own value is not known to be a number.
     """
     name = tries[0].setting.partition(":=")[0]
     told = {node: values.get(name) for node, values in before.parameters.items()}
@@ -68,7 +68,7 @@ def is_followed(before: Run, tries: Sequence[Run], declared: object = None) -> b
         return None
     seen = [(value, _pairs(before, run)) for run in tries if (value := _given(run))]
     for topic, nodes in before.publishes.items():
-        # Nodes of one program may have other values of one name.
+        # The nodes of a program may have different values for the same name.
         own = {numbers[node] for node in nodes if node in numbers} or {*numbers.values()}
         periods = [(value, *pairs[topic]) for value, pairs in seen if topic in pairs]
         if any(_follows(periods, number, sign) for number in own for sign in (1, -1)):
@@ -80,9 +80,9 @@ def _follows(periods: Sequence[tuple[float, float, float]], own: float, sign: in
     """Return whether a period (sign 1) or a rate (sign -1) follows a parameter.
 
     Args:
-        periods: a value of the parameter, the period before, and the period with it.
-        own: the value before.
-        sign: which of the two is asked for.
+        periods: triples of a parameter value, the period before, and the period with this value.
+        own: the program's own value.
+        sign: period or rate.
     """
     nearly = math.log(NEARLY)
     changes = [(sign * math.log(abs(value / own)), math.log(new / old)) for value, old, new in periods]
@@ -92,10 +92,10 @@ def _follows(periods: Sequence[tuple[float, float, float]], own: float, sign: in
 
 
 def _pairs(before: Run, after: Run) -> dict[str, tuple[float, float]]:
-    """Return the period of each topic in two runs, where it has one in both.
+    """Return by topic its periods in two runs, for topics that have one in both.
 
-    A loop that waits in a thread of its own is late where the machine is busy, and makes up for it: its gaps are then
-    twice as long, but as many messages come. That is no other period.
+    A loop in a thread of its own may be late on a busy machine and catch up: its gaps are then twice as long,
+    but as many messages come. That counts as the same period.
     """
     found = {}
     for topic in before.publishes:
@@ -107,14 +107,14 @@ def _pairs(before: Run, after: Run) -> dict[str, tuple[float, float]]:
 
 
 def _come_as_many(before: Player, after: Player) -> bool:
-    """Return whether in two runs as many messages come in the same time, before any command."""
+    """Return whether messages come at the same mean rate in two runs, before any command."""
     spans = [(len(times) - 1, times[-1] - times[0]) for times in map(quiet_times, (before, after)) if times]
     means = [span / gaps for gaps, span in spans if gaps and span]
     return len(means) == len((before, after)) and max(means) / min(means) < NEARLY
 
 
 def has_rhythm(run: Run) -> bool:
-    """Return whether any topic comes again and again."""
+    """Return whether any topic is published repeatedly."""
     return any(period_of(_publisher(topic, run)) for topic in run.publishes)
 
 
@@ -123,7 +123,7 @@ def _publisher(topic: str, run: Run) -> Player:
 
 
 def _given(run: Run) -> float:
-    """Return the number that a parameter was given in a run; 0 if it was given none."""
+    """Return the number that a run's parameter was set to; 0 if there is none."""
     text = run.setting.partition(":=")[2]
     try:
         return float(text)

@@ -1,6 +1,6 @@
-"""What a page shows of a text in AsciiDoc or Org, for which no library is kept: all but what either says is not shown.
+"""The visible text of a page in AsciiDoc or Org, for which we keep no library: all that is not hidden.
 
-Headlines, lists and code stay written as they are, which reads much like Markdown.
+Headlines, lists and code stay as written, which reads much like Markdown.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator, Mapping
 
 # AsciiDoc: https://docs.asciidoctor.org/asciidoc/latest; a block begins and ends with the same line.
 _FENCE = re.compile(r"(?:-{4,}|={4,}|\*{4,}|_{4,}|\.{4,}|/{4,}|\+{4,}|--)$")
-_VERBATIM = ("--", "..", "//", "++")  # how the lines begin in which nothing else has a meaning
+_VERBATIM = ("--", "..", "//", "++")  # fences of blocks in which no other markup has a meaning
 _ATTRIBUTE = re.compile(r":(!?[\w-]+!?):(?:\s+(.*))?$")
 _CONDITION = re.compile(r"(ifn?def|ifeval)::([^\[]*)\[(.*)\]$")
 _OF_THE_PAGE = re.compile(
     r"(?:env|backend|basebackend|doctype|safe-mode|asciidoctor)\b"
-)  # set by who shows it
+)  # set by the program that shows the page
 _REFERENCE = re.compile(r"\{([\w-]+)\}")
 
 # Org: https://orgmode.org/manual
@@ -28,7 +28,7 @@ _KEYWORD = re.compile(r"^[ \t]*#(?:\+(?!title:)\w+(?:\[.*\])?:.*|[ \t].*)?$", re
 
 
 def shown(text: str, kind: str) -> str:
-    """Return what is shown of a text of some kind, such as `.org`; of others all of it."""
+    """Return the visible part of a text, by its suffix, such as `.org`; all of it for other formats."""
     lines = _READERS.get(kind, str.splitlines)(text)
     return "\n".join(lines).strip()
 
@@ -60,7 +60,7 @@ def _of_asciidoc(text: str) -> Iterator[str]:
 
 
 def _under_conditions(text: str, attributes: Mapping[str, str]) -> Iterator[str]:
-    """Yield the lines that stand under no condition that does not hold, as far as attributes are known by then."""
+    """Yield the lines whose conditions all hold, as far as attributes are known at that line."""
     open_conditions = list[bool]()
     for line in map(str.rstrip, text.splitlines()):
         if condition := _CONDITION.match(line):
@@ -77,7 +77,7 @@ def _under_conditions(text: str, attributes: Mapping[str, str]) -> Iterator[str]
 
 
 def _underlines(line: str, before: str) -> bool:
-    """Return whether a line makes a headline of the one before it."""
+    """Return whether a line underlines the line before it as a headline."""
     return bool(before) and abs(len(line) - len(before)) < 2 and line[0] not in "/+"
 
 

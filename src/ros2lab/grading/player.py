@@ -1,4 +1,4 @@
-"""A node that plays a part of the assignment, as it was seen in one run."""
+"""A node that plays a part of the assignment, as seen in one run."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from ros2lab.grading.evidence import (
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.stand_in import NotInstalledHere
 
-# Names of parameters that say how often a timer fires, and when; by other names they are found by what they change.
+# Names of parameters for a timer's rate and period; those with other names are found by what they change.
 RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
 _PERIOD = re.compile(
     r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
     re.IGNORECASE,
 )
-# What a program says last that finds nobody at the keyboard; other readers, such as pickle, say what has ended.
+# The last line of a program that finds no keyboard; other readers, such as pickle, say more after EOFError.
 _NO_KEYBOARD = re.compile(
     r"^EOFError(?:: EOF when reading a line)?\s*$|\btermios\.error\b|Inappropriate ioctl for device|\bcurses\.error\b"
 )
@@ -32,7 +32,7 @@ _FRAME = re.compile(r'\s*File "([^"]*)", line \d')
 _RAISES = re.compile(r"\braise\b")
 _TEXT = re.compile(r"\"[^\"]*\"|'[^']*'")
 _ERROR = r"^[\w.]*(?:Error|Exception|gaierror)\b.*"
-# What ends a program, by itself or through a library, where a machine has no such thing.
+# The error that ends a program on a machine without this resource.
 _LACKED = {
     "a device": re.compile(rf"{_ERROR}(?<![\w.-])/(?:dev|sys)/", re.MULTILINE),
     "a network": re.compile(
@@ -44,29 +44,29 @@ _LACKED = {
         re.MULTILINE | re.IGNORECASE,
     ),
 }
-PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others are those of a changed parameter
-STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
+PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others name a changed parameter
+STAND_IN = "std_msgs/msg/Empty"  # the base class of the stand-in for a message that is not installed here
 
 Match = Literal["right", "near", "other", "unnamed"]
 MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed")
 
 
 def is_timers(name: str) -> bool:
-    """Return whether a parameter of this name seems to be a timer's."""
+    """Return whether a parameter's name suggests that it sets a timer."""
     return bool(RATE.search(name) or _PERIOD.search(name))
 
 
 def is_for_want(said: str) -> bool:
-    """Return whether what a program said last is an error that only what is not there where it is graded has caused."""
+    """Return whether a program's last output is an error caused only by what the grading machine lacks."""
     return NotInstalledHere.__name__ in said or finds_no_keyboard(said) or bool(lacked(said))
 
 
 def finds_no_keyboard(said: str) -> bool:
-    """Return whether a program's last words hold an error that reading a keyboard brings where nobody sits at it.
+    """Return whether a program's last output holds the error of reading a keyboard that is not there.
 
-    One that the submission itself raises is none, whatever its name.
+    An error that the submission raises itself does not count, whatever its name.
     """
-    file, source = "", ""  # of the frame in which an error was raised
+    file, source = "", ""  # of the frame in which the error was raised
     lines = said.splitlines()
     for line, following in zip(lines, [*lines[1:], ""], strict=False):
         if place := _FRAME.match(line):
@@ -77,22 +77,22 @@ def finds_no_keyboard(said: str) -> bool:
 
 
 def lacked(said: str) -> list[str]:
-    """Return what the machine on which it is graded lacks, as the error tells with which a program ended."""
+    """Return which resources the grading machine lacks, by the error that ended a program."""
     return [resource for resource, error in _LACKED.items() if error.search(said)]
 
 
 def stamped(type_name: str) -> str:
-    """Return the type that holds another one and a header, such as TwistStamped of Twist."""
+    """Return the type that adds a header to another type, such as TwistStamped for Twist."""
     return f"{type_name}Stamped"
 
 
 def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
-    """Return whether a part was done in a run, on whatever topic: something came of it, or nothing was asked for.
+    """Return whether a part worked in a run, on whatever topic: something came of it, or no command was sent.
 
     Args:
-        part: of the assignment.
-        run: in which it may have been done.
-        types: that it may have besides those that it is to have.
+        part: the part.
+        run: the run.
+        types: types that count besides those that the part must have.
     """
     types = {part.type_name, stamped(part.type_name), *types}
     if part.end == "service":
@@ -107,25 +107,25 @@ def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
 
 
 def deadly_in(run: Run) -> CommandSeen | None:
-    """Return the command after which not all programs of a run ran any more; None if there is none."""
+    """Return the command after which a program of the run had ended; None if there is none."""
     return next((command for command in run.commands if not command.is_alive), None)
 
 
 @dataclass(frozen=True)
 class Player:
-    """A node that plays a part, as it was seen in one run.
+    """A node that plays a part, as seen in one run.
 
     Attributes:
-        part: of the assignment.
-        match: how its topic fits: the right one, one nearly so named, another one, or one of which nothing but the
-            type tells.
-        topic: that it publishes, or to which it subscribes.
-        node: its full name; its program's where it was only read.
-        types: of the topic.
-        number: of the run.
-        run: in which it was seen.
-        program: that has the node; empty if that is not known.
-        is_read: whether it stands in the code only, for its program has ended for want of what is not installed here.
+        part: the part of the assignment.
+        match: how its topic fits: the right one, a similar name, another one, or one that only its type
+            tells.
+        topic: the topic or service of its end.
+        node: its full name; its program's name if it was only read in the code.
+        types: the types of the topic.
+        number: the run's number.
+        run: the run in which it was seen.
+        program: the program that has the node; empty if that is not known.
+        is_read: whether it was only read in the code, because its program ended before it could be seen.
     """
 
     part: Part
@@ -140,12 +140,12 @@ class Player:
 
     @property
     def heard(self) -> list[Heard]:
-        """What was published on its topic: before any request or command, and after each."""
+        """What was published on its topic before any request or command, and after each."""
         return [heard for _, heard in self.heard_at]
 
     @property
     def heard_at(self) -> list[tuple[str, Heard]]:
-        """The same, with where the evidence has it."""
+        """The same, each with its key in the evidence."""
         run, place = self.run, f"runs[{self.number}]"
         stretches = [
             (f"{place}.quiet", run.quiet),
@@ -158,7 +158,7 @@ class Player:
 
     @property
     def calls(self) -> list[ServiceCall]:
-        """The calls of its service."""
+        """The calls to its service."""
         return [call for call in self.run.calls if call.service == self.topic]
 
     @property
@@ -168,7 +168,7 @@ class Player:
 
     @property
     def is_heard(self) -> bool:
-        """Whether anything came of it."""
+        """Whether it published, answered or reacted at all."""
         if self.part.end == "service":
             return any(call.response is not None for call in self.calls)
         if not self.part.is_publisher:
@@ -177,12 +177,12 @@ class Player:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing comes on a topic that is not the right one: another one, on which it does, tells more."""
+        """Whether it is a publisher on a topic other than the right one, and published nothing there."""
         return self.part.is_publisher and self.match != "right" and not self.is_heard
 
     @property
     def key(self) -> str:
-        """Where the evidence has it."""
+        """Its key in the evidence."""
         if self.is_read:
             return "files.ends"
         ends = {"publisher": "publishes", "subscription": "subscribes", "service": "services"}
@@ -190,27 +190,27 @@ class Player:
 
     @property
     def quiet_key(self) -> str:
-        """Where the evidence has what it published before any command."""
+        """The key in the evidence of what it published before any command."""
         return f"runs[{self.number}].quiet.{self.topic}"
 
     @property
     def end(self) -> str | None:
-        """What its program said last, if it ended by itself; None if it did not."""
+        """The last output of its program, if that ended by itself; None if it did not."""
         return self.run.ended.get(self.program)
 
     @property
     def last_command(self) -> CommandSeen | None:
-        """The command after which not all programs ran any more; None if there is none."""
+        """The command after which a program of its run had ended; None if there is none."""
         return deadly_in(self.run)
 
     @property
     def taken_ends(self) -> tuple[bool, ...]:
-        """The ends of its topic, the publishers' and the others', at which another player keeps it from its part."""
+        """The ends of its topic (True for publishers) where a player of another part rules this one out."""
         return (self.part.is_publisher,) if self.match == "unnamed" else (True, False)
 
 
 def on_one_topic(players: Iterable[Player]) -> Iterator[Player]:
-    """Yield of each node in each run the player on the first topic, and others only where nothing comes of that."""
+    """Yield for each node of each run its player on the first topic; others only if that one is silent."""
     best: dict[tuple[int, str], Player] = {}
     for player in players:
         first = best.setdefault((player.number, player.node), player)
@@ -219,9 +219,9 @@ def on_one_topic(players: Iterable[Player]) -> Iterator[Player]:
 
 
 def without_given(players: list[Player]) -> list[Player]:
-    """Return players less those of whom something came only because it was given, where something comes by itself.
+    """Return the players without those of runs in which messages were given, if any works without these.
 
-    Nor is what was given a reaction.
+    Of the players in such runs only publishers count: a given message is no reaction.
     """
     is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
     return [

@@ -1,4 +1,4 @@
-"""Which node plays which part of the assignment: by topics and types, never by what things are called alone."""
+"""Which node plays which part of the assignment: by topics and types, never by names alone."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ from ros2lab.grading.unread import noted
 from ros2lab.grading.ways import Way, best_way, shut_out
 from ros2lab.rhythm import has_period
 
-MOST_PLAYERS = 10  # nodes that are looked at for one part
+MOST_PLAYERS = 10  # nodes that are considered for one part
 
 
 def _may_end(end: WrittenEnd, part: Part) -> bool:
-    """Return whether an end that the code makes may be that of a part."""
+    """Return whether an end that the code makes may belong to a part."""
     types = ("", part.type_name, stamped(part.type_name))
     is_like = end.type_name in types or is_near_topic(end.topic, part.topic)
     return end.is_publisher is part.is_publisher and (is_like or end.topic == part.topic)
 
 
 class Case:
-    """The evidence, and who plays which part of the assignment in it."""
+    """The evidence, and which nodes play the parts of the assignment in it."""
 
     def __init__(self, evidence: Evidence, assignment: Assignment) -> None:
         self.evidence = noted(evidence)
@@ -59,13 +59,13 @@ class Case:
 
     @cached_property
     def short_lived(self) -> frozenset[str]:
-        """The full names of the nodes whose program ended by itself while it was alone."""
+        """The full names of the nodes whose program ended by itself when run alone."""
         alone = (run for run in self.evidence.runs if run.setting == "alone" and run.ended)
         return frozenset(node for run in alone for node in run.nodes)
 
     @cached_property
     def _found(self) -> dict[str, list[Player]]:
-        """By part, who may play it."""
+        """By part, the nodes that may play it."""
         runs = [
             (number, run) for number, run in enumerate(self.evidence.runs) if run.setting in PLAIN_SETTINGS
         ]
@@ -76,7 +76,7 @@ class Case:
                 found[player.part.name].append(player)
         lost = self.lost(found)
         for name, part in self.assignment.parts.items():
-            # What was never written may be there by another name; what is lost is not somebody else.
+            # A part that seems missing may be there by another name; not if its program is lost.
             if all(player.is_idle for player in found[name]):
                 is_lost = any(self.may_be(program, part) for program in lost)
                 for number, run in runs:
@@ -88,9 +88,9 @@ class Case:
         }
 
     def may_be(self, program: str, part: Part) -> bool:
-        """Return whether a program of which nothing was seen may have the node of a part.
+        """Return whether a program of which nothing was seen may have a part's node.
 
-        Its name may say so; else its modules make such an end, or nobody knows what they make.
+        Its name decides; else its modules must make such an end, or it must be unknown what they make.
         """
         meant = self.assignment.meant_by(program)
         if meant is not None:
@@ -103,30 +103,30 @@ class Case:
         return not ends or any(_may_end(end, part) for end in ends)
 
     def is_written(self, part: Part) -> bool:
-        """Return whether the code may make what the node of a part has, as far as it tells without being run."""
+        """Return whether the code may make a part's end, as far as reading tells."""
         return part.end == "service" or any(_may_end(end, part) for end in self.evidence.files.ends)
 
     def is_foreign(self, part: Part) -> bool:
-        """Return whether nothing in the hand-in can make what a node of a part has, so that such a node is not its own."""
+        """Return whether no code in the submission can make a part's end: a node with one is not its own."""
         elsewhere = self.evidence.files.ends_elsewhere
         is_known = elsewhere is not None and not self.is_written(part)
         return is_known and not any(_may_end(end, part) for end in elsewhere or ())
 
     def _is_unread(self, modules: Collection[str]) -> bool:
-        """Return whether one of some modules is no Python, so that nobody knows what it makes."""
+        """Return whether one of some modules has a syntax error, so that it is unknown what it makes."""
         places = {finding.place for finding in self.evidence.files.told() if finding.code == "node-syntax"}
         return any(PurePosixPath(place.partition(":")[0]).stem in modules for place in places)
 
     @cached_property
     def shut_out(self) -> dict[str, str]:
-        """The programs that do not run beside the others, though they do alone; with what each said last there."""
+        """The programs that run alone but not beside the others; with the last output of each there."""
         return shut_out(self.evidence.runs)
 
     @cached_property
     def players(self) -> dict[str, list[Player]]:
-        """By part, who plays it; in each run in which it was seen, the most telling first.
+        """By part, its players in each run, the most telling first.
 
-        What a program does that does not run beside the others counts in the way in which it runs, and in no other.
+        A program that does not run beside the others counts only if it is the best way of starting.
         """
         if not self.shut_out:
             return self._everybody
@@ -141,7 +141,7 @@ class Case:
         }
 
     def is_solitary(self, player: Player) -> bool:
-        """Return whether a player was alone, and its program does not run beside the others."""
+        """Return whether a player was seen alone, and its program does not run beside the others."""
         return player.run.setting == "alone" and player.program in self.shut_out
 
     def shut_out_of(self, part: Part) -> str:
@@ -151,7 +151,7 @@ class Case:
 
     @cached_property
     def _everybody(self) -> dict[str, list[Player]]:
-        """By part, who plays it in any run, as it is sorted in `players`."""
+        """By part, its players in all runs, sorted as in `players`."""
         found = {
             name: [player for player in players if self._is_backed(player)]
             for name, players in self._found.items()
@@ -170,7 +170,7 @@ class Case:
                 or not any((player.number, player.topic, end) in taken for end in player.taken_ends)
             ]
             found[name] = [*on_one_topic(sorted(kept, key=self._rank))]
-        # Other nodes may take the commands, too; the one that does nothing else is meant.
+        # Other nodes may take the commands, too; the one that plays no other part is meant.
         busy = {
             (player.number, player.node)
             for players in found.values()
@@ -185,9 +185,9 @@ class Case:
         return found
 
     def _read_in(self, number: int, run: Run) -> Iterator[Player]:
-        """Yield who plays which part by the code of a program that had ended before it could be seen.
+        """Yield the players that the code of a program tells, if it ended before it could be seen.
 
-        It did so for want of what is not there where it is graded, or without an error, for nothing in it goes on.
+        It ended for lack of something that is not there, or without an error because nothing in it goes on.
         """
         name = run.programs[0] if run.setting == "alone" else ""
         program, said = self.executables.get(name), run.ended.get(name)
@@ -200,7 +200,7 @@ class Case:
             is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)
             for part in self.assignment.parts.values():
                 is_like = part.end != "service" and part.is_publisher is end.is_publisher
-                # What is made and not used is written, and no more.
+                # An end that is made but not used does not count.
                 is_used = end.does is None or not {PUBLISHES, READS}.isdisjoint(end.does)
                 if not is_seen and is_like and is_used and end.module in ("", program.stem or name):
                     match = self._match(part, end.topic, [end.type_name], run, node="", program=name)
@@ -209,14 +209,14 @@ class Case:
                         yield Player(part, match, end.topic, name, types, number, run, name, is_read=True)
 
     def started(self, run: Run) -> set[str]:
-        """Return the parts that some node may play in a run, also where it counts for none."""
+        """Return the parts that some node may play in a run, even if it does not count."""
         return {name for name, players in self._found.items() if any(player.run is run for player in players)}
 
     def _is_backed(self, player: Player) -> bool:
-        """Return whether what plays a part can be one of the executables.
+        """Return whether a player can be one of the executables.
 
-        A launch file may name topics otherwise and set parameters; but that one of them does the part, under whatever
-        name, is seen without it as well, or one ends with an error for what it lacks.
+        A launch file may remap topics and set parameters; but then an executable also does the part without
+        it, on whatever topic, or ends with an error.
         """
         alone = [run for run in self.evidence.runs if run.setting != "launched"]
         return (
@@ -228,17 +228,13 @@ class Case:
         )
 
     def topics_besides(self, player: Player) -> list[str]:
-        """Return the other topics on which a node might play the same part, and was not judged."""
+        """Return the other topics on which a node might play the same part, which were not judged."""
         found = self._found[player.part.name]
-        own = {
-            candidate.topic
-            for candidate in found
-            if (candidate.number, candidate.node) == (player.number, player.node)
-        }
+        own = {seen.topic for seen in found if (seen.number, seen.node) == (player.number, player.node)}
         return sorted(own - {player.topic})
 
     def lost(self, found: Mapping[str, list[Player]]) -> set[str]:
-        """Return the programs that cannot be started, or ended by themselves and played no part."""
+        """Return the programs that cannot be started, or that ended by themselves and played no part."""
         playing = [player.run for players in found.values() for player in players]
         crashed = {
             name
@@ -249,9 +245,9 @@ class Case:
         return crashed | {name for name, executable in self.executables.items() if not executable.command}
 
     def written(self, part: Part) -> WrittenEnd | None:
-        """Return what the code makes for a part of which no node was seen; None if it makes nothing of it.
+        """Return the end that the code makes for a part of which no node was seen; None if there is none.
 
-        It may have nearly the right topic, or the type that no other part has.
+        It has the right topic or a similar one, or the type that no other part has.
         """
         ends = [end for end in self.evidence.files.ends if end.is_publisher is part.is_publisher]
         right = [end for end in ends if end.topic == part.topic]
@@ -261,32 +257,32 @@ class Case:
 
     @cached_property
     def way(self) -> Way:
-        """By part, its players in the best way of starting; nobody puts two together."""
+        """By part, its players in the best way of starting; parts of different ways are not combined."""
         return best_way(self._everybody, self.shut_out)
 
     def counts(self, player: Player) -> bool:
-        """Return whether a player is no launch file's, or one of that by which the parts are started best."""
+        """Return whether a player was not launched, or belongs to the best way of starting."""
         return player.run.setting != "launched" or player in self.way.get(player.part.name, ())
 
     def at_once(self, part: Part) -> Player | None:
-        """Return the most telling of a part's players in the best way of starting; of any, if it has none there."""
+        """Return a part's most telling player in the best way of starting, else in any; None without one."""
         players = self.way.get(part.name) or self.players[part.name]
         return next(iter(players), None)
 
     def is_apart(self, part: Part) -> bool:
-        """Return whether a part is played only in another way of starting than the best one."""
+        """Return whether a part is played, but not in the best way of starting."""
         return bool(self.players[part.name]) and part.name not in self.way
 
     def main(self, part: Part) -> Player | None:
-        """Return the most telling of a part's players, with a topic as right as in the best way of starting."""
+        """Return a part's most telling player whose topic is as right as in the best way of starting."""
         best = self.at_once(part)
         players = (player for player in self.players[part.name] if best and player.match == best.match)
         return next(filter(self.counts, players), best)
 
     def whole(self, part: Part) -> Player | None:
-        """Return the player in the run with all commands, where it works in one; else the most telling.
+        """Return a part's player in the run with all commands, if it works there; else the most telling.
 
-        One with a topic that fits less is another node, such as that from which the meant one passes messages on.
+        A player whose topic fits less is another node, such as one whose messages the right node passes on.
         """
         main = self.main(part)
         alone = (
@@ -298,17 +294,14 @@ class Case:
 
     @cached_property
     def doubled(self) -> frozenset[str]:
-        """The parts for which there is no node of their own, but one that plays an earlier part, too.
-
-        A service may belong to any of them.
-        """
+        """The parts that share their node with an earlier part; a service may share any node."""
         names = [
             name
             for name, part in self.assignment.parts.items()
             if part.end != "service" and any(player.match != "unnamed" for player in self.players[name])
         ]
         choices = [self._equals(name) for name in names]
-        # Nodes that play all the parts are one, however many programs start it, and under whatever names.
+        # A node that plays all parts counts once, however many programs start it, and under whatever names.
         whole = set(choices[0]).intersection(*choices) if len(choices) > 2 else set()
         choices = [
             [*dict.fromkeys(("", "", "") if node in whole else node for node in nodes)] for nodes in choices
@@ -317,7 +310,7 @@ class Case:
         return frozenset(name for number, name in enumerate(names) if best[number] in best[:number])
 
     def _equals(self, name: str) -> list[tuple[str, str, str]]:
-        """Return the nodes that play a part as well as any, by program and name; those of one name are told apart."""
+        """Return the nodes that play a part best, by program and name; twins also differ by their part."""
         players = self.players[name]
         players = [player for player in players if player.match == players[0].match]
         players = [player for player in players if player.run.setting == "alone"] or players
@@ -328,7 +321,7 @@ class Case:
         return [*dict.fromkeys(nodes)][:MOST_PLAYERS]
 
     def is_installed(self, player: Player) -> bool:
-        """Return whether `ros2 run` or `ros2 launch` starts it."""
+        """Return whether `ros2 run` or `ros2 launch` starts a player."""
         return player.run.setting == "launched" or self.is_installed_program(player.program)
 
     def is_installed_program(self, name: str) -> bool:
@@ -337,7 +330,7 @@ class Case:
         return program is not None and program.way == "installed" and not program.fault
 
     def _is_beside(self, player: Player) -> bool:
-        """Return whether it lies in another package than the graded one."""
+        """Return whether a player's program lies in another package than the graded one."""
         program = self.executables.get(player.program)
         return program is not None and bool(program.package)
 
@@ -364,9 +357,9 @@ class Case:
         by_type: Part | None = None,
         is_lost: bool = False,
     ) -> Iterator[Player]:
-        """Yield who plays which part in a run; of one part also those of whom only the type tells.
+        """Yield the players in a run; for the part `by_type` also those that only their type tells.
 
-        Where a program is lost that may have its node, what they do has to tell, too.
+        If a lost program may have that part's node, what they do must tell, too.
         """
         seen = (
             ("publisher", run.publishes),
@@ -393,7 +386,7 @@ class Case:
     def _match(
         self, part: Part, topic: str, types: list[str], run: Run, *, node: str, program: str
     ) -> Match | None:
-        if topic in self.assignment.topics:  # one of the others is no misspelt one
+        if topic in self.assignment.topics:  # another part's topic is no misspelling
             return "right" if topic == part.topic else None
         if is_near_topic(topic, part.topic):
             return "near"
@@ -405,12 +398,12 @@ class Case:
         elif part.type_name not in types or not part.is_meant(f"{topic} {node} {program}"):
             is_other = False
         elif part.is_publisher:
-            # What other nodes say of themselves is not what this part is to publish, unless their topic is named for it.
+            # Another part's node publishes its own messages, unless the topic is named for this part.
             heard = run.quiet.get(topic)
             is_its_own = subject in topic or not self._is_busy(part, node, run)
             is_other = is_its_own and heard is not None and heard.count > 1
         else:
-            # Whatever receives texts is some subscriber: what it is about, its topic or its code must tell.
+            # Any node may receive texts: its topic, its name or its code must tell what they are about.
             is_about = (
                 part.is_meant(topic)
                 or subject in f"{node} {program}"
@@ -421,15 +414,15 @@ class Case:
         return "other" if is_other else None
 
     def _is_alike(self, part: Part, topic: str, node: str, run: Run, *, is_lost: bool = False) -> bool:
-        """Return whether more than a type that several parts have tells what is meant.
+        """Return whether more than a type shared by several parts tells that a node plays a part.
 
-        A publisher has the rhythm, or comes again and again and plays no other part. A subscriber does something when
-        commands come while it is alone, and the code compares with one of them, or it plays no other part.
+        A publisher has the right period, or publishes repeatedly and plays no other part. A subscriber reacts
+        to commands when it is alone, and the code compares with one of them or it plays no other part.
         """
         if self.assignment.is_only(part):
             return not is_lost
         if self.assignment.meant_by(topic) not in (part, None):
-            return False  # it is named for another part
+            return False  # the topic is named for another part
         if part.is_publisher:
             times = run.quiet[topic].times if topic in run.quiet else []
             gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
@@ -446,7 +439,7 @@ class Case:
         return is_known or (is_done and not is_lost and not self._is_busy(part, node, run))
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:
-        """Return whether a node plays another part, by its topic."""
+        """Return whether a node has the topic of another part."""
         other_parts = (other_part for other_part in self.assignment.parts.values() if other_part is not part)
         return any(
             node in (run.publishes if other_part.is_publisher else run.subscribes).get(other_part.topic, ())

@@ -1,8 +1,8 @@
-"""What names in code may hold once it runs, and so which of its conditions can come true.
+"""What names in code may hold when it runs, and so which conditions can come true.
 
-An attribute that is only ever given False keeps whatever waits for it shut, and no message, board or service would
-open it. What comes from outside, such as a message's field or what a library returns, may be anything of its type;
-what is not followed may be anything at all.
+A branch that waits for an attribute that is only ever False is never reached. Values from outside, such as a
+message's field or the result of a library, may be anything of their type; values that are not followed may be
+anything at all.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.grading.assigned import Store, assigned
 from ros2lab.grading.cases import FAILS, Case, Given, Member, changed, leaves, samples, text_of, value_of
 
-MOST_VALUES = 20  # that a name is followed through
-MOST_CASES = 2000  # that one condition is tried with
-DEEPEST = 8  # calls and names behind one another
+MOST_VALUES = 20  # values that a name is followed through
+MOST_CASES = 2000  # combinations of values that one condition is tried with
+DEEPEST = 8  # calls and names that are followed one after the other
 
 Values = frozenset[Any]
 ANY: Values = frozenset((Given(),))
@@ -37,12 +37,12 @@ class _TooManyError(Exception):
 
 
 class Possible:
-    """What names may hold in the code of some files that is known to run.
+    """What names may hold in those parts of some files that are known to run.
 
     Args:
         sources: the files.
-        code: that runs: only what is assigned in it counts.
-        as_declared: whether parameters have the values with which they are declared, and may not be anything.
+        code: the code that runs; only assignments in it count.
+        as_declared: whether parameters have their declared values; else they may be anything.
     """
 
     def __init__(self, sources: NodeSources, code: Collection[ast.AST], *, as_declared: bool = False) -> None:
@@ -53,13 +53,13 @@ class Possible:
         self._known: dict[object, Values] = {}
 
     def outcomes(self, test: ast.expr, facts: Facts = ()) -> frozenset[bool]:
-        """Return what a condition may come to, where some facts hold."""
+        """Return the truth values that a condition may have where some facts hold."""
         if test not in self.scopes:
             return frozenset((True, False))
         return frozenset(truth for truth in (True, False) if self._can_hold((*facts, (test, truth))))
 
     def values(self, expression: ast.expr | None) -> Values:
-        """Return what an expression may be; `ANY`, or some of it `Given`, if it is not known."""
+        """Return the values that an expression may have; `ANY`, or with a `Given`, if not all are known."""
         if expression is None or expression not in self.scopes or self._depth > DEEPEST:
             return ANY
         self._depth += 1
@@ -75,7 +75,7 @@ class Possible:
                 if len(found) > MOST_VALUES:
                     return ANY
             return frozenset(found)
-        except (TypeError, RecursionError):  # what cannot stand in a set
+        except (TypeError, RecursionError):  # unhashable, or too deep
             return ANY
         finally:
             self._depth -= 1
@@ -99,7 +99,7 @@ class Possible:
             return True
 
     def _cases(self, expressions: Sequence[ast.expr], *, has_samples: bool) -> Iterator[Case]:
-        """Yield what the names and attributes in some expressions may be at once."""
+        """Yield the combinations of values that the names and attributes in some expressions may have."""
         held: dict[str, ast.expr] = {}
         for expression in expressions:
             held |= {text_of(leaf): leaf for leaf in leaves(expression)}
@@ -116,7 +116,7 @@ class Possible:
             yield dict(zip(held, combination, strict=True))
 
     def _compared(self, expressions: Iterable[ast.expr]) -> Mapping[str, list[Any]]:
-        """Return by name or attribute with which constants some conditions compare it, if they do nothing else with it."""
+        """Return by name or attribute the constants it is compared with, if it is used for nothing else."""
         found: dict[str, list[Any]] = {}
         opaque = set[str]()
         waiting = [*expressions]
@@ -136,7 +136,7 @@ class Possible:
         return {name: constants for name, constants in found.items() if name not in opaque}
 
     def _enter(self, found: dict[str, list[Any]], left: ast.expr, right: ast.expr) -> bool:
-        """Enter a comparison; return whether it is one of a name or an attribute with itself, or with what is known."""
+        """Enter a comparison; return whether it compares a name with itself or with known values."""
         for operand, opposite in ((left, right), (right, left)):
             if not isinstance(operand, (ast.Name, ast.Attribute)) or _calls(operand):
                 continue
@@ -153,7 +153,7 @@ class Possible:
     # --- names ------------------------------------------------------------------------------------------
 
     def _of_leaf(self, leaf: ast.expr) -> Values:
-        """Return what a name, an attribute or a call may be."""
+        """Return the values that a name, an attribute or a call may have."""
         scope = self.scopes.get(leaf)
         if scope is None:
             return ANY
@@ -182,7 +182,7 @@ class Possible:
         return self._stored((source, name))
 
     def _of_parameter(self, function: Function, name: str) -> Values:
-        """Return what a function is given: a message, where it is a subscription's callback."""
+        """Return what a parameter may be: a message, if it is a subscription callback's first; else `ANY`."""
         kinds = self._callbacks.get(function, set())
         names = [parameter.arg for parameter in parameters(function) if parameter.arg != "self"]
         return frozenset(map(Given, kinds)) if kinds and names[:1] == [name] else ANY
@@ -197,14 +197,14 @@ class Possible:
         return found
 
     def _of_attribute(self, owner: NodeClass, name: str) -> Values:
-        """Return what an attribute of self may be: what any code gives an attribute of this name."""
+        """Return what an attribute of self may be: whatever code assigns to any attribute of this name."""
         chain, _, is_known = self._sources.lineage(owner)
         if not is_known or self._is_open or any(name in node_class.methods for node_class in chain):
             return ANY
         return self._stored(name)
 
     def _of_member(self, source: PythonSource, leaf: ast.Attribute) -> Values:
-        """Return what an attribute of something else than self may be: a member of a class, a field of a message."""
+        """Return what an attribute of any other object may be, such as a class member or a message field."""
         whole = self._sources.resolve(source, leaf) or ""
         if whole in ("math.nan", "math.inf", "numpy.nan", "numpy.inf"):
             return frozenset((math.nan if whole.endswith("nan") else math.inf,))
@@ -218,21 +218,21 @@ class Possible:
         found = set[Any]()
         for value in self.values(leaf.value):
             if not isinstance(value, (Given, Member)) and not hasattr(value, leaf.attr):
-                continue  # nothing follows the error
+                continue  # an AttributeError: nothing follows
             fields = fields_of(value.kind) if isinstance(value, Given) and is_interface(value.kind) else None
             kind = (fields or {}).get(leaf.attr, "")
             found.add(Given(kind.replace("/", ".msg.") if "/" in kind else kind))
         return frozenset(found)
 
     def _of_declared(self, source: PythonSource, name: str) -> Values:
-        """Return with which values a parameter is declared: in the file that asks for it, if that does."""
+        """Return the declared values of a parameter: in the file that gets it, else in all files."""
         given = self._declarations.get(name, ())
         own = [value for value in given if self.scopes[value][0] is source]
         return frozenset(held for value in own or given for held in self.values(value)) or ANY
 
     @cached_property
     def _declarations(self) -> Mapping[str, list[ast.expr]]:
-        """By parameter, with which values it is declared."""
+        """By parameter, the values with which it is declared."""
         found: dict[str, list[ast.expr]] = defaultdict(list)
         for node in self._code:
             match node:
@@ -255,14 +255,14 @@ class Possible:
         return self._returned(called) if called else ANY
 
     def _returned(self, function: Function) -> Values:
-        """Return what a function of the files may return."""
+        """Return the values that a function of the files may return."""
         inside = own_nodes(function)
         is_plain = isinstance(function, ast.FunctionDef) and not function.decorator_list
         if not is_plain or any(isinstance(node, (ast.Yield, ast.YieldFrom)) for node in inside):
             return ANY
         if function in self._known:
             return self._known[function]
-        self._known[function] = ANY  # where it calls itself
+        self._known[function] = ANY  # if it calls itself
         found = (
             frozenset[Any]() if isinstance(function.body[-1], (ast.Return, ast.Raise)) else frozenset((None,))
         )
@@ -275,13 +275,13 @@ class Possible:
     # --- what is assigned -------------------------------------------------------------------------------
 
     def _stored(self, key: object) -> Values:
-        """Return what is assigned to a name or an attribute; nothing, if none of the code that runs does."""
+        """Return the values assigned to a name or an attribute; empty if no code that runs assigns to it."""
         if key in self._known:
             return self._known[key]
         stores = self._stores.get(key)
         if stores is None:
             return ANY  # it comes from elsewhere
-        self._known[key] = ANY  # where it is computed from itself
+        self._known[key] = ANY  # if it is computed from itself
         found = frozenset[Any]()
         live = [store for store in stores if store.node in self._code]
         for store in live:
@@ -295,7 +295,7 @@ class Possible:
         return self._known[key]
 
     def _of_change(self, store: Store, before: Values) -> Values:
-        """Return what an assignment makes of what there was before."""
+        """Return the values after an assignment, by those before it."""
         values = self._of_store(store)
         sign = store.change
         return frozenset(changed(old, sign, by) for old in before for by in values) if sign else values
@@ -312,7 +312,7 @@ class Possible:
 
     @cached_property
     def _stores(self) -> Mapping[object, list[Store]]:
-        """By attribute, by function and name, or by file and global name: what is assigned to it anywhere."""
+        """By attribute, by function and local name, or by file and global name: all assignments to it."""
         found: dict[object, list[Store]] = defaultdict(list)
         told = set[ast.AST]()
         for node in self.scopes:
@@ -356,7 +356,7 @@ class Possible:
 
     @cached_property
     def scopes(self) -> Mapping[ast.AST, tuple[PythonSource, NodeClass | None, Function | None]]:
-        """The file, the class and the function in which each node of the files stands."""
+        """By node, the file, the class and the function that it stands in."""
         return {
             node: (source, owner, function)
             for source in self._sources.sources.values()
@@ -365,7 +365,7 @@ class Possible:
 
     @cached_property
     def _is_open(self) -> bool:
-        """Return whether code gives attributes by names that are not written there, or a node to somebody else."""
+        """Whether code may set attributes by computed names, or hand a node on to other code."""
         return any(
             self._sources.hands_itself_on(source)
             or any(word in source.text for word in ("setattr", "__dict__", "vars(", "exec("))
@@ -374,22 +374,22 @@ class Possible:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as it may stand in a set."""
+    """Return a value as it can stand in a set: lists as tuples."""
     return tuple(map(_plain, value)) if isinstance(value, (tuple, list)) else value
 
 
 def _calls(leaf: ast.expr) -> bool:
-    """Return whether something is called anew wherever a leaf stands."""
+    """Return whether an expression contains a call."""
     return any(isinstance(node, ast.Call) for node in ast.walk(leaf))
 
 
 def _parted(value: Any) -> tuple[Any, ...]:
-    """Return the values that one stands for, where there are few."""
+    """Return the values that a value stands for: both truth values for a `Given` boolean, else itself."""
     return (True, False) if value == Given("boolean") else (value,)
 
 
 def _parameter(call: ast.expr) -> str:
-    """Return the parameter that a call gives; empty if it gives none."""
+    """Return the name of the parameter that a call gets or declares; empty if it is no such call."""
     match call:
         case ast.Call(
             func=ast.Attribute(attr="get_parameter" | "declare_parameter"),
