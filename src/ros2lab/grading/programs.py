@@ -1,4 +1,4 @@
-"""Find out how each program of a package can be started: as installed, or in another way."""
+"""Find out how each program of a package can be started: as installed, or in some other way."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ros2lab.grading.evidence import KEYBOARD, NO_ENTRY_POINT, Executable
 from ros2lab.grading.modules import Module
 from ros2lab.grading.sandbox import FILES, World
 
-IMPORT_TIME = 10.0  # s; what is imported for longer runs its node at once, and does so as installed, too
-TRIALS = 2  # of importing: on a busy machine, one of some hundred has ended without a word
+IMPORT_TIME = 10.0  # s; a module that takes longer runs its node on import, as it does when installed
+TRIALS = 2  # of importing: on a busy machine, about one in a hundred ended without output
 MOST_PROGRAMS = 20
 
-# Imports each entry point in a process of its own, and prints why it cannot be called; "" if it can. What most of them
-# import is imported before, once for all.
+# Imports each entry point in a process of its own, and prints why it cannot be called; "" if it can. What
+# most of them import is imported once, before.
 _IMPORTER = """
 import importlib, json, os, select, sys, time, traceback
 for module in ('rclpy.node', 'std_msgs.msg', 'geometry_msgs.msg'):
@@ -72,7 +72,7 @@ print(json.dumps(results), flush=True)
 os._exit(0)
 """
 
-# Calls a function, or runs a module, as if a package that was not installed were.
+# Calls a function, or runs a module, as if its package, which was not installed, were.
 _CALL = """
 import functools, importlib, runpy, sys
 folder, module, function = sys.argv[1:4]
@@ -88,7 +88,7 @@ else:
 def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str, str]) -> list[Executable]:
     """Return the executables, then the plain scripts, then the modules that no executable starts.
 
-    At last come the executables of the other packages whose nodes are part of the work.
+    The executables of the other packages whose nodes are graded as well come last.
     """
     installed = {point.name: point for point in outcome.points}
     points = [*installed.values(), *(point for point in plan.points if point.name not in installed)][
@@ -108,7 +108,7 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
 
 
 def _not_started(plan: Plan, programs: Iterable[Executable], package: str = "") -> list[Executable]:
-    """Return what starts the modules of a package, the graded one or another, that none of some programs starts."""
+    """Return programs for the modules of a package (the graded one if empty) that no given program starts."""
     programs = [program for program in programs if program.command]
     reached = _reached(plan, (program.module for program in programs))
     started = {program.name for program in programs if not program.target}
@@ -121,14 +121,14 @@ def _not_started(plan: Plan, programs: Iterable[Executable], package: str = "") 
 
 
 def of_modules(plan: Plan, program: Executable) -> Executable:
-    """Return a program with what is known of the modules that it imports, directly or not."""
+    """Return a program with what is known of the modules that it imports, directly or indirectly."""
     reached = _reached(plan, [program.module])
     own = [
         module
         for module in plan.modules
         if module.name in reached or module.stem == (program.stem or program.name)
     ]
-    if not own:  # of which module it is made nobody knows
+    if not own:  # its module is not known
         return replace(program, absent=[*plan.absent_modules])
     outside = {name for module in own for name in module.outside}
     return replace(
@@ -144,16 +144,16 @@ def of_modules(plan: Plan, program: Executable) -> Executable:
 
 
 def _named_anew(program: Executable, programs: Iterable[Executable]) -> Executable:
-    """Return a program with a name that none of the others has."""
+    """Return a program with a name that none of the given programs has."""
     taken = {known.name for known in programs}
     name = f"{program.name}.py" if program.name in taken else program.name
     return replace(program, name=free_name(name, taken))
 
 
 def _of_others(plan: Plan, outcome: Outcome) -> Iterator[Executable]:
-    """Yield the programs of the other packages whose nodes are part of the work.
+    """Yield the programs of the other packages whose nodes are graded as well.
 
-    They are what was installed where `ros2 run` looks, then the modules that none of that starts.
+    First those installed where `ros2 run` looks, then the modules that none of these starts.
     """
     for package, points in plan.also.items():
         folder = f"{package}/lib/{package}/"
@@ -174,7 +174,7 @@ def _of_others(plan: Plan, outcome: Outcome) -> Iterator[Executable]:
 
 
 def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str]) -> dict[str, str]:
-    """Import what entry points name; return what is wrong with each."""
+    """Import the entry points; return what is wrong with each, empty if nothing is."""
     if not targets:
         return {}
     limits = replace(world.limits, wall_s=IMPORT_TIME + READ_TIME)
@@ -182,7 +182,7 @@ def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str
     why = ""
     for _ in range(TRIALS):
         box = world.run([sys.executable, "-c", _IMPORTER, words], environ=overlay, limits=limits)
-        # Whatever the submission has written there.
+        # The submission may have printed anything.
         with contextlib.suppress(ValueError, TypeError, RecursionError):
             results = json.loads(box.output.rstrip().rpartition("\n")[2])
             return {target: one_line(str(said)) for target, said in zip(targets, results, strict=True)}
@@ -191,7 +191,7 @@ def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str
 
 
 def _fault(plan: Plan, outcome: Outcome, point: Point, imports: Mapping[str, str]) -> str:
-    """Return why `ros2 run` cannot start an executable; nothing if it can."""
+    """Return why `ros2 run` cannot start an executable; empty if it can."""
     if not outcome.is_built:
         return "The package was not built."
     if outcome.files.get(f"{plan.name}/lib/{plan.name}/{point.name}"):
@@ -207,7 +207,7 @@ def _installed(plan: Plan, point: Point, fault: str = "") -> Executable:
 
 
 def _otherwise(plan: Plan, point: Point, fault: str) -> Executable:
-    """Return how to start what an executable should have started."""
+    """Return another way to start what an executable should start."""
     module = next((module for module in plan.modules if module.name == point.module), None)
     if module is None:
         return _installed(plan, point, fault)
@@ -244,7 +244,7 @@ def loose_script(file: str) -> Executable:
 
 
 def _plain_scripts(plan: Plan, outcome: Outcome, known: Iterable[str]) -> list[Executable]:
-    """Return what lies in lib/<package> and is no entry point."""
+    """Return the files in lib/<package> that are no entry points."""
     folder = f"{plan.name}/lib/{plan.name}/"
     names = {
         path.removeprefix(folder): is_on for path, is_on in outcome.files.items() if path.startswith(folder)
@@ -264,7 +264,7 @@ def _plain_scripts(plan: Plan, outcome: Outcome, known: Iterable[str]) -> list[E
 
 
 def _reached(plan: Plan, modules: Iterable[str]) -> set[str]:
-    """Return the modules that these import, directly or not, and themselves."""
+    """Return these modules and all that they import, directly or indirectly."""
     by_name = {module.name: module for module in plan.modules if module.name}
     reached: set[str] = set()
     queue = [*modules]

@@ -1,4 +1,4 @@
-"""What code that runs does with a publisher: whether it publishes what it can, again and again, and how often."""
+"""What code that runs does with a publisher: whether it publishes the right type, repeatedly, and how often."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.cases import Given, text_of
 from ros2lab.grading.possible import Possible, Values
 
-# What calls a function once that it is given; whatever else is given one may call it again and again.
+# What calls a function that it is given only once; anything else may call it repeatedly.
 _CALLS_ONCE = frozenset(
     ("add_done_callback", "Thread", "Timer", "submit", "register", "call_soon", "call_later")
 )
 _BINDS = ("partial", "partialmethod")
-# What only looks at whether something is there.
+# Functions that only inspect their argument.
 _LOOKS = frozenset(("isinstance", "len", "bool", "str", "repr", "id", "type", "print", "hasattr", "callable"))
 _REPEATS = (ast.While, ast.For, ast.AsyncFor, ast.comprehension, ast.ListComp, ast.GeneratorExp)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -27,28 +27,29 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 @dataclass
 class Rhythm:
-    """How often something comes.
+    """How often something is published.
 
     Attributes:
-        repeats: whether it comes again and again.
-        paces: of the timers that alone bring it, in s; None if something else does, or a timer of which it is not known.
+        repeats: whether it is published repeatedly.
+        paces: the periods of the timers that publish it, in s; None if anything else does, or a period is not
+            known.
     """
 
     repeats: bool = False
     paces: set[float] | None = field(default_factory=set)
 
     def add(self, other: Rhythm) -> None:
-        """Add what comes for another reason."""
+        """Add the rhythm of another place that publishes."""
         self.repeats |= other.repeats
         self.paces = None if self.paces is None or other.paces is None else self.paces | other.paces
 
 
 class Publishing:
-    """What the code of some files does with the publishers that it makes.
+    """What the code of some files does with the publishers it creates.
 
     Args:
         sources: the files.
-        code: that runs while a program lives.
+        code: the code that runs while a program lives.
     """
 
     def __init__(self, sources: NodeSources, code: frozenset[ast.AST]) -> None:
@@ -58,7 +59,7 @@ class Publishing:
         self._declared = Possible(sources, code, as_declared=True)
 
     def uses(self, creation: Creation) -> list[ast.Call] | None:
-        """Return the calls by which a publisher publishes what it can; None if nobody knows what is done with it."""
+        """Return the calls that publish the right type on a publisher; None if not all its uses can be followed."""
         if not self._is_publish_named:
             return []
         found = list[ast.Call]()
@@ -81,14 +82,14 @@ class Publishing:
         return [call for call in found if self._is_of(kind, call)]
 
     def rhythm(self, uses: Sequence[ast.Call]) -> Rhythm:
-        """Return how often some calls are made."""
+        """Return how often these calls are made."""
         found = Rhythm()
         for call in uses:
             found.add(self._of_place(call, ()))
         return found
 
     def is_finite(self, creation: Creation) -> bool:
-        """Return whether each number in a message may be finite, as far as what is assigned to it tells."""
+        """Return whether each number in the messages may be finite, by what is assigned to it."""
         kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type")) or ""
         given: dict[str, Values] = {}
         for node in self._code:
@@ -108,7 +109,7 @@ class Publishing:
         return not any(values and all(map(_is_endless, values)) for values in given.values())
 
     def is_destroyed(self, creation: Creation) -> bool:
-        """Return whether an end is destroyed behind its making, before anything could come of it."""
+        """Return whether an end is destroyed after it is created, before anything could come of it."""
         statement = self._statement(creation.call)
         names = {text_of(target) for target in self._kept(creation.call)}
         body = next((body for body in self._bodies(statement) if statement in body), [])
@@ -138,7 +139,7 @@ class Publishing:
         return self._possible.scopes.get(node, (None, None, None))
 
     def _kept(self, node: ast.AST) -> list[ast.expr]:
-        """Return the names and attributes that something is kept as."""
+        """Return the targets to which a node's value is assigned."""
         match self._parents.get(node):
             case ast.Assign(targets=targets):
                 return targets
@@ -147,7 +148,7 @@ class Publishing:
         return []
 
     def _is_lost(self, node: ast.AST) -> bool:
-        """Return whether something is handed on to where it is not followed."""
+        """Return whether a value goes where we do not follow it, such as into a call."""
         if kept := self._kept(node):
             return not all(isinstance(target, (ast.Name, ast.Attribute)) for target in kept)
         match self._parents.get(node):
@@ -166,7 +167,7 @@ class Publishing:
         return isinstance(function, ast.Attribute) and "get_logger" in text_of(function)
 
     def _loads(self, creation: Creation, target: ast.expr) -> Iterator[ast.AST]:
-        """Yield where code that runs takes what is kept as a name or an attribute."""
+        """Yield the places where code that runs loads a name or an attribute."""
         _, made_in, function = self._scope(target)
         for module in self._sources.together(creation.source.name):
             source = self._sources.sources[module]
@@ -182,21 +183,21 @@ class Publishing:
                     yield node
 
     def _is_same(self, made_in: NodeClass | None, owner: NodeClass | None, node: ast.AST) -> bool:
-        """Return whether what stands in a class may be what is kept in another one, for it is not of another self."""
+        """Return whether a node may mean the same object: self attributes only in classes that share a line."""
         if not (is_self_attribute(node) and owner and made_in):
             return True
         lines = [{*self._sources.lineage(node_class)[0]} for node_class in (owner, made_in)]
         return not lines[0].isdisjoint(lines[1])
 
     def _is_within(self, within: Function | None, function: Function, name: str) -> bool:
-        """Return whether a function is another one, or stands in it, or a name is everybody's."""
+        """Return whether a function is another one or nested in it, or the other one declares the name global."""
         is_shared = any(isinstance(node, ast.Global) and name in node.names for node in ast.walk(function))
         while within is not None and within is not function:
             within = self._scope(within)[2]
         return is_shared or within is function
 
     def _published(self, load: ast.AST) -> ast.Call | None:
-        """Return the call by which something publishes, if it does."""
+        """Return the call of `publish` on a loaded publisher; None if it is not used for one."""
         match self._parents.get(load):
             case ast.Attribute(attr="publish") as told:
                 call = self._parents.get(told)
@@ -204,7 +205,7 @@ class Publishing:
         return None
 
     def _is_of(self, kind: str, call: ast.Call) -> bool:
-        """Return whether what is published may be of a type: no text, no number, and no other message."""
+        """Return whether a call may publish a message of this type, and no text, number or other message."""
         values = self._possible.values(call.args[0]) if call.args else ()
         return not values or any(
             isinstance(value, Given) and (value.kind == kind or not (is_interface(kind) and value.kind))
@@ -214,11 +215,11 @@ class Publishing:
     # --- how often --------------------------------------------------------------------------------------
 
     def _of_place(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:
-        """Return how often a place in code is reached.
+        """Return how often a place in the code is reached.
 
         Args:
-            node: that stands there.
-            below: the functions from which it was come to it.
+            node: the node at that place.
+            below: the functions whose callers led to this place, to stop at recursion.
         """
         inner = node
         while (outer := self._parents.get(inner)) is not None:
@@ -245,7 +246,7 @@ class Publishing:
         return found
 
     def _is_called_by_others(self, function: Function) -> bool:
-        """Return whether rclpy, Python, or a class that is not known may call a function by its name."""
+        """Return whether rclpy, Python, or an unknown class may call a function by its name."""
         owner = self._scope(function)[1]
         if owner is None or function.name == "__init__":
             return bool(function.decorator_list)
@@ -254,11 +255,11 @@ class Publishing:
         return not is_known or is_inherited or bool(function.decorator_list)
 
     def _of_handed(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:
-        """Return how often a function is called that is handed on."""
+        """Return how often a function is called that is passed on as a value."""
         outer = self._parents.get(node)
         if isinstance(outer, ast.keyword):
             outer = self._parents.get(outer)
-        if isinstance(outer, ast.ClassDef):  # it is derived from
+        if isinstance(outer, ast.ClassDef):  # a base class
             return Rhythm()
         if not isinstance(outer, ast.Call):
             return Rhythm(True, None)
@@ -277,7 +278,7 @@ class Publishing:
     # --- what it holds ----------------------------------------------------------------------------------
 
     def _holds_number(self, kind: str, target: ast.Attribute) -> bool:
-        """Return whether a target is a field for floats in a message of some type."""
+        """Return whether an assignment's target is a float field in a message of this type."""
         root: ast.expr = target
         while isinstance(root, ast.Attribute) and not is_self_attribute(root):
             root = root.value
@@ -305,7 +306,7 @@ class Publishing:
 
 
 def _name_of(node: ast.AST) -> str:
-    """Return the name by which something is used, or looked up."""
+    """Return the name that a node loads, or looks up with `getattr`; empty if it does neither."""
     match node:
         case ast.Name(id=name, ctx=ast.Load()) | ast.Attribute(attr=name, ctx=ast.Load()):
             return name
@@ -329,7 +330,7 @@ def _destroys(node: ast.AST, names: set[str]) -> bool:
 
 
 def _lets_come(statement: ast.AST) -> bool:
-    """Return whether something may be received or published in a statement."""
+    """Return whether anything may be received or published in a statement."""
     names = {_name_of(node) for node in ast.walk(statement)}
     return any(name.startswith(("spin", "publish", "sleep", "wait")) for name in names)
 

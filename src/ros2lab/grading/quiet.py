@@ -1,4 +1,4 @@
-"""What programs publish before any command, and in which rhythm: on a clock that is stepped, or on the real one."""
+"""What programs publish before any command, and in which rhythm: on the stepped clock, or on the real one."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from ros2lab.grading.watch import NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
 STEP = 0.1  # s of the stepped clock
-QUICK = 1.0  # s: what comes more often is heard in small steps
+QUICK = 1.0  # s: topics with shorter periods are observed in small steps
 BRIEF_HORIZON = 2.6  # s, where periods are known already
 HORIZON = 8.0  # s, for three messages of a 2.4 s timer
 FAR_HORIZON = 12.0  # s, for two of a 5 s timer
-REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
+REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, whatever its phase
 JUMPS = 3
-MOST_LOOKS = 4  # for what is published
+MOST_LOOKS = 4  # at the graph for new topics
 SLOW = 5.0  # s, in which two messages of a 2.4 s timer come
-GIVEN_AGAIN = 0.1  # s, after which what programs may wait for is given again
-MANY = 12  # messages, after which a node is believed to go on
-UNEVEN = 0.45  # s, between two times from message to message
+GIVEN_AGAIN = 0.1  # s, the period at which programs are given what they may wait for
+MANY = 12  # messages after which a topic is believed to go on
+UNEVEN = 0.45  # s, the largest difference between the gaps of one topic
 
 
 class Quiet:
     """The part of a run before any command.
 
     Args:
-        watch: of the run.
-        is_brief: whether it is known already what the programs do alone.
-        given: what the programs may wait for; None if they are given nothing.
+        watch: the run's Watch.
+        is_brief: whether it is already known what the programs do alone.
+        given: gives the programs what they may wait for; None if they are given nothing.
 
     Attributes:
-        stalled: topics that came in a rhythm, and then no more.
+        stalled: topics that were published in a rhythm and then stopped.
     """
 
     def __init__(self, watch: Watch, *, is_brief: bool, given: Given | None = None) -> None:
@@ -47,12 +47,12 @@ class Quiet:
         """Step the clock until the rhythm of each topic is known.
 
         Raises:
-            NotStepped: if something does not come as the clock goes.
+            NotStepped: if a topic does not follow the clock.
             Gone: if all programs have ended.
         """
         watch = self._watch
         self._begin = time.monotonic()
-        # On a busy machine a node may answer before it is known what it publishes.
+        # On a busy machine a node may answer before the graph shows what it publishes.
         for _ in range(MOST_LOOKS):
             self._step_until_heard()
             if not watch.look_again():
@@ -61,7 +61,7 @@ class Quiet:
         if closed:
             raise NotStepped(unfollowing(closed))
         periodic = watch.periodic()
-        # What a thread publishes is seen whenever it has had its turn; on the real clock it is seen when it comes.
+        # What a thread publishes is seen whenever the thread gets its turn; on the real clock, when it comes.
         uneven = [ear.topic for ear in periodic if max(ear.gaps()[1:]) - min(ear.gaps()[1:]) > UNEVEN]
         if uneven:
             raise NotStepped(unfollowing(uneven))
@@ -74,7 +74,7 @@ class Quiet:
         horizon, least = (BRIEF_HORIZON, 1) if self._is_brief else (HORIZON, 3)
 
         def step(times: int) -> None:
-            """Set the clock forward: in larger steps where of nothing that is quick more has to be heard."""
+            """Step the clock, in larger steps once enough messages of all quick topics were heard."""
             quick = [ear for ear in watch.periodic() if min(ear.gaps()[1:]) < QUICK]
             is_first = watch.now() < start + QUICK
             if not is_first:
@@ -84,7 +84,7 @@ class Quiet:
         while watch.now() < start + horizon and not (
             watch.now() >= start + QUICK and _all_have(watch, least)
         ):
-            # What has not come twice by now is slow, if it comes again at all.
+            # A topic without two messages by now is slow, if it comes again at all.
             is_slow = watch.now() >= start + SLOW and all(
                 ear.count < 2 or ear.count >= least for ear in watch.ears.values()
             )
@@ -92,12 +92,13 @@ class Quiet:
             watch.check_still()
         while not self._is_brief and watch.now() < start + FAR_HORIZON and not _all_have(watch, 2):
             step(5)
-        for ear, count in kept.items():  # what came in larger steps tells nothing of its rhythm
+        for ear, count in kept.items():  # messages in larger steps tell nothing about the rhythm
             ear.forget(count)
 
     def _jump(self, periodic: list[Ear]) -> None:
         watch = self._watch
-        # What follows the clock comes once a jump, however short that is in real time, and not while the clock stands.
+        # A topic that follows the clock comes once per jump, however short in real time, and never in
+        # between.
         jump = max(max(ear.gaps()) for ear in periodic)
         kept = [(ear, ear.count) for ear in watch.ears.values()]
         longest = 0.0
@@ -118,7 +119,7 @@ class Quiet:
             ear.forget(count)
 
     def _leap(self, periodic: list[Ear], jump: float) -> list[str]:
-        """Set the clock forward by the longest period, and return the topics that do not come, but have not stalled."""
+        """Set the clock forward by the longest period; return the silent topics that have not stalled."""
         watch = self._watch
         going = self._going(periodic)
         late = silent_after(watch, going, jump)
@@ -131,7 +132,7 @@ class Quiet:
         return [ear for ear in ears if ear.topic not in self.stalled]
 
     def _have_stopped(self, late: list[Ear], jump: float) -> bool:
-        """Return whether topics that came in a rhythm come no more, whatever time passes on either clock."""
+        """Return whether topics that had a rhythm have stopped, on the stepped clock and on the real one."""
         watch = self._watch
         before = watch.heard
         period = (time.monotonic() - self._begin) / min(ear.total for ear in late)  # if it was in real time
@@ -141,14 +142,14 @@ class Quiet:
         return bool(silent_after(watch, late, jump) == late)
 
     def on_the_real_clock(self) -> None:
-        """Listen until the rhythm of each topic is known, or would have been seen.
+        """Listen until the rhythm of each topic is known, or must have shown.
 
         Raises:
             Gone: if all programs have ended.
         """
         watch = self._watch
         horizon, least = (BRIEF_HORIZON, 1) if self._is_brief else (REAL_HORIZON, 3)
-        # A loop around spin_once publishes whenever it was asked something: that is no rhythm of its own.
+        # A loop around spin_once publishes whenever we ask it something: that is no rhythm of its own.
         watch.until(lambda: False, watch.late)
         for ear in watch.ears.values():
             ear.set_aside()
@@ -168,7 +169,7 @@ class Quiet:
         for ear in watch.ears.values():
             if ear.count < 2:
                 ear.take_back()
-        # What goes on the clock that is stepped was seen to.
+        # Topics on the stepped clock have been checked already.
         if not self._is_brief:
             doubtful = filter(_is_doubtful, watch.periodic())
             self.stalled += [ear.topic for ear in doubtful if not self._comes_again(ear)]
@@ -182,7 +183,7 @@ class Quiet:
 
 
 def silent_after(watch: Watch, ears: list[Ear], seconds: float) -> list[Ear]:
-    """Set the clock forward, and return those of some topics on which nothing comes then."""
+    """Set the clock forward, and return the given topics on which nothing was published then."""
     before = {ear.topic: ear.total for ear in ears}
     watch.step(seconds)
     watch.until(lambda: all(ear.total > before[ear.topic] for ear in ears), watch.late)
@@ -196,7 +197,7 @@ def unfollowing(topics: Iterable[str]) -> str:
 
 
 def _is_doubtful(ear: Ear) -> bool:
-    """Return whether a topic that came in a rhythm may have stopped: it is overdue, or little of the rhythm was seen."""
+    """Return whether a periodic topic may have stopped: it is overdue, or few messages were seen."""
     return max(ear.gaps()[1:]) >= 1.0 if ear.count < 3 else ear.is_overdue()
 
 

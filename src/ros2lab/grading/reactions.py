@@ -1,4 +1,4 @@
-"""What follows a command in a run, less what would follow any: pure functions over what was recorded."""
+"""What follows a command in a run, without what would follow any: pure functions over recorded runs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ros2lab.grading.senses import is_still, is_velocity, steady
 _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 
 
-Change = tuple[str, str]  # a topic or a parameter, and what it says then
+Change = tuple[str, str]  # a topic or a parameter, and what it says after a command
 
 
 def effects_of(
@@ -27,15 +27,15 @@ def effects_of(
     has_own_log: bool,
     echoes: Collection[Change] = (),
 ) -> dict[str, str]:
-    """Tell of each word whether it was `processed`, only `echoed`, or `refused` as unknown words are.
+    """Return by word whether it was `processed`, only `echoed`, or `refused` like unknown words.
 
-    Of words that nothing follows it tells nothing.
+    Words that nothing follows are left out.
 
     Args:
-        part: that takes the words.
-        run: in which they were said.
-        alone: what comes on each topic by itself.
-        has_own_log: whether the log is the node's own.
+        part: the part that takes the words.
+        run: the run in which they were sent.
+        alone: by topic, what is published without commands.
+        has_own_log: whether all log lines are the node's own.
         echoes: changes that only repeat a word, as other runs have shown.
     """
     found: dict[str, str] = {}
@@ -48,7 +48,7 @@ def effects_of(
         return found
     known = set[str]().union(*said.values())
     unknown = _control(part, run)
-    # What is said of an unknown word alone shows that the others are known.
+    # A line that only unknown words get shows that the node knows the others.
     refuses = bool(unknown - known - said_by_itself(run))
     is_arbitrary = logs_arbitrarily(part, run)
     telling, is_changing = telling_lines(part, run), changing(part, run, alone, echoes)
@@ -58,9 +58,9 @@ def effects_of(
         if not command.is_alive and unknown_word(part) not in by_text:
             own -= set[str].intersection(
                 known, *said.values()
-            )  # that it was heard, but not that it was obeyed
+            )  # these lines show that it was received, but not that it was obeyed
         elsewhere = set[str]().union(*(lines for other_word, lines in said.items() if other_word != word))
-        # A line that this word shares with unknown ones, and with no other word, says that it is not known.
+        # A line that this word shares with unknown ones, but with no other word, says that it is unknown.
         is_refused = bool(unknown & (_warnings(run, command) | (own - elsewhere)))
         is_apart = not is_arbitrary and (own - unknown or (own and refuses))
         if is_changing[numbers[word]] or is_apart:
@@ -71,9 +71,10 @@ def effects_of(
 
 
 def _control(part: Part, run: Run) -> set[str]:
-    """Return what is said of an unknown word each time that it comes.
+    """Return the log lines that follow an unknown word each time.
 
-    It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
+    The word is sent while the robot stands and while it moves: a line that comes only once tells of that
+    state.
     """
     unknown = (command for command in run.commands if command.text in part.unknown)
     said = _by_unknown(part, ((command.text, templates(run, command)) for command in unknown))
@@ -87,7 +88,7 @@ def _control(part: Part, run: Run) -> set[str]:
 
 
 def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, list[set[Any]]]:
-    """Return by unknown word what was seen after it, each time."""
+    """Return by unknown word what was seen after it, for each time that it was sent."""
     found: dict[str, list[set[Any]]] = {}
     for text, answers in seen:
         if text and text in part.unknown:
@@ -96,12 +97,12 @@ def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, l
 
 
 def _warnings(run: Run, command: CommandSeen) -> set[str]:
-    """Return what was said after a command as a warning."""
+    """Return the warnings and errors logged after a command."""
     return {_template(_line(run, text), command.text) for level, text in command.log if level in _WARNINGS}
 
 
 def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = True) -> bool:
-    """Return whether anything at all follows a command that does not come by itself."""
+    """Return whether anything follows a command that does not also come by itself."""
     return (
         any(command.parameters for command in run.commands)
         or any(changed(run, alone))
@@ -115,15 +116,15 @@ def unknown_word(part: Part) -> str:
 
 
 def lines_of(run: Run, command: CommandSeen) -> set[str]:
-    """Return what was said after a command, without what a program prints when it dies of it."""
+    """Return the log lines after a command, without what a program prints when the command ends it."""
     return {_line(run, text) for level, text in command.log if command.is_alive or level != "PRINT"}
 
 
 def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
-    """Return by command, of the first time that it was said, the lines after it that do not come whatever the command is.
+    """Return by command the lines after its first time that do not follow just any command.
 
-    What came before any command, and comes after another one as well, comes by itself; but what was said once
-    before, and follows no unknown word, tells of a state that a command brings back.
+    Lines that came before any command and follow an unknown word come by themselves; a line that came once
+    before, and follows no unknown word, tells of a state that the command restores.
     """
     heard = {
         command.text: lines_of(run, command)
@@ -137,7 +138,7 @@ def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
     found = {word: set[str]() for word in part.commands}
     for word in found.keys() & heard.keys():
         said = dict(heard)
-        if is_arbitrary:  # only the word itself tells of it
+        if is_arbitrary:  # only lines with the word itself count
             said[word] = {line for line in said[word] if "{}" in _template(line, word)}
         common = (
             set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
@@ -148,12 +149,12 @@ def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
 
 
 def said_by_itself(run: Run) -> set[str]:
-    """Return the lines that came before any command."""
+    """Return the lines that were logged before any command."""
     return {_line(run, text) for _, text in run.log}
 
 
 def _line(run: Run, text: str) -> str:
-    """Return a line without its numbers, and without what was typed at a keyboard meanwhile."""
+    """Return a log line without its numbers and without what was typed at a keyboard."""
     return steady(re.sub(_any_of(frozenset(run.typed)), "…", text) if run.typed else text)
 
 
@@ -173,12 +174,12 @@ def _in_any_case(word: str) -> re.Pattern[str]:
 
 
 def templates(run: Run, command: CommandSeen) -> set[str]:
-    """Return what was said after a command, with `{}` in the place of the command itself."""
+    """Return the log lines after a command, with `{}` instead of the command itself."""
     return {_template(line, command.text) for line in lines_of(run, command)}
 
 
 def changing(part: Part, run: Run, alone: Mapping[str, Heard], echoes: Collection[Change] = ()) -> list[bool]:
-    """Return of each command whether a topic or parameter says something else after it than before, and than after unknown ones."""
+    """Return for each command whether it changed a topic or parameter in a way that unknown words do not."""
     brought = _brought(run, alone)
     unknown = _by_unknown(part, zip((command.text for command in run.commands), brought, strict=True))
     vain = _arbitrary(unknown) | {part.topic}
@@ -187,7 +188,7 @@ def changing(part: Part, run: Run, alone: Mapping[str, Heard], echoes: Collectio
 
 
 def echoes(part: Part, runs: Iterable[Run], alone: Mapping[str, Heard]) -> set[Change]:
-    """Return the changes that repeat an unknown word each time that it comes, in some run."""
+    """Return the changes that repeat an unknown word each time that it is sent, in any of the runs."""
     brought = (
         zip((command.text for command in run.commands), _brought(run, alone), strict=True) for run in runs
     )
@@ -196,29 +197,29 @@ def echoes(part: Part, runs: Iterable[Run], alone: Mapping[str, Heard]) -> set[C
 
 
 def _common(brought: Mapping[str, list[set[Change]]]) -> set[Change]:
-    """Return what is said each time after an unknown word; after a single one it may be the state that it has left."""
+    """Return the changes after an unknown word each time; once is too little, for it may be an earlier state."""
     controls = [times for times in brought.values() if len(times) > 1]
     return set[Change]().union(*(set.intersection(*times) for times in controls))
 
 
 def logs_arbitrarily(part: Part, run: Run) -> bool:
-    """Return whether the log says something else of each unknown word."""
+    """Return whether the log says something different for each unknown word."""
     unknown = (command for command in run.commands if command.text in part.unknown)
     said = ((command.text, {("", line) for line in templates(run, command)}) for command in unknown)
     return bool(_arbitrary(_by_unknown(part, said)))
 
 
 def _arbitrary(brought: Mapping[str, Iterable[set[Change]]]) -> set[str]:
-    """Return what says something else of each unknown word, such as by a hash or a count: it tells no words apart.
+    """Return the places that say something different for each unknown word, such as a hash or a count.
 
     Args:
-        brought: by unknown word, what came after it each time, as pairs of where it came and what it says.
+        brought: by unknown word, the changes after it, for each time.
     """
     after = [set[Change]().union(*times) for times in brought.values()]
     if len(after) < 2:
         return set()
     common = set.intersection(*after)
-    # A state in which one of them was said twice shows in lines which they share.
+    # If two of the words were sent in the same state, that shows in changes which both share.
     shared = {
         change for first, second in itertools.combinations(after, 2) for change in first & second
     } - common
@@ -227,7 +228,7 @@ def _arbitrary(brought: Mapping[str, Iterable[set[Change]]]) -> set[str]:
 
 
 def _brought(run: Run, alone: Mapping[str, Heard]) -> list[set[Change]]:
-    """Return of each command the topics and parameters that say something else after it than before, and what they say."""
+    """Return for each command the topics and parameters that changed after it, and what they say then."""
     return [
         {
             *changes,
@@ -238,7 +239,7 @@ def _brought(run: Run, alone: Mapping[str, Heard]) -> list[set[Change]]:
 
 
 def changed(run: Run, alone: Mapping[str, Heard]) -> list[list[Change]]:
-    """Return of each command the topics that say something else after it than before, and what they say."""
+    """Return for each command the topics that changed after it, and what they say then."""
     quiet = {**alone, **run.quiet}
     is_telling = functools.cache(lambda topic: tells(run, topic, alone))
     last, found = dict(quiet), list[list[Change]]()
@@ -255,12 +256,12 @@ def changed(run: Run, alone: Mapping[str, Heard]) -> list[list[Change]]:
 
 
 def _is_news(heard: Heard, last: Heard | None, quiet: Heard | None) -> bool:
-    """Return whether a topic says something else than the last time, and nothing that it says by turns without a command.
+    """Return whether a topic says something new, and not what it says by turns without a command.
 
     Args:
         heard: what it says now.
-        last: what it said before; never None if `quiet` is not.
-        quiet: what it says while no command comes.
+        last: what it said before; not None if `quiet` is not.
+        quiet: what it said before any command.
     """
     told, before_it = heard.sense, last.sense if last else ""
     # A ramp ends by itself.
@@ -271,10 +272,10 @@ def _is_news(heard: Heard, last: Heard | None, quiet: Heard | None) -> bool:
 
 
 def tells(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
-    """Return whether what a topic says tells of the commands in a run: the same word brings the same, and nothing else does.
+    """Return whether a topic depends on the commands of a run: the same word always brings the same message.
 
-    Where no graph shows that nodes hear each other, they may still meet by a service or a file; then only what is
-    steady by itself tells, and where words are said again, what the same word was seen to bring more than once.
+    Nodes that the graph does not connect may still share a service or a file. Then the topic must be steady
+    by itself, and if words were repeated, some word must have brought the same more than once.
     """
     left = _left_by(run, topic)
     is_said_once = len({command.text for command in run.commands}) == len(run.commands)
@@ -284,9 +285,9 @@ def tells(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
 
 
 def is_reached(run: Run, topic: str) -> bool:
-    """Return whether a topic is published by a node that takes the commands of a run, or by one that hears such a node.
+    """Return whether a node that takes a run's commands, or one that hears such a node, publishes a topic.
 
-    Those of one program may meet anywhere.
+    True for a single program, whose nodes may share anything.
     """
     topics, nodes = {run.commanded}, set[str]()
     if len(run.programs) == 1 or not run.subscribes.get(run.commanded):
@@ -298,7 +299,7 @@ def is_reached(run: Run, topic: str) -> bool:
 
 
 def _is_restless(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
-    """Return whether what a topic says changes by itself: before any command, or more than once after one."""
+    """Return whether a topic changes by itself: before any command, or more than once after one."""
     quiet = [part[topic] for part in (alone, run.quiet) if topic in part]
     later = [command.topics[topic] for command in run.commands if topic in command.topics]
     changes = [turns(heard.senses) for heard in (*quiet, *later)]
@@ -306,9 +307,9 @@ def _is_restless(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
 
 
 def _left_by(run: Run, topic: str) -> dict[str, list[str]]:
-    """Return how each word that changed what a topic says left it, whenever it was said from then on.
+    """Return by word the states in which it left a topic, from the first time that it changed the topic.
 
-    A velocity is only asked whether it is one. What changes nothing leaves it in one state or another.
+    All velocities but standing still count as one state. Words that never change the topic are left out.
     """
     after: dict[str, list[str]] = {}
     before = run.quiet.get(topic)
@@ -325,22 +326,22 @@ def _left_by(run: Run, topic: str) -> dict[str, list[str]]:
 
 
 def _state(heard: Heard) -> str:
-    """Return what messages say last, of a velocity only whether it is one."""
+    """Return what the last message says; `moving` for any velocity but standing still."""
     is_moving = heard.sense != "still" and is_velocity(heard.values[-1])
     return "moving" if is_moving else heard.sense
 
 
 def _by_turns(quiet: Heard) -> set[str]:
-    """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
+    """Return what a topic says by turns before any command; empty if it changes once, or stands still."""
     senses = quiet.senses
     return {*senses} if turns(senses) > 1 and "still" not in senses else set()
 
 
 def turns(values: Sequence[object]) -> int:
-    """Return how many values differ from the one before them."""
+    """Return how many values differ from their predecessor."""
     return sum(before != after for before, after in itertools.pairwise(values))
 
 
 def stands(heard: Heard | None) -> bool | None:
-    """Return whether a robot stands by its last velocity; None if there is none."""
+    """Return whether a robot stands still, by its last velocity; None if there is none."""
     return is_still(heard.values[-1]) if heard and heard.values else None

@@ -1,7 +1,8 @@
 """Read a submission's files: the program of a box, which `reading` starts.
 
-Whatever the files hold, it takes no more than the box may use, and it can do no harm. Nothing of a submission is run
-or imported. Each answer is a line of JSON, so that what was read before a limit was met is not lost.
+Whatever the files hold, reading them takes no more than the box may use and does no harm. Nothing of a
+submission is run or imported. Each answer is a line of JSON, so that what was read before a limit is not
+lost.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ Answers = Iterator[tuple[str, Any]]
 
 
 def look(root: Path, asked: Mapping[str, Any]) -> Answers:
-    """Yield what is in a submission, how it is to be built, and the facts of its files; lay out the workspace."""
+    """Yield what a submission contains, its build plan, and the facts of its files; lay out the workspace."""
     assignment = Assignment.of_plain(asked["assignment"])
     submission = found_in(root, typed(asked["received"], Received, "received"), assignment)
     yield "submission", submission
@@ -45,13 +46,13 @@ def look(root: Path, asked: Mapping[str, Any]) -> Answers:
 
 
 def lay_out(root: Path, asked: Mapping[str, Any]) -> Answers:
-    """Lay out the workspace of a plan; yield nothing."""
+    """Lay out a plan's workspace; yield nothing."""
     typed(asked["plan"], Plan, "plan").lay_out(root)
     yield from ()
 
 
 def said(root: Path, asked: Mapping[str, Any]) -> Answers:
-    """Yield what the errors of a build and of programs mean."""
+    """Yield the findings about the errors of a build and of programs."""
     texts = [as_written(text, root, asked["folder"]) for text in asked["texts"]]
     yield (
         "findings",
@@ -60,12 +61,12 @@ def said(root: Path, asked: Mapping[str, Any]) -> Answers:
 
 
 def as_written(text: str, root: Path, folder: str) -> str:
-    """Return what a program said, with the files of the package where they were handed in.
+    """Return a program's output, with installed files replaced by those that were handed in.
 
     Args:
-        text: what it said.
-        root: the folder into which the submission was received.
-        folder: of the package, below that.
+        text: the output.
+        root: the folder with the submission as received.
+        folder: the package's folder below the root.
     """
 
     def written(match: re.Match[str]) -> str:
@@ -83,15 +84,15 @@ QUESTIONS: Mapping[str, Callable[[Path, Mapping[str, Any]], Answers]] = {
 
 
 def main() -> None:
-    """Answer a question: `argv` is the question and the submission's folder, standard input what else is known."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # Python warns of sources with their own words
+    """Answer a question: `argv` has the question and the submission's folder, standard input the rest, as JSON."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # Python's warnings quote the sources
     question, root = sys.argv[1:]
     try:
         asked = json.load(sys.stdin, object_hook=restored)
         for name, value in QUESTIONS[question](Path(root), asked):
             _say(name, plain(value, name))
     except Exception as error:
-        # A name that stands in a file, and that no file can have, is only noticed where one is looked for.
+        # A file may mention a name that is too long for any file: that is only noticed when it is looked up.
         is_too_long = isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG
         if is_too_long or isinstance(error, MemoryError | RecursionError):
             _say("gave up", "a name is too long" if is_too_long else type(error).__name__)

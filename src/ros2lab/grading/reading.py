@@ -1,4 +1,4 @@
-"""Have a submission's files read in a box, within limits: see `reader`, which is the program of that box."""
+"""Have a submission's files read in a box, within limits; `reader` is the program that runs in it."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from ros2lab.grading.reports.evidence_json import plain, restored, typed
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Received, Submission
 
-# What somebody has written by hand takes half a second of CPU time and 80 MB.
+# A submission written by hand takes half a second of CPU time and 80 MB.
 LIMITS = Limits(
     wall_s=180, cpu_s=40, memory_bytes=1_000_000_000, processes=64, output_bytes=50_000_000, open_files=256
 )
-CRASHED = 128  # what signals end has a higher code
+CRASHED = 128  # exit codes above this are those of signals
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What stands in a submission's files, before anything of it has run.
+    """What was read in a submission's files, before anything of it has run.
 
     Attributes:
         submission: what was found.
         files: the facts.
-        plan: how it is built, which is laid out in the World; None if there is no package, or none that could be read.
+        plan: how it is built; its workspace is laid out in the World. None if no package could be read.
     """
 
     submission: Submission
@@ -44,18 +44,18 @@ class Reading:
 
 
 def read(world: World, received: Received, assignment: Assignment) -> Reading:
-    """Look at what was received, and lay out a workspace in which it can be built.
+    """Read a received submission, and lay out a workspace in which it can be built.
 
     Args:
-        world: a copy of what was received, in which no box has had its files. It shows `environment.DDS_PROFILE`.
-        received: what is known of it.
-        assignment: for which it was handed in.
+        world: a copy of the submission that no box has used yet. It shows `environment.DDS_PROFILE`.
+        received: what is known of the submission.
+        assignment: the assignment for which it was handed in.
 
     Returns:
-        What was read; where a limit ended that, a note in `files` says so, and what is missing there is empty.
+        What was read; if a limit ended the reading, a note in `files` says so, and unread facts are empty.
 
     Raises:
-        SubmissionError: if a limit was met before it was known what is in it.
+        SubmissionError: if a limit was met before it was known what the submission contains.
         RuntimeError: as for `underlay`.
         SandboxMissing: if a box cannot be made.
     """
@@ -80,12 +80,12 @@ def read(world: World, received: Received, assignment: Assignment) -> Reading:
 
 
 def explained(world: World, folder: str, texts: Iterable[str]) -> list[list[str]]:
-    """Return what the errors of a build and of programs mean, as `Files.findings` has it.
+    """Return the findings about the errors of a build and of programs, in the form of `Files.findings`.
 
     Args:
-        world: a copy of what was received.
-        folder: of the package, below that.
-        texts: the errors.
+        world: a copy of the submission.
+        folder: the package's folder in it.
+        texts: the output with the errors.
 
     Raises:
         SandboxMissing: if a box cannot be made.
@@ -97,7 +97,7 @@ def explained(world: World, folder: str, texts: Iterable[str]) -> list[list[str]
 def _ask(
     world: World, question: str, asked: Mapping[str, Any], environ: Mapping[str, str]
 ) -> tuple[dict[str, Any], str]:
-    """Return the answers to a question, and which limit kept the last of them away, in a sentence."""
+    """Return the answers to a question, and a sentence about the limit that cut them short, empty if none did."""
     strict = {net.STRICT: "1"} if os.environ.get(net.STRICT) else {}
     paths = [str(PACKAGE.parent), environ.get("PYTHONPATH", "")]
     given = os.memfd_create("asked")
@@ -116,7 +116,7 @@ def _ask(
     finally:
         os.close(given)
     code = box.wait()
-    # Nothing of the submission has run here, so all lines but the last one of a box that was cut are whole.
+    # Nothing of the submission has run here, so all lines but the last one of a cut box are whole.
     lines = box.output.splitlines()
     whole = lines if code == 0 else lines[:-1] if not box.output.endswith("\n") else lines
     answers = dict(json.loads(line, object_hook=restored) for line in whole)

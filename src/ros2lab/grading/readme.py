@@ -1,4 +1,4 @@
-"""Hold the commands in a README against what was built and seen."""
+"""Compare the commands in a README with what was built and seen."""
 
 from __future__ import annotations
 
@@ -24,24 +24,25 @@ _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULT
 # The word before a command in a sentence, as in "Run colcon build in ~/ws"; an article makes it a noun.
 _INSTRUCTION = re.compile(r"(?<!\w)(?!(?:the|an?) )[^\W\d_]+ +$", re.IGNORECASE)
 _PROMPT = re.compile(r"[^`]*[$%] *|\s*[^\s<]*> +")
-# Of a list, a quotation or stress, before the first word of a line.
+# Marks of a list, a quotation or emphasis before the first word of a line.
 _MARKS = re.compile(r"(?:[-*+>(]|\d+[.)]|\s)*")
 
 
 def commands(
     text: str, submission: Submission, built: Build, runs: Sequence[Run], facts: Files | None = None
 ) -> dict[str, bool | None]:
-    """Find the commands in a README, and tell of each whether it is true of this submission.
+    """Find the commands in a README, and return for each whether it is true of this submission.
 
     Args:
         text: the README.
         submission: what was handed in.
-        built: what came of its build.
-        runs: what was seen of its programs.
-        facts: of its files; None if nothing but the README is known.
+        built: the result of its build.
+        runs: the runs of its programs.
+        facts: the facts of its files; None if only the README is known.
 
     Returns:
-        By command: whether what it names is there, and takes what it gives; None for what is not the submission's own.
+        By command, whether what it names exists and takes its operands; None if it is not about the
+        submission.
     """
     known, operands = _Known(submission, built, runs), Operands(facts or Files(), runs)
     code = [match.span() for match in _CODE.finditer(text)]
@@ -55,27 +56,27 @@ def commands(
         command: False for command, is_true in judged.items() if is_true and not operands.fit(command.split())
     }
     judged |= {command: None for command in judged if any(map(is_placeholder, command.split()[2:4]))}
-    # A README may name tools such as rqt_graph, and what those publish: whether that is true nobody knows here.
+    # A README may name tools such as rqt_graph and their topics: we cannot know whether that is true.
     foreign = [command for command in judged if known.is_foreign(command.split())]
     elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
     return judged | dict.fromkeys([*foreign, *elsewhere])
 
 
 def misgiven(texts: Iterable[str], runs: Sequence[Run], facts: Files) -> list[str]:
-    """Return which of some commands give what is not so, whether or not what they name is there."""
+    """Return the commands whose operands are wrong, whether or not what they name exists."""
     operands = Operands(facts, runs)
     return [text for text in texts if not operands.fit(text.split())]
 
 
 def is_placeholder(word: str) -> bool:
-    """Return whether a word of a command stands for what its reader is to write there."""
+    """Return whether a word of a command is a placeholder that its reader is to replace."""
     return _PLACEHOLDER.fullmatch(word) is not None
 
 
 def _is_to_be_run(
     text: str, start: int, words: Sequence[str], code: Iterable[tuple[int, int]], known: _Known
 ) -> bool:
-    """Return whether a text has its reader run the command at a place: in code as a shell would run it."""
+    """Return whether a README asks to run the command at a place; in code, whether a shell would run it."""
     for begin, end in code:
         if begin <= start < end:
             is_inline = not text[begin:end].lstrip(" ").startswith(("```", "~~~"))
@@ -85,15 +86,16 @@ def _is_to_be_run(
 
 
 def _before(text: str, start: int) -> str:
-    """Return what stands before a place in its line."""
+    """Return the part of a line before a place in it."""
     return text[text.rfind("\n", 0, start) + 1 : start]
 
 
 def _is_meant(words: Sequence[str], before: str, known: _Known) -> bool:
-    """Return whether words outside of code are a command, and not a sentence about colcon or `ros2 run`.
+    """Return whether words outside of code are a command, not a sentence about colcon or `ros2 run`.
 
-    Behind a prompt they are one. Elsewhere `colcon build` is one if no word follows it, and `ros2 run` if it begins its
-    line or starts something that may be of the submission.
+    After a prompt they always are. Elsewhere `colcon build` is a command if no other word follows or an
+    instruction comes before, and `ros2 run` if it begins its line or starts something that may belong to the
+    submission.
     """
     if _PROMPT.fullmatch(before):
         return True
@@ -107,23 +109,23 @@ def _is_meant(words: Sequence[str], before: str, known: _Known) -> bool:
 
 
 def _command(words: Sequence[str]) -> str:
-    """Return a command without the sentence that goes on behind it: colcon takes options only."""
+    """Return a command without the sentence that goes on after it: colcon takes options only."""
     bare = [*map(_bare, words)]
     is_prose = bare[0] == "colcon" and not " ".join(bare[2:3]).startswith("-")
     return " ".join(bare[:2] if is_prose else bare)
 
 
 def _bare(word: str) -> str:
-    """Return a word of a command without what belongs to the sentence around it; a message's YAML stays."""
+    """Return a word of a command without punctuation of the sentence around it; a message's YAML stays."""
     return word if set(word) & {*"{}"} else word.rstrip(".,:)\"'") or word
 
 
 class _Known:
-    """What a command can name."""
+    """The names that a command can use."""
 
     def __init__(self, submission: Submission, built: Build, runs: Sequence[Run]) -> None:
         found = submission.package
-        # Where setup.py and package.xml differ, a README may have either name; the folder's is the likelier one.
+        # If setup.py and package.xml differ, a README may use either name; the folder's is the likelier one.
         names = (found.name, PurePosixPath(found.folder).name) if found else ()
         self._own = {name for name in names if name}
         self._packages = {package.name for package in submission.packages}
@@ -152,13 +154,13 @@ class _Known:
         return False
 
     def may_start(self, names: Sequence[str]) -> bool:
-        """Return whether names behind `ros2 run` or `ros2 launch` may be those of this package, or stand for them."""
+        """Return whether names after `ros2 run` or `ros2 launch` may be this package's, or placeholders."""
         if len(names) < 2:
             return any(re.search(r"\w[./]\w", name) for name in names)  # a launch file may be named alone
         return any(map(is_placeholder, names)) or not self.is_foreign(["ros2", "run", *names])
 
     def is_elsewhere(self, words: Sequence[str]) -> bool:
-        """Return whether a command names a topic or a node that is nothing like those of this package."""
+        """Return whether a command names a topic or a node unlike any of this package's."""
         match words:
             case ["ros2", "topic" | "node" | "param", _, *rest]:
                 own = self._topics | self._nodes
@@ -188,19 +190,19 @@ class _Known:
         return None if named is None else named in known
 
     def _builds(self, words: Sequence[str]) -> bool:
-        """Return whether colcon comes to a package of the hand-in, and does not leave out the graded one."""
+        """Return whether colcon builds a package of the submission, and does not skip the graded one."""
         own, chosen = self._own & self._packages, self._chosen(words)
         is_left_out = bool(own) and own <= {*_values(words, "--packages-skip")}
         return not is_left_out and (not chosen or bool(chosen & self._packages))
 
     def _chosen(self, words: Sequence[str]) -> set[str]:
-        """Return the packages that options of colcon choose."""
+        """Return the packages that colcon's options select."""
         options = ("--packages-select", "--packages-up-to")
         return {name for option in options for name in _values(words, option)}
 
 
 def _values(words: Sequence[str], option: str) -> Iterator[str]:
-    """Yield the values of an option that takes several."""
+    """Yield the values of an option that takes several values."""
     is_of_it = False
     for word in words:
         is_of_it = word == option or (is_of_it and not word.startswith("-"))

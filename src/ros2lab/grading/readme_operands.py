@@ -1,7 +1,7 @@
-"""What a README's commands give besides the names of programs, topics and nodes: types, parameters and arguments.
+"""The operands of a README's commands besides programs, topics and nodes: types, parameters and arguments.
 
-Only what the evidence plainly tells to be otherwise is not so: a type that no end of the topic has, a parameter that a
-node which was asked does not have, an argument that no launch file of that name names.
+An operand is wrong only if the evidence plainly contradicts it: a type that no end of the topic has, a
+parameter that a node which was asked does not have, an argument that no launch file of that name uses.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from ros2lab.grading.player import STAND_IN
 
 _TYPE = re.compile(r"([a-z]\w*)/(?:msg/)?([A-Z]\w*)")
 _NAME = re.compile(r"[a-z_][\w.]*")
-_GIVEN = re.compile(r"([a-z_][\w.]*):=.*")  # capitals stand for what the reader is to write
-# What may stand behind --ros-args, up to a bare -- (rcl's own grammar); some take a value.
+_GIVEN = re.compile(r"([a-z_][\w.]*):=.*")  # capitals are placeholders
+# The options after --ros-args, up to a bare -- (rcl's own grammar); some take a value.
 _ROS_FLAGS = re.compile(
     r"--|-[pre]|--(?:param|remap|enclave|params-file|log-level|log-config-file|log-file-name)"
     r"|--(?:en|dis)able-(?:rosout|stdout|external-lib)-logs"
@@ -25,11 +25,11 @@ _ROS_FLAGS = re.compile(
 
 
 class Operands:
-    """What a command can give.
+    """Checks the operands of commands.
 
     Args:
-        facts: of the files.
-        runs: what was seen of the programs.
+        facts: the facts of the files.
+        runs: the runs of the programs.
     """
 
     def __init__(self, facts: Files, runs: Sequence[Run]) -> None:
@@ -37,7 +37,7 @@ class Operands:
         self._runs = runs
 
     def fit(self, words: Sequence[str]) -> bool:
-        """Return whether nothing that a command gives is plainly otherwise."""
+        """Return whether no operand of a command is plainly wrong."""
         match words:
             case ["ros2", "topic", "pub" | "echo", *rest]:
                 return self._has_type(rest)
@@ -53,7 +53,7 @@ class Operands:
         return True
 
     def _has_type(self, words: Sequence[str]) -> bool:
-        """Return whether a topic has the type that is given behind it, if one is."""
+        """Return whether a topic has the type given in a command; True if none is given, or none is known."""
         topic = next((word for word in words if word.startswith("/")), "")
         given = next(filter(None, map(_TYPE.fullmatch, words)), None)
         types = {
@@ -67,7 +67,7 @@ class Operands:
         return not (given and known) or STAND_IN in types or given.groups() in known
 
     def _held(self, node: str) -> list[set[str]]:
-        """Return the parameters of a node, in each run in which it told them."""
+        """Return the parameters of a node, for each run in which it reported them."""
         return [{*run.parameters[node]} for run in self._runs if node in run.parameters]
 
     def _has_parameter(self, held: Sequence[set[str]], name: str) -> bool:
@@ -75,10 +75,10 @@ class Operands:
         return is_known or not held or any(name in names for names in held)
 
     def _takes(self, program: str, words: Sequence[str]) -> bool:
-        """Return whether a program takes what stands behind `--ros-args`."""
+        """Return whether a program takes the words after `--ros-args`."""
         own = [run for run in self._runs if run.programs == [program] and run.setting == "alone"]
         held = [names for run in own for node in run.nodes for names in self._held(node)]
-        # One that has not told its parameters, or starts nothing that was seen, may have any.
+        # A program that has not reported its parameters, or whose nodes were not seen, may have any.
         is_told = bool(own) and all(run.parameters.keys() >= {*run.nodes} for run in own)
         before = ""
         for word in words:
@@ -93,7 +93,7 @@ class Operands:
         return True
 
     def _is_unnamed(self, file: str, argument: str) -> bool:
-        """Return whether there are launch files of this name, and none of them names an argument."""
+        """Return whether there are launch files of this name, and none of them uses an argument."""
         found = [
             names
             for path, names in self._facts.launch_lacks.items()

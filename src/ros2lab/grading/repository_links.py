@@ -1,4 +1,4 @@
-"""Links of a folder that is part of a repository, to what lies elsewhere in the same repository."""
+"""Links from a folder inside a repository to other places in the same repository."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _CAREFULLY = ("-c", "core.fsmonitor=false")
 def linked_members(
     folder: Path, note: Callable[[Kind, str], None]
 ) -> Iterator[tuple[Member, tuple[str, ...]]]:
-    """Yield what links lead to outside of a folder and inside of the repository around it.
+    """Yield what a folder's links lead to, outside the folder but inside the repository around it.
 
-    Only links that are in the repository's index as they lie there are followed. Whatever else is put into a
-    checkout, such as a submission beside a solution, leads nowhere.
+    Only links that are in the repository's index in the same form are followed, none that was put into the
+    checkout otherwise, such as one of a submission beside a solution.
 
     Args:
-        folder: is only read.
-        note: told what was taken from elsewhere, and what was left out.
+        folder: the folder, which is only read.
+        note: called for what was taken from elsewhere, and what was left out.
 
     Yields:
         Each member, and the parts of the path in `folder` below which it belongs.
@@ -48,7 +48,7 @@ def linked_members(
 
 
 def _tracked_links(folder: Path, top: Path) -> Iterator[tuple[str, str]]:
-    """Yield the links below a folder that lie there as they are in the index of the repository, with their targets."""
+    """Yield the links below a folder that match the repository's index, with their targets."""
     listed = git(folder, *_CAREFULLY, f"--work-tree={top}", "ls-files", "--stage", "-z")
     for entry in filter(None, listed.split("\0")):
         attributes, _, name = entry.partition("\t")
@@ -61,5 +61,5 @@ def _tracked_links(folder: Path, top: Path) -> Iterator[tuple[str, str]]:
 
 
 def _digest(content: bytes) -> str:
-    """Return what git calls some content; https://git-scm.com/book/en/v2/Git-Internals-Git-Objects."""
+    """Return git's object id of some content; https://git-scm.com/book/en/v2/Git-Internals-Git-Objects."""
     return hashlib.sha1(b"blob %d\0%s" % (len(content), content), usedforsecurity=False).hexdigest()

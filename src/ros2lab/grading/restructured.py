@@ -1,4 +1,4 @@
-"""What a page shows of a text in reStructuredText, as docutils renders it."""
+"""The visible text of a page in reStructuredText, as docutils renders it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from docutils import nodes
 from docutils.core import publish_doctree
 
-# Nothing of the text takes effect beyond itself: no file is read, and no report is written.
+# The text has no side effects: no file is read, and no report is written.
 _SETTINGS = {
     "_disable_config": True,
     "file_insertion_enabled": False,
@@ -29,9 +29,9 @@ _NOT_SHOWN = (
 
 
 def shown(text: str) -> str:
-    """Return what is shown of a text, with headlines and code marked as in Markdown.
+    """Return the visible part of a text, with headlines and code marked as in Markdown.
 
-    What cannot be rendered is shown as it is.
+    A text that cannot be rendered is returned unchanged.
     """
     try:
         document = publish_doctree(text, settings_overrides=dict(_SETTINGS))

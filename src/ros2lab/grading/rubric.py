@@ -1,8 +1,9 @@
-"""The rubric: what each point rests on, as data that an instructor can read and change.
+"""The rubric: what each point is given for, as data that an instructor can read and change.
 
-A criterion asks the evidence one question, of `ros2lab.grading.questions`. The answer is the name of a level, and
-the level says which part of the points it is worth, and why in a sentence. What a level usually says stands once for
-all assignments, beside the questions; a rubric gives the points, and changes what it wants otherwise.
+A criterion asks the evidence one question of `ros2lab.grading.questions`. The answer is the name of a level,
+and the level says what share of the points it is worth, and why, in a sentence. The usual text of each level
+stands once for all assignments, beside the questions; a rubric gives the points, and changes levels where it
+differs.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from ros2lab.located_yaml import QUICK, Reader
 SCHEMA = 1
 LEVELS = "levels.yaml"
 TOTAL, MOST_BONUS = 100, 10
-_FILE = re.compile(r"\w+[._/]\w")  # at the beginning of a title: its case is its name's
+_FILE = re.compile(r"\w+[._/]\w")  # a file name at the beginning of a title keeps its case
 BONUS = "bonus"
 
 
@@ -37,11 +38,11 @@ class RubricError(Exception):
 
 @dataclass(frozen=True)
 class Level:
-    """An answer to a question, and what it is worth.
+    """An answer to a question and what it is worth.
 
     Attributes:
-        share: of the criterion's points, from 0 to 1.
-        reason: one sentence; names in braces are filled in with what was seen.
+        share: the share of the criterion's points, from 0 to 1.
+        reason: one sentence; names in braces are replaced by what was seen.
         hint: what to change; empty where nothing is lost.
     """
 
@@ -52,15 +53,15 @@ class Level:
 
 @dataclass(frozen=True)
 class Criterion:
-    """What a part of the points is given for.
+    """What some of the points are given for.
 
     Attributes:
-        id: `component.name`; overrides name it.
-        component: the part of the assignment to which it belongs.
+        id: `component.name`; overrides refer to it.
+        component: the component to which it belongs.
         title: a few words.
-        points: at most.
-        question: what the evidence is asked.
-        levels: by the answers to it.
+        points: the most that it can give.
+        question: the question that the evidence is asked.
+        levels: the levels by their answers.
     """
 
     id: str
@@ -76,8 +77,8 @@ class Rubric:
     """All criteria of an assignment.
 
     Attributes:
-        assignment: what was asked for; a component that is named as one of its parts is about that part.
-        components: the most points of each part, in the order of the report.
+        assignment: the assignment; a component with the name of one of its parts is about that part.
+        components: the most points of each component, in the order of the report.
         criteria: in the order of the report.
     """
 
@@ -91,10 +92,10 @@ def load(path: Path | None = None, assignment: Assignment | None = None) -> Rubr
 
     Args:
         path: a YAML file; None takes the course's own.
-        assignment: to which it belongs; None takes the course's own.
+        assignment: the assignment to which it belongs; None takes the course's own.
 
     Raises:
-        RubricError: if it cannot be read, or does not say what a rubric says.
+        RubricError: if it cannot be read, or is not a valid rubric.
     """
     try:
         text = (
@@ -193,7 +194,7 @@ class _RubricReader(Reader):
         )
 
     def _changed(self, node: yaml.Node, usual: Level, question: Question) -> Level:
-        """Return a level as the rubric has it: with another share, or another share, reason and hint."""
+        """Return a level as the rubric changes it: its share only, or its share, reason and hint."""
         if isinstance(node, yaml.MappingNode):
             return self.level(node, question)
         share = self.number(node, 0, 1)
@@ -202,7 +203,7 @@ class _RubricReader(Reader):
         return replace(usual, share=share)
 
     def level(self, node: yaml.Node, question: Question) -> Level:
-        """Return a level that says all of itself."""
+        """Return a level that is written out in full."""
         parts = self.fields(node, "share", "reason", optional=("hint",))
         share = self.number(parts["share"], 0, 1)
         if share < 1 and "hint" not in parts:
@@ -213,7 +214,7 @@ class _RubricReader(Reader):
         return Level(share, reason, hint)
 
     def _filled(self, node: yaml.Node, names: frozenset[str]) -> str:
-        """Return a text in whose braces stands only what a question can fill in."""
+        """Return a text after a check that its braces hold only names that the question fills in."""
         text = self.text(node)
         try:
             fields = [field[1:] for field in string.Formatter().parse(text) if field[1] is not None]
@@ -228,7 +229,7 @@ class _RubricReader(Reader):
 
 @cache
 def _usual() -> Mapping[str, tuple[str, Mapping[str, Level]]]:
-    """Return for each question the title of a criterion that asks it, and what its answers are usually worth."""
+    """Return by question the usual title of its criterion, and the usual levels by answer."""
     text = resources.files("ros2lab.grading.questions").joinpath(LEVELS).read_text(encoding="utf-8")
     reader = _RubricReader(LEVELS, RubricError)
     root = reader.root(text, QUICK)

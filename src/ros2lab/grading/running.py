@@ -1,9 +1,10 @@
-"""Which code of a package runs, as far as names and constants tell: no more of it counts than that.
+"""Which code of a package runs, as far as names and constants tell; only that code counts.
 
-Code is taken to run unless something plain keeps it from that: nothing names the function or the class, a constant
-shuts the branch, the statement before it leaves. Where names are made at run time, any function may be called.
+Code is taken to run unless something obvious prevents it: nothing names the function or the class, a constant
+closes the branch, the statement before it leaves. Where names are made at run time, any function may be
+called.
 
-What a program does while it lives is less: what names may hold shuts branches, too, and nothing follows a spin.
+While a program lives, less of it runs: what names may hold closes branches, too, and nothing follows a spin.
 """
 
 from __future__ import annotations
@@ -18,15 +19,15 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.paths import Paths
 from ros2lab.grading.possible import Facts, Possible
 
-MOST_ROUNDS = 12  # in which code that runs gives names what lets more of it run
-_BY_NAME = frozenset(("getattr", "globals", "vars", "eval", "exec"))  # what finds functions by texts
+MOST_ROUNDS = 12  # in each, code found to run assigns values that may let more code run
+_BY_NAME = frozenset(("getattr", "globals", "vars", "eval", "exec"))  # what finds functions by strings
 
 Definition = Function | ast.ClassDef | ast.Dict
-Code = Collection[tuple[PythonSource, ast.AST]]  # that runs, with the file in which it stands
+Code = Collection[tuple[PythonSource, ast.AST]]  # nodes of code that runs, each with its file
 
 
 def living(sources: NodeSources, entrances: Collection[str] | None = None) -> frozenset[ast.AST]:
-    """Return what stands in code that runs while a program lives, by what names may hold.
+    """Return the nodes of code that runs while a program lives, by what names may hold.
 
     Args:
         sources: the modules of a package.
@@ -46,13 +47,13 @@ def running(
     entrances: Collection[str] | None = None,
     possible: Possible | None = None,
 ) -> Iterator[tuple[PythonSource, ast.AST]]:
-    """Yield what stands in code that runs, and in which file.
+    """Yield the nodes of code that runs, each with its file.
 
     Args:
         sources: the modules of a package.
-        entrances: the functions that its entry points name; None takes every function of a module that needs no
-            arguments for one.
-        possible: what names may hold; with it, only what runs while a program lives is yielded.
+        entrances: the functions that its entry points name; None takes every module-level function that needs
+            no arguments.
+        possible: what names may hold; if given, only code that runs while a program lives is yielded.
     """
     paths = Paths(sources, possible)
     named = _definitions(sources)
@@ -82,7 +83,7 @@ def running(
 
 
 def _definitions(sources: Collection[PythonSource]) -> dict[str, list[tuple[PythonSource, Definition]]]:
-    """Return by its name what is looked at only where something names it."""
+    """Return by name the functions, classes and dictionaries that run only if something names them."""
     named: dict[str, list[tuple[PythonSource, Definition]]] = defaultdict(list)
     for source in sources:
         for node in source.nodes:
@@ -95,7 +96,7 @@ def _definitions(sources: Collection[PythonSource]) -> dict[str, list[tuple[Pyth
 
 
 def idle(sources: Collection[PythonSource], code: Code) -> dict[str, list[int]]:
-    """Return by file in which lines functions begin that never run, and assignments that nothing that runs reads."""
+    """Return by file the first lines of functions that never run and of assignments that no running code reads."""
     run = {node for _, node in code}
     read = {name for node in run for name in _names_in(node)}
     found: dict[str, list[int]] = defaultdict(list)
@@ -114,10 +115,10 @@ def idle(sources: Collection[PythonSource], code: Code) -> dict[str, list[int]]:
 
 
 def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collection[str] | None) -> bool:
-    """Return whether a statement of a module is what runs if the program is started right: that may be the fault."""
+    """Return whether a module's statement would run if the program were started right, which may be the fault."""
     match statement:
         case ast.ClassDef(bases=bases):
-            return bool(bases)  # whoever has forgotten `main` has written the node
+            return bool(bases)  # the node was written, even if `main` was forgotten
         case ast.FunctionDef(name=name, args=arguments) | ast.AsyncFunctionDef(name=name, args=arguments):
             if len(arguments.args) > len(arguments.defaults):
                 return False
@@ -130,7 +131,7 @@ def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collectio
 
 
 def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.AST]:
-    """Yield a piece of code and what runs with it: no definitions in it but decorated ones, and no named dictionaries."""
+    """Yield the nodes that run with a piece of code, without undecorated definitions and named dictionaries."""
     waiting: list[tuple[ast.AST, Facts]] = [(piece, ())]
     while waiting:
         node, facts = waiting.pop()
@@ -168,7 +169,7 @@ def _called_by_others(
 
 
 def _names_in(node: ast.AST) -> Iterator[str]:
-    """Yield the names by which a node may lead to a definition; a text may be one that is looked up."""
+    """Yield the names by which a node may lead to a definition; a string may be a name that is looked up."""
     match node:
         case ast.Name(id=name, ctx=ast.Load()) | ast.Attribute(attr=name) | ast.Constant(value=str(name)):
             yield name
@@ -177,7 +178,7 @@ def _names_in(node: ast.AST) -> Iterator[str]:
 
 
 def _finds_any(node: ast.AST) -> bool:
-    """Return whether code looks functions up by names that are not written there."""
+    """Return whether a node looks functions up by computed names."""
     match node:
         case ast.Call(func=ast.Name(id="getattr"), args=[_, ast.Constant(), *_]):
             return False
