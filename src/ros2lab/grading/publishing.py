@@ -1,4 +1,4 @@
-"""What code that runs does with a publisher: whether it publishes the right type, repeatedly, and how often."""
+"""What code that runs does with a publisher: whether it publishes its type, repeatedly, and how often."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Publishing:
         self._declared = Possible(sources, code, as_declared=True)
 
     def uses(self, creation: Creation) -> list[ast.Call] | None:
-        """Return the calls that publish the right type on a publisher; None if not all its uses can be followed."""
+        """Return the calls that publish a publisher's type; None if not all uses can be followed."""
         if not self._is_publish_named:
             return []
         found = list[ast.Call]()
@@ -183,14 +183,14 @@ class Publishing:
                     yield node
 
     def _is_same(self, made_in: NodeClass | None, owner: NodeClass | None, node: ast.AST) -> bool:
-        """Return whether a node may mean the same object: self attributes only in classes that share a line."""
+        """Return whether a node may mean the same object: for self attributes, whether classes share a base."""
         if not (is_self_attribute(node) and owner and made_in):
             return True
         lines = [{*self._sources.lineage(node_class)[0]} for node_class in (owner, made_in)]
         return not lines[0].isdisjoint(lines[1])
 
     def _is_within(self, within: Function | None, function: Function, name: str) -> bool:
-        """Return whether a function is another one or nested in it, or the other one declares the name global."""
+        """Return whether a function is another one or nested in it, or that one declares the name global."""
         is_shared = any(isinstance(node, ast.Global) and name in node.names for node in ast.walk(function))
         while within is not None and within is not function:
             within = self._scope(within)[2]

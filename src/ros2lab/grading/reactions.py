@@ -197,7 +197,7 @@ def echoes(part: Part, runs: Iterable[Run], alone: Mapping[str, Heard]) -> set[C
 
 
 def _common(brought: Mapping[str, list[set[Change]]]) -> set[Change]:
-    """Return the changes after an unknown word each time; once is too little, for it may be an earlier state."""
+    """Return the changes after an unknown word each time; after a single time it may be an old state."""
     controls = [times for times in brought.values() if len(times) > 1]
     return set[Change]().union(*(set.intersection(*times) for times in controls))
 

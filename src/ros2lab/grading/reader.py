@@ -84,7 +84,7 @@ QUESTIONS: Mapping[str, Callable[[Path, Mapping[str, Any]], Answers]] = {
 
 
 def main() -> None:
-    """Answer a question: `argv` has the question and the submission's folder, standard input the rest, as JSON."""
+    """Answer the question in `argv` about the folder in `argv`; standard input has the rest, as JSON."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # Python's warnings quote the sources
     question, root = sys.argv[1:]
     try:

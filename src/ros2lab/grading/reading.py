@@ -97,7 +97,7 @@ def explained(world: World, folder: str, texts: Iterable[str]) -> list[list[str]
 def _ask(
     world: World, question: str, asked: Mapping[str, Any], environ: Mapping[str, str]
 ) -> tuple[dict[str, Any], str]:
-    """Return the answers to a question, and a sentence about the limit that cut them short, empty if none did."""
+    """Return the answers to a question, and a sentence about the limit that cut them short, if any."""
     strict = {net.STRICT: "1"} if os.environ.get(net.STRICT) else {}
     paths = [str(PACKAGE.parent), environ.get("PYTHONPATH", "")]
     given = os.memfd_create("asked")

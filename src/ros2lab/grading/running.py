@@ -96,7 +96,7 @@ def _definitions(sources: Collection[PythonSource]) -> dict[str, list[tuple[Pyth
 
 
 def idle(sources: Collection[PythonSource], code: Code) -> dict[str, list[int]]:
-    """Return by file the first lines of functions that never run and of assignments that no running code reads."""
+    """Return by file the first lines of functions that never run and of assignments that are never read."""
     run = {node for _, node in code}
     read = {name for node in run for name in _names_in(node)}
     found: dict[str, list[int]] = defaultdict(list)
@@ -115,7 +115,7 @@ def idle(sources: Collection[PythonSource], code: Code) -> dict[str, list[int]]:
 
 
 def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collection[str] | None) -> bool:
-    """Return whether a module's statement would run if the program were started right, which may be the fault."""
+    """Return whether a statement of a module would run if the program were started right."""
     match statement:
         case ast.ClassDef(bases=bases):
             return bool(bases)  # the node was written, even if `main` was forgotten
@@ -131,7 +131,7 @@ def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collectio
 
 
 def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes that run with a piece of code, without undecorated definitions and named dictionaries."""
+    """Yield the nodes that run with a piece of code; no undecorated definitions or named dictionaries."""
     waiting: list[tuple[ast.AST, Facts]] = [(piece, ())]
     while waiting:
         node, facts = waiting.pop()

@@ -1,14 +1,14 @@
 """Run a submission's programs so that they can do no harm.
 
-A `World` is a network of its own, with nothing but its loopback, and one folder of files. Each program runs in a
-`Box` of it: its own processes, its own /tmp, /dev/shm and home, a read-only system, and limits. Boxes of one
-World meet on the loopback, and on abstract sockets; those that are started among each other have these folders in
-common, as programs of one machine do. All of it ends with the World, and with the grader.
+A `World` is a network of its own, with only a loopback interface, and one folder of files. Each program runs
+in a `Box` of the World: its own processes, its own /tmp, /dev/shm and home, a read-only system, and limits.
+Boxes of one World can talk over the loopback and abstract sockets; those started with the same `among` share
+these folders, as programs on one machine do. All of it ends with the World, and with the grader.
 
-Linux namespaces do the work, by way of bubblewrap (https://github.com/containers/bubblewrap). Processes, open files
-and disks are limited by Linux. CPU time and memory of a whole box are summed 25 times a second from outside, and no
-control group is used: for a moment a box can be over these two, by what it can do in 40 ms. Calls by which memory
-would be nobody's are refused.
+Linux namespaces do the work, through bubblewrap (https://github.com/containers/bubblewrap). Processes, open
+files and disks are limited by Linux. CPU time and memory of a whole box are summed from outside 25 times a
+second, without control groups: a box can exceed these two limits by what it can do in 40 ms. System calls
+that allocate memory that belongs to no process are refused.
 """
 
 from __future__ import annotations
@@ -45,11 +45,12 @@ from ros2lab.grading.neighbours import Neighbours
 FILES = "/submission"
 OWN = ("/dev/shm", "/tmp")  # noqa: S108 -- the box's own
 HOME = "/tmp/home"  # noqa: S108 -- the same
-# What lets ROS nodes of two boxes meet: discovery on LOCALHOST always takes shared memory, which boxes do not share.
+# These let the ROS nodes of two boxes meet: discovery on LOCALHOST uses shared memory, which boxes do not
+# share.
 ROS_SETTINGS = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
 
-# What a box's environment holds if nothing else is said. The messages of ROS import numpy, which otherwise starts
-# threads that cost a quarter of a node's start.
+# The default environment of a box. ROS messages import numpy, which would otherwise start threads that cost a
+# quarter of a node's start.
 ENVIRON = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1"}
 
 HARDWARE = Path("/sys/class")
@@ -65,16 +66,17 @@ class World:
 
     Attributes:
         folder: the copy, as the grader reads and writes it while the World is open. It is in memory, and the boxes
-            see it as /submission. What the grader puts there before the first box starts is the boxes' own. The path
-            leads through /proc, so it must not be resolved; and a link in it may point to anything of the grader's.
-        limits: what holds for a box that is given no others.
-        folders: that each box has of its own besides /tmp and its home, empty, as far as nothing else lies there; shared
-            with the Worlds beside this one.
+            see it as /submission. What the grader puts there before the first box starts belongs to the
+            boxes. The path leads through /proc, so it must not be resolved; a link in it may point to any
+            file of the grader.
+        limits: the limits of a box that is given no others.
+        folders: empty folders that each box has of its own besides /tmp and its home, unless something lies
+            there already; the same list for the Worlds made by `beside`.
 
     Args:
-        files: the folder to copy; None begins with an empty one.
-        shown: further files and folders that every box can read, at their own place; what lies in `PACKAGE` is not
-            among them where a folder around it is shown.
+        files: the folder to copy; None starts with an empty one.
+        shown: further files and folders that every box can read, at their own paths; showing a folder around
+            `PACKAGE` does not show `PACKAGE`.
         limits: the limits.
 
     Raises:
@@ -120,17 +122,17 @@ class World:
                 raise
 
     def beside(self) -> World:
-        """Return another World that is like this one, with a network of its own and an empty folder."""
+        """Return a new World like this one, with a network of its own and an empty folder."""
         world = type(self)(shown=self._given, limits=self.limits)
         world.folders = self.folders
         return world
 
     def fill(self, files: Path, only: str = "") -> None:
-        """Copy a folder into this World's, before a box has had that.
+        """Copy a folder into this World's, before any box has used it.
 
         Args:
-            files: the folder; its links stay what they are.
-            only: what in it is copied; nothing means all.
+            files: the folder; its links are copied as links.
+            only: the name of the entry to copy; empty copies all.
 
         Raises:
             ValueError: if it cannot be copied.
@@ -155,13 +157,13 @@ class World:
         Args:
             command: the program and its arguments.
             files: what the box may do with /submission.
-            environ: the environment; what is in `ENVIRON` has defaults, and there are no others.
+            environ: the environment, added to the defaults in `ENVIRON`; nothing else is set.
             cwd: the working folder, as seen in the box.
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
-            shown: what this box can read of `PACKAGE`.
-            limits: what it may use; None takes the World's.
-            among: a name of boxes that have /tmp, /dev/shm and their home in common until the World ends.
-            neighbours: whom it is shown in its list of processes; it has no `stdin` then.
+            shown: the parts of `PACKAGE` that this box can read.
+            limits: the box's limits; None takes the World's.
+            among: a name for boxes that share /tmp, /dev/shm and home until the World ends.
+            neighbours: the programs that its list of processes shows; it has no `stdin` then.
 
         Raises:
             RuntimeError: if the World has ended.
@@ -183,7 +185,7 @@ class World:
         if files != "none" and not self._is_handed_over:
             self._is_handed_over = True
             if keeper.is_root():
-                _hand_over(self._folder)  # no box runs that could change what is walked through
+                _hand_over(self._folder)  # no box is running that could change the folder meanwhile
         number = next(self._numbers)
         box = self._boxes[number] = Box(lambda do: self._ask(do, number), limits.output_bytes)
         box._bell = bell
@@ -192,13 +194,13 @@ class World:
         common = {"among": among, "folders": [*OWN, *folders]}
         message = _message("start", number, command=arguments, limits=asdict(limits), **common)
         try:
-            # The listener closes it at its end, which comes whether or not the keeper is still there.
+            # The listener closes it at its end, which comes even if the keeper has gone.
             os.set_blocking(box._reading, False)
             self._selector.register(box._reading, selectors.EVENT_READ, box)
             socket.send_fds(self._control, [message], passed)
         except (OSError, ValueError) as error:
             self._boxes.pop(number, None)
-            box.show_neighbours()  # nobody else closes what they wait for
+            box.show_neighbours()  # nobody else closes the pipe that they wait for
             if not isinstance(error, OSError) or error.errno != errno.EMSGSIZE:
                 raise RuntimeError(
                     f"{command[0]} cannot be started ({error}): the World has ended."
@@ -235,10 +237,10 @@ class World:
         return box
 
     def close(self) -> None:
-        """End everything in the World; closing it again does nothing."""
+        """End everything in the World; closing twice does nothing."""
         if self._folder < 0:
             return
-        with contextlib.suppress(OSError):  # the keeper may have gone before
+        with contextlib.suppress(OSError):  # the keeper may have gone already
             self._control.shutdown(socket.SHUT_WR)
         self._thread.join()
         os.close(self._folder)
@@ -251,7 +253,7 @@ class World:
         self.close()
 
     def _keeper_command(self) -> list[str]:
-        """Return the command of the World itself: what boxes may be shown, and the keeper."""
+        """Return the command of the World itself, which runs the keeper and has what boxes may be shown."""
         ask = [] if keeper.is_root() else ["--unshare-user"]
         own = ["--bind", "/proc", "/proc", "--dev-bind", "/dev", "/dev"]
         own += ["--dir", "/tmp"]  # noqa: S108 -- bubblewrap works in it
@@ -262,7 +264,8 @@ class World:
         python = [sys.executable, "-I", "-S", "-B", "-c", program, str(os.getpid())]
         shown = bubblewrap.bound([self._bubblewrap, *sorted({bubblewrap.PACKAGE, *self._shown})])
         shown += bubblewrap.emptied()
-        # Only whoever may set up the network can say how much TCP keeps; the keeper itself may not.
+        # Setting the sizes of TCP's buffers needs the right to set up the network, which the keeper then
+        # gives up.
         settings = [f"echo {sizes} >/proc/sys/net/ipv4/{name}" for name, sizes in keeper.TCP_BUFFERS.items()]
         start = f'{{ {"; ".join(settings)}; }} 2>/dev/null; exec setpriv --ambient-caps -all "$@"'
         ask += ["--unshare-net", "--cap-add", "CAP_NET_ADMIN"]
@@ -283,15 +286,15 @@ class World:
     def _box_command(self, files: Access, shown: Iterable[Path], places: Iterable[str]) -> list[str]:
         own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
         own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
-        # Nothing is to be written there, such as whom Linux ends first where memory is short.
+        # Nothing may be written in /proc, such as which process Linux kills first when memory is short.
         own += ["--new-session", "--die-with-parent", "--proc", "/proc"]
         for name, (place, _) in keeper.SHOWN.items():
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", place]
         own += ["--remount-ro", "/proc"]
-        # What is mapped of /dev/zero is memory that no process shows.
+        # Mappings of /dev/zero are memory that no process shows as its own.
         own += ["--dev", "/dev", "--dev-bind", "/dev/null", "/dev/zero"]
         own += [*places, "--remount-ro", "/dev"]
-        # As on a machine without a battery or a sensor, the folders are there in which they would be.
+        # The folders of batteries and sensors are there but empty, as on a machine without any.
         own += itertools.chain(*(("--dir", str(folder)) for folder in sorted(HARDWARE.glob("*"))))
         for name in keeper.SETTINGS:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
@@ -301,7 +304,7 @@ class World:
         return [self._bubblewrap, *bubblewrap.system(), *own, "--remount-ro", "/", "--"]
 
     def _await_keeper(self) -> int:
-        """Return a handle of the World's folder once the keeper is there."""
+        """Wait for the keeper, and return a file descriptor of the World's folder."""
         self._control.settimeout(START_TIMEOUT)
         try:
             _, passed, _, _ = socket.recv_fds(self._control, 64, 1)
@@ -317,11 +320,11 @@ class World:
         raise SandboxMissing(why(said.decode(errors="replace")))
 
     def _ask(self, do: str, number: int) -> None:
-        with contextlib.suppress(OSError):  # when the World has ended, so has the box
+        with contextlib.suppress(OSError):  # if the World has ended, so has the box
             self._control.send(_message(do, number))
 
     def _listen(self) -> None:
-        """Take in what the boxes write and how they end, until the keeper has gone and all is read."""
+        """Read the boxes' output and the keeper's messages, until the keeper has gone and all is read."""
         with self._selector, self._control:
             while self._selector.get_map():
                 for key, _ in self._selector.select():
@@ -334,7 +337,7 @@ class World:
                         self._give_up()
 
     def _take(self, said: dict[str, Any]) -> None:
-        """Take in what the keeper tells of a box: that it stands, or how it ended."""
+        """Take a message of the keeper about a box: that it is held, or how it ended."""
         number = said.pop("box")
         if "stands" in said:
             self._boxes[number]._set_standing()
@@ -345,7 +348,7 @@ class World:
         box._set_end(End(**said))
 
     def _read(self, box: Box, *, is_last: bool = False) -> None:
-        """Take in what a box has written; where nothing is left of it, the last of it is nothing."""
+        """Read the output of a box; with `is_last`, treat it as ended if nothing is left to read."""
         if not box._is_writing:  # all has been read since this was asked for
             return
         try:
@@ -359,7 +362,7 @@ class World:
             os.close(box._reading)
 
     def _give_up(self) -> None:
-        """End what the keeper can no longer tell of."""
+        """Mark all boxes as ended after the keeper has gone."""
         _, said = self._popen.communicate()
         reason = (said.decode(errors="replace").strip().splitlines() or ["it was killed"])[-1]
         for box in list(self._boxes.values()):
@@ -367,7 +370,7 @@ class World:
 
 
 def _own(folders: Iterable[str], limits: Limits, among: str) -> list[str]:
-    """Return bubblewrap's words that give a box its own places and folders in them, or those of the boxes that it is among."""
+    """Return bubblewrap's arguments for a box's own /tmp and /dev/shm, or for those that it shares."""
     if among:  # the keeper has made the folders
         return [word for place in OWN for word in ("--bind", f"{keeper.SHARED}/{among}{place}", place)]
     size = ["--size", str(limits.disk_bytes), "--tmpfs"]
@@ -399,7 +402,7 @@ def _copy(files: Path, folder: Path, only: str = "") -> None:
 
 
 def _hand_over(folder: int) -> None:
-    """Give all in the open `folder` to the user that boxes run as, links themselves and not what they point to."""
+    """Give everything in the open `folder` to the boxes' user: links themselves, not their targets."""
     for _, folders, files, handle in os.fwalk(".", dir_fd=folder):
         for name in folders + files:
             with contextlib.suppress(FileNotFoundError):  # another box may have removed it

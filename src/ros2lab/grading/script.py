@@ -1,4 +1,4 @@
-"""The commands that are said to the node that takes them."""
+"""The commands that are sent to the node that takes them."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ FLOOD = 1000
 
 
 class Script:
-    """The commands that are said to the node that takes them, one after the other.
+    """The commands that are sent to the node that takes them, one after the other.
 
     Attributes:
-        flood: the name of very many at once.
-        all: of them.
-        few: for a node that is slow to answer, and to say again.
-        before: words that nobody knows, and that come first where the commands are said again, as one command: what
-            follows a command then follows the word, and not its place among the words.
-        first: the name of these.
-        changes: those that a state answers to.
+        flood: the name of the command that stands for very many at once.
+        all: all commands.
+        few: those for a node that is slow to answer, and for saying them again.
+        before: unknown words that come first, as one command, when the commands are said again: an answer
+            that follows them was given to the place in the sequence, and not to the word.
+        first: the name of that command.
+        changes: the commands that a state answers to.
     """
 
     def __init__(self, part: Part | None) -> None:
@@ -26,11 +26,12 @@ class Script:
         first, loud = words[:1], tuple(word.upper() for word in words[:1])
         self.flood = f"{FLOOD} x {', '.join(words[:2])}"
         self.changes = (*words, *loud)
-        # Unknown ones come while the robot stands, and again while it moves: what follows both is no reaction.
+        # Unknown words come while the robot stands and again while it moves: what follows both is no
+        # reaction.
         again = [word for word in unknown if word][: len(words)]
         control = (*unknown, *first, *again)
-        # The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are
-        # two, for DDS sends again what a flood has crowded out when the next one comes.
+        # The last ones tell whether the node survived the flood, and let the robot move when Ctrl-C comes.
+        # There are two, because DDS sends again what a flood has crowded out when the next message comes.
         own = part.own if part else ()
         self.all = (*self.changes, *control, *own, self.flood, *first, *first) if words else ()
         self.before = part.before if part else ()

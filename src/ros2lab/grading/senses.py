@@ -15,7 +15,7 @@ def steady(text: str) -> str:
 
 
 def sense(values: Sequence[Any]) -> str:
-    """Return what messages say last, without what changes by itself."""
+    """Return what the last of some messages says, without what changes by itself."""
     last = values[-1]
     if not is_velocity(last):
         return steady(str(last))

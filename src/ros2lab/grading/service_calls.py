@@ -1,4 +1,4 @@
-"""The requests that are made to the services of a run."""
+"""Make requests to the services in a run."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ REPEATED_CALLS = 3
 def call_services(
     watch: Watch, services: Iterable[Part], answered: dict[str, int], is_whole: Callable[[], bool]
 ) -> Iterator[dict[str, Any]]:
-    """Make the requests that the assignment asks for, and the first one again, to see that the service goes on.
+    """Make the assignment's requests, and the first one again, to see that the service goes on.
 
     Args:
-        watch: of the run.
-        services: of the assignment.
-        answered: after how many requests something came, by topic; counted on.
-        is_whole: tells whether no program has ended.
+        watch: the run's Watch.
+        services: the services of the assignment.
+        answered: by topic, after how many requests a message came; counts are added here.
+        is_whole: returns whether no program has ended.
 
     Yields:
-        What came of each request.
+        What followed each request.
 
     Raises:
         Gone: if all programs have ended.
@@ -35,7 +35,7 @@ def call_services(
         for number, request in enumerate([*requests, *again] if name else []):
             totals = {topic: watch.ears[topic].total for topic in answered}
             response, took = watch.call(part, name, request)
-            if response is not None:  # what follows it
+            if response is not None:  # wait for what follows it
                 watch.settle(watch.patience)
             for topic, total in totals.items():
                 answered[topic] += watch.ears[topic].total > total

@@ -1,4 +1,4 @@
-"""What each program did in a run of several, as if it had been watched alone; where that cannot be told, nothing."""
+"""What each program did in a run of several, as if it had been watched alone; nothing if that cannot be told."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ Seen = Mapping[str, Any]  # what the observer tells of a run; see `observer.Cond
 
 
 def shared_out(seen: Seen, enclaves: Sequence[str]) -> list[Seen]:
-    """Share out what was seen of several programs.
+    """Split what was seen of several programs.
 
     Args:
-        seen: of all of them.
-        enclaves: in which they were started, one a program, which tells whose a node is; the observer has verified it.
+        seen: what was seen of all of them.
+        enclaves: one per program, in which it was started and by which its nodes are known, as the observer
+            verified.
 
     Returns:
-        What was seen of each program, in the same form; nothing if one of them has no node, or it cannot be told
-        whose a node, a topic, or a log line is.
+        What was seen of each program, in the same form; empty if a program has no node, or if a node, a topic
+        or a log line cannot be assigned to one program.
     """
     homes = {node: found[0] for node, found in seen.get("enclaves", {}).items() if len(found) == 1}
     nodes = [{node for node, home in homes.items() if home == enclave} for enclave in enclaves]
@@ -27,12 +28,12 @@ def shared_out(seen: Seen, enclaves: Sequence[str]) -> list[Seen]:
 
 
 def _has_open(seen: Seen, nodes: Sequence[Collection[str]]) -> bool:
-    """Return whether something was noted, does not answer or has stopped, or may be of several programs."""
+    """Return whether anything was noted, did not answer, has stopped, or may belong to several programs."""
     owners = [sum(any(node in own for node in ends) for own in nodes) for ends in seen["publishes"].values()]
     lines = [line for log in (seen["log"], *(command["log"] for command in seen["commands"])) for line in log]
     return (
         bool(seen["notes"] or seen["twins"] or seen["stalled"])
-        or seen["commanded"] in seen["publishes"]  # one commands the others
+        or seen["commanded"] in seen["publishes"]  # a program commands the others
         or {*seen["parameters"]} != {*seen["nodes"]}
         or any(count != 1 for count in owners)
         or any(sum(_is_by(name, own) for own in nodes) != 1 for _, name, _ in lines)
@@ -90,6 +91,6 @@ def _qualities(
 
 
 def _is_by(logger: str, nodes: Collection[str]) -> bool:
-    """Return whether a logger is that of one of these nodes, or a child of it."""
+    """Return whether a logger belongs to one of these nodes, or is a child of such a logger."""
     names = (node.strip("/").replace("/", ".") for node in nodes)
     return any(f"{logger}.".startswith(f"{name}.") for name in names)

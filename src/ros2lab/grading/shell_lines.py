@@ -1,11 +1,11 @@
-"""Where in the code of a README a shell would run a command: where its line begins one, and where it is reached."""
+"""Whether a shell would run a command in the code of a README: whether it starts one there, and reaches it."""
 
 from __future__ import annotations
 
 import re
 import shlex
 
-# POSIX calls these the utilities that invoke another; sudo and watch do so, too.
+# POSIX's utilities that invoke another utility; sudo and watch do so, too.
 _INVOKING = frozenset(
     ("command", "env", "eval", "exec", "nice", "nohup", "time", "timeout", "xargs", "sudo", "watch")
 )
@@ -13,7 +13,7 @@ _RESERVED = frozenset(("!", "{", "then", "do", "else", "elif", "if", "while", "u
 _OPERATORS = frozenset(("&&", "||", ";", "|", "&", "|&", "(", ")", ";;"))
 _NEVER = frozenset((("false", "&&"), ("true", "||"), (":", "||")))
 _SETTING = re.compile(r"\w+\+?=.*", re.DOTALL)
-_HANDED = re.compile(r"--|-\w*[cex]")  # the option behind which a terminal or a shell is told what to run
+_HANDED = re.compile(r"--|-\w*[cex]")  # the option after which a terminal or a shell is told what to run
 _PROMPT = re.compile(r"\s*(?:[^\n#]*?[^\s#]?[$%]|[^\s<#]*>|[^\s#]+@[^\s#]+#)\s+|\s*[$%>]\s*")
 _LABEL = re.compile(r".*\w[.):\]]|[-*+>]", re.DOTALL)  # such as `Terminal 1:`
 _HEREDOC = re.compile(r"<<-?\s*(['\"]?)(\w+)\1[^\n]*\n.*?(?:^\s*\2\s*$|\Z)", re.MULTILINE | re.DOTALL)
@@ -23,7 +23,7 @@ _SHUT = re.compile(
 
 
 def is_run(text: str, start: int) -> bool:
-    """Return whether a shell runs the command that starts at a place in some code."""
+    """Return whether a shell would run the command that starts at a place in some code."""
     if any(
         match.start() < start < match.end() for kind in (_HEREDOC, _SHUT) for match in kind.finditer(text)
     ):
@@ -34,10 +34,10 @@ def is_run(text: str, start: int) -> bool:
 
 
 def _begins(before: str) -> bool:
-    """Return whether a command begins behind the words that stand before it in its line."""
+    """Return whether a command can begin after these words of its line."""
     try:
         words = _words(before)
-    except ValueError:  # in quotes that are still open
+    except ValueError:  # inside open quotes
         quote = max(before.rfind("'"), before.rfind('"'))
         handed = before[:quote].split()[-1:]
         is_handed = bool(handed) and bool(handed[0] in _INVOKING or _HANDED.fullmatch(handed[0]))
@@ -57,7 +57,7 @@ def _begins(before: str) -> bool:
 
 
 def _words(before: str) -> list[str] | None:
-    """Return the words and operators of the beginning of a line; None if it is in a comment."""
+    """Return the words and operators of the beginning of a line; None if it ends in a comment."""
     lexer = shlex.shlex(before + " end", posix=True, punctuation_chars=True)
     lexer.whitespace_split, lexer.commenters = True, "#"
     words = [*lexer]
@@ -65,7 +65,7 @@ def _words(before: str) -> list[str] | None:
 
 
 def _is_handed_on(words: list[str]) -> bool:
-    """Return whether the words before a command leave it to be run: settings, and what invokes another."""
+    """Return whether a command runs after these words: variable settings, or a utility that invokes it."""
     while words and (_SETTING.fullmatch(words[0]) or words[0] in _RESERVED):
         words = words[1:]
     if not words or words[0] in _INVOKING:

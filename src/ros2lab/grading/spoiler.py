@@ -1,9 +1,9 @@
-"""Change what modules do, but not how they are written: a program of a box, which `own_tests` starts.
+"""Change what modules do, but not their source: the program of a box that `own_tests` starts.
 
-What is changed is the compiled file, which Python runs when a module is imported; the source stays as it was received.
-So whoever only reads the source sees no difference, whatever they read it with. Compiled code keeps its names and
-constants, and has a branch more in each copy, so that its looks tell little, too.
-Only the standard library: the box is shown nothing else of the grader.
+It changes the compiled file, which Python runs when a module is imported; the source stays as received. So a
+test that only reads the source sees no difference. The compiled code keeps its names and constants and has
+one more branch in each copy, so inspecting it tells little, too.
+It imports only the standard library: the box is shown nothing else of the grader.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ Spoiler = Callable[[ast.Module, Collection[int], Constants], ast.Module]
 
 LARGEST = 1_000_000  # bytes of a module that is broken
 HARMLESS = "harmless"
-# In a compiled file: the source that is there now is not compared with the one it was made of (PEP 552).
+# The flags in a compiled file that tell Python not to compare it with its source (PEP 552).
 _UNCHECKED = b"\1\0\0\0" + bytes(8)
-_ENTRANCES = ("main",)  # what only starts a node is not what tests are about
+_ENTRANCES = ("main",)  # functions that only start a node, which tests are not about
 
 
 def spoil(files: Mapping[str, Collection[int]], kind: str) -> None:
-    """Compile modules of which nothing has run, changed.
+    """Compile changed versions of modules that have not run yet.
 
     Args:
-        files: the modules, and in which lines what begins stays as it is, for no program uses it.
-        kind: one of `SPOILERS`, or `HARMLESS`: they do the same as before, by other code.
+        files: by module, the first lines of code that stays unchanged because no program uses it.
+        kind: one of `SPOILERS`, or `HARMLESS` for other code that does the same.
     """
     trees, constants = dict[Path, ast.Module](), Constants()
     for path in map(Path, files):
         if path.stat().st_size <= LARGEST:
-            # What no parser can read stays as it is: it is broken enough.
+            # A module that cannot be parsed stays unchanged: it is broken enough.
             with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError, OSError):
                 trees[path] = ast.parse(path.read_bytes())
                 constants |= _named(trees[path])
@@ -53,14 +53,14 @@ def spoil(files: Mapping[str, Collection[int]], kind: str) -> None:
 
 
 def _true() -> ast.expr:
-    """Return an expression that is true, and that no compiler finds out to be so."""
+    """Return an expression that is true, which a compiler cannot know."""
     return ast.List([ast.Constant(random.randrange(1 << 30))], ast.Load())  # noqa: S311 -- no secret
 
 
 def _end(tree: ast.Module, idle: Collection[int], is_ended: Callable[[], ast.expr]) -> ast.Module:
-    """Let functions end at once where something is true.
+    """Insert an early return into functions, under the condition that `is_ended` makes.
 
-    Makers of objects, what starts a node, generators, and what only hands back what it is given do not.
+    Special methods, `main`, generators, and functions that only give back a value are left unchanged.
     """
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
@@ -74,7 +74,7 @@ def _end(tree: ast.Module, idle: Collection[int], is_ended: Callable[[], ast.exp
 
 
 def _hands_back(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    """Return whether a function does nothing but give back something that it is given, or that stands in it."""
+    """Return whether a function only returns one of its arguments or an expression of constants."""
     given = {argument.arg for argument in ast.walk(function.args) if isinstance(argument, ast.arg)}
     match [statement for statement in function.body if not _is_text(statement)]:
         case [ast.Return(value=ast.Name(id=name))]:
@@ -85,7 +85,7 @@ def _hands_back(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
 
 
 def _named(tree: ast.Module) -> Constants:
-    """Return the single texts and numbers that have a name in a module or a class, by that."""
+    """Return by name the constants that are assigned in the body of a module or a class."""
     bodies = [node.body for node in ast.walk(tree) if isinstance(node, (ast.Module, ast.ClassDef))]
     found = Constants()
     for statement in (statement for body in bodies for statement in body):
@@ -103,25 +103,26 @@ def _is_text(statement: ast.stmt) -> bool:
 
 
 def _empty(tree: ast.Module, idle: Collection[int], _constants: Constants) -> ast.Module:
-    """Take away what the functions do."""
+    """Make the functions do nothing."""
     return _end(tree, idle, _true)
 
 
 def _keep(tree: ast.Module, idle: Collection[int], _constants: Constants) -> ast.Module:
-    """Give the functions other code, by which they do the same."""
+    """Give the functions other code that does the same."""
     return _end(tree, idle, lambda: ast.UnaryOp(ast.Not(), _true()))
 
 
 class _Change(ast.NodeTransformer):
-    """Change every text and number, except docstrings, patterns, and what asks whether a file is run as a program.
+    """Change every text and number, except docstrings, patterns, and `"__main__"`.
 
-    One that has a name outside of functions changes where a function uses it: a test of the name would only repeat it.
+    A constant that is named outside of functions changes only where a function uses it: a test of the name
+    itself would only repeat it.
     """
 
     def __init__(self, tree: ast.Module, idle: Collection[int], constants: Constants) -> None:
         self._idle, self._constants = idle, constants
         self._kept = {*_named(tree).values()}
-        self._depth = 0  # of functions in one another
+        self._depth = 0  # of nested functions
 
     def visit(self, node: ast.AST) -> Any:
         is_idle = isinstance(node, ast.stmt) and node.lineno in self._idle
@@ -145,7 +146,7 @@ class _Change(ast.NodeTransformer):
         return self._other(node, node)
 
     def _changed(self, node: ast.Name | ast.Attribute, name: str) -> ast.expr:
-        """Return something else than what a name has, where a function takes it."""
+        """Return a changed value instead of a named constant, if a function uses it."""
         is_taken = self._depth > 0 and isinstance(node.ctx, ast.Load) and name in self._constants
         return self._other(node, self._constants[name]) if is_taken else node
 

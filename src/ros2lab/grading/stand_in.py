@@ -1,7 +1,8 @@
-"""Stands in for a module that is not installed where a submission is graded: all that is in it does nothing.
+"""A stand-in for a module that is not installed on the grading machine: everything in it does nothing.
 
-Its text is put into a box under the names of such modules; nothing else of the grader is there.
-Whatever error an object of it may cause names its class, `NotInstalledHere`, so that nobody is blamed for it.
+Its source is put into a box under the names of such modules; nothing else of the grader is there.
+Every error that one of its objects causes names the class `NotInstalledHere`, so that nobody is blamed for
+it.
 """
 
 from __future__ import annotations
@@ -19,13 +20,14 @@ from types import ModuleType
 from typing import Any
 
 _UNPACK = dis.opmap["UNPACK_SEQUENCE"]
-# After so many calls each one waits, in s: a loop that a microphone or a camera paces would otherwise never rest.
+# After this many calls, each takes some time, in s: a loop paced by a microphone or a camera would never
+# rest.
 _UNPACED, _PACE = 10_000, 0.001
 _calls = itertools.count()
 
 
 class _Nothing:
-    """What everything in such a module bears, a class as well as what it makes; it is empty, zero and false."""
+    """The behaviour of everything in such a module, classes as well as objects: empty, zero and false."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -39,7 +41,7 @@ class _Nothing:
         pass
 
     def __iter__(self) -> Iterator[Any]:
-        """Give nothing, or as much as it is unpacked into, as in `success, image = camera.read()`."""
+        """Yield nothing, or as many values as it is unpacked into, as in `success, image = camera.read()`."""
         caller = sys._getframe(1)
         code, at = caller.f_code.co_code, caller.f_lasti
         return itertools.repeat(NotInstalledHere(), code[at + 1] if code[at] == _UNPACK else 0)
@@ -73,7 +75,7 @@ class _Nothing:
 
     @property
     def args(self) -> Any:
-        """Not the arguments of an exception: a parser that is not installed has some, too."""
+        """Another stand-in, not an exception's arguments: a parser's result may have `args`, too."""
         return _kind("args")
 
     __int__ = __index__
@@ -85,10 +87,10 @@ class _Nothing:
 
 
 class NotInstalledHereType(_Nothing, abc.ABCMeta):
-    """The type of such classes: one may derive from them together with any other class, and call them with anything."""
+    """The metaclass of such classes, which can be combined with any base class and called with anything."""
 
     def __new__(mcs, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> NotInstalledHereType:
-        """Make a class; none of exceptions beside a class with which these cannot be."""
+        """Make a class; without exceptions among its bases if these do not fit with the others."""
         try:
             return super().__new__(mcs, name, bases, namespace)
         except TypeError:
@@ -96,37 +98,37 @@ class NotInstalledHereType(_Nothing, abc.ABCMeta):
             return super().__new__(mcs, name, (*plain,), namespace)
 
     def __call__(cls, *given: Any, **named: Any) -> Any:
-        """Make one, as below."""
+        """Make an object; like `NotInstalledHere.__call__`, take a little time if called without end."""
         _rest()
         return super().__call__(*given, **named)
 
     @property
     def register(cls) -> Any:
-        """Not that of abstract classes."""
+        """A stand-in, not the method of abstract classes."""
         return _kind("register")
 
 
 class NotInstalledHere(  # type: ignore[override]  # noqa: N818 -- it is much else than an error
     _Nothing, Exception, metaclass=NotInstalledHereType
 ):
-    """Can be called, indexed, counted, unpacked, entered and derived from, and raised and caught."""
+    """Can be called, indexed, counted, unpacked, entered, subclassed, raised and caught."""
 
     def __init__(self, *_: Any, **__: Any) -> None:
         pass
 
     def __call__(self, *_: Any, **__: Any) -> NotInstalledHere:
-        """Do nothing, and take a little time where it is called without end."""
+        """Do nothing, and take a little time if called without end."""
         _rest()
         return self
 
     def __str__(self) -> str:
-        """Name it also where an exception of the submission's own is derived from one of such a module."""
+        """Return this class's name, also for exceptions that the submission derives from it."""
         return NotInstalledHere.__name__
 
 
 @functools.cache
 def _kind(_: str) -> Any:
-    """Return what has a name in such a module, or in anything of it: one class for a name, so that it can be caught."""
+    """Return the class for a name in such a module or object, always the same, so that it can be caught."""
     return NotInstalledHereType(NotInstalledHere.__name__, (NotInstalledHere,), {"__module__": __name__})
 
 
@@ -136,7 +138,7 @@ def _rest() -> None:
 
 
 class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finds whatever is imported from below a module that stands in."""
+    """Finds everything that is imported from below a stand-in module."""
 
     def __init__(self, top: str) -> None:
         self._top = top
@@ -152,14 +154,14 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 
 def _named(module: str, name: str) -> Any:
-    """Return what a module has under a name: a type that rclpy takes where it is one of interfaces, else nothing."""
+    """Return what a module has under a name: an interface type for `msg` and `srv` modules, else a stand-in."""
     if name.startswith("__"):
         raise AttributeError(name)
     kind = module.rpartition(".")[2]
     if kind == "msg":
         from std_msgs.msg import Empty  # noqa: PLC0415 -- only where ROS is there
 
-        Empty.__getattr__ = _anything  # such as what is received as one
+        Empty.__getattr__ = _anything  # also for messages that are received
         return _tolerant(name, Empty)
     if kind == "srv":
         from std_srvs.srv import Empty as Call  # noqa: PLC0415
@@ -171,7 +173,7 @@ def _named(module: str, name: str) -> Any:
 
 
 def _tolerant(name: str, message: Any) -> Any:
-    """Return a type of messages that has whatever fields and constants it is asked for."""
+    """Return a message type that has any field and constant that it is asked for."""
     meta = type(type(message).__name__, (type(message),), {"__getattr__": _anything})
     return meta(name, (message,), {"__init__": lambda self, **_: message.__init__(self)})
 

@@ -1,7 +1,7 @@
-"""What was handed in: a clean copy of it, and what is found in that.
+"""What was handed in: a clean copy, and what was found in it.
 
-Nothing of a submission is run or imported. To receive is to copy; what is found is parsed, and so that is done in a
-box (see `reader`).
+Nothing of a submission is run or imported. Receiving only copies; looking at the copy means parsing, which is
+therefore done in a box (see `reader`).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.repository_links import linked_members
 from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
 
-# What is looked at in it; nobody writes more by hand.
+# How much of a submission is read; nobody writes more by hand.
 MOST_PACKAGES = 50
 MOST_SOURCE = 1_000_000  # bytes of Python
 
@@ -39,13 +39,13 @@ Form = Literal["workspace", "package", "files", "nothing"]
 
 @dataclass(frozen=True)
 class FoundPackage:
-    """A package as it was handed in.
+    """A package in a submission.
 
     Attributes:
-        folder: where its package.xml or setup.py lies.
-        name: by package.xml, else by setup.py; None if neither says it.
-        build_type: what package.xml says; None if it says nothing or is not valid.
-        error: a sentence that tells why package.xml cannot be used; None if it can.
+        folder: the folder with its package.xml or setup.py.
+        name: from package.xml, else from setup.py; None if neither has one.
+        build_type: from package.xml; None if it has none or is not valid.
+        error: a sentence that says why package.xml cannot be used; None if it can.
     """
 
     folder: str
@@ -56,18 +56,18 @@ class FoundPackage:
 
 @dataclass(frozen=True)
 class Submission:
-    """What was found. Every path is relative to the unpacked folder, which itself is `.`.
+    """What was found in a submission. Every path is relative to the unpacked folder, which itself is `.`.
 
     Attributes:
         form: `workspace` (the package lies below a src), `package`, `files` (only Python files with nodes), or
             `nothing` that could be graded.
-        workspace: the folder that has the src in which the assignment's package lies; None if there is none.
+        workspace: the folder whose src holds the assignment's package; None if there is none.
         packages: all packages, in the order of their folders.
-        package: the one of them that is the assignment's.
+        package: the assignment's package.
         node_files: Python files outside any package that start or define a node.
         notes: what was left out, refused or unpacked.
-        also: other packages that colcon builds, and that may play parts of the assignment which that one leaves empty:
-            the work may be spread over several.
+        also: other packages that colcon builds and that may play parts which the assignment's package does
+            not: the work may be spread over several.
     """
 
     form: Form
@@ -79,11 +79,11 @@ class Submission:
     also: list[FoundPackage] = field(default_factory=list)
 
     def noted(self, *kinds: Kind) -> list[str]:
-        """Return the paths that were noted for a reason of these kinds."""
+        """Return the paths in the notes of these kinds."""
         return [path for note in self.notes if note.kind in kinds for path in note.paths]
 
     def worked_in(self) -> Submission:
-        """Return it as a workspace in use, where what a build leaves beside src, and what Python leaves, is no fault."""
+        """Return it as a workspace in use, without notes on what builds leave beside src or Python leaves."""
         top = PurePosixPath(self.workspace or ".")
         notes = [
             note
@@ -96,11 +96,11 @@ class Submission:
 
 @dataclass(frozen=True)
 class Received:
-    """A clean copy of what was handed in, of which nothing was looked at yet.
+    """A clean copy of what was handed in, before anything in it was read.
 
     Attributes:
         notes: what was left out, refused or unpacked.
-        links: where each link in it leads, both relative to the copy.
+        links: by link, its target, both relative to the copy.
     """
 
     notes: list[Note]
@@ -108,7 +108,7 @@ class Received:
 
 
 def receive(path: Path, folder: Path, assignment: Assignment | None = None) -> Submission:
-    """Copy or unpack what was handed in, and look at it: `copied` and then `found_in`."""
+    """Copy or unpack what was handed in, and read it: `copied`, then `found_in`."""
     return found_in(folder.resolve(strict=True), copied(path, folder), assignment)
 
 
@@ -121,8 +121,8 @@ def copied(path: Path, folder: Path) -> Received:
             reduced to 644, or 755 for folders and programs.
 
     Raises:
-        SubmissionError: if nothing can be received: nothing is there, or it is no archive, encrypted, broken,
-            empty or beyond the limits. What has been written by then stays in `folder`.
+        SubmissionError: if nothing can be received: the path does not exist, or is no archive, encrypted,
+            broken, empty or beyond the limits. What was written by then stays in `folder`.
         ValueError: if `folder` is not empty or lies in `path`.
     """
     root, path = folder.resolve(strict=True), path.absolute()
@@ -153,18 +153,18 @@ def copied(path: Path, folder: Path) -> Received:
 
 
 def found_in(root: Path, received: Received, assignment: Assignment | None = None) -> Submission:
-    """Look at what was received.
+    """Read a received submission.
 
     Args:
-        root: the folder in which it lies.
-        received: what is known of it.
-        assignment: for which it was handed in; None takes the course's own.
+        root: the folder with the copy.
+        received: the notes and links of the copy.
+        assignment: the assignment for which it was handed in; None takes the course's own.
     """
     assignment, noted, files = assignment or assignments.load(), Noted(), _files_in(root)
     links = {root / link: root / end for link, end in received.links.items()}
     folders = _package_folders(files, noted)
     packages = {folder: _package(root, folder) for folder in folders}
-    # One whose package.xml cannot be read is none for colcon, which then looks into its folders.
+    # A package whose package.xml cannot be read is none for colcon, which then searches its folders.
     seen = {folder for folder in folders if packages[folder].error is None or folder / "setup.py" in files}
     built = {folder for folder in folders if _is_built(root, packages[folder], seen)}
     for folder in folders:
@@ -201,12 +201,12 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
 def _by_package(
     sources: Iterable[PythonSource], folders: Sequence[PurePosixPath], built: Collection[PurePosixPath]
 ) -> dict[PurePosixPath | None, list[PythonSource]]:
-    """Return sources by the folder of their package; what lies in none has None."""
+    """Return sources by the folder of their package; None for those outside any package."""
     found: dict[PurePosixPath | None, list[PythonSource]] = {}
     for source in sources:
         around = [folder for folder in folders if folder in PurePosixPath(source.shown).parents]
         innermost = max(around, key=lambda folder: len(folder.parts), default=None)
-        # What lies in a package that colcon does not see is part of the one around it.
+        # A source in a package that colcon does not see also belongs to the package around it.
         for owner in {innermost, *set(built).intersection(around)}:
             found.setdefault(owner, []).append(source)
     return found
@@ -215,7 +215,7 @@ def _by_package(
 def _note_others(
     candidates: Sequence[Candidate], chosen: Candidate | None, also: Sequence[Candidate], noted: Noted
 ) -> None:
-    """Note why each of the other packages that have sources of nodes is not graded."""
+    """Note why each other package with sources of nodes is not graded."""
     for candidate in candidates:
         if chosen and candidate.sources and candidate is not chosen and candidate not in also:
             noted.note(why_not(candidate, chosen), str(candidate.folder), shown(str(chosen.folder)))
@@ -237,7 +237,7 @@ def _package_folders(files: Iterable[PurePosixPath], noted: Noted) -> list[PureP
         noted.note("ignored by colcon", str(folder))
     seen = [file for file in files if not ignored.intersection(file.parents)]
     if not any(file.name in MANIFESTS for file in seen):
-        seen = files  # what colcon does not see is better than nothing
+        seen = files  # packages that colcon does not see are better than none
     manifests = {file.parent for file in seen if file.name == "package.xml"}
     scripts = {file.parent for file in seen if file.name == "setup.py"}
     found = manifests | {folder for folder in scripts if not manifests.intersection(folder.parents)}
@@ -262,7 +262,7 @@ def _manifest_error(source: SourcePackage) -> str | None:
     if not source.has("package.xml"):
         return "There is no package.xml beside setup.py."
     if "<!ENTITY" in read_text(source.folder / "package.xml"):
-        # A few of them make gigabytes when they are parsed.
+        # A few entities can expand to gigabytes.
         return "package.xml is not valid: it defines entities, which no package.xml needs."
     if source.manifest is None:
         return f"package.xml is not valid: {shown(source.manifest_fault or '', 300).rstrip('.')}."
@@ -272,7 +272,7 @@ def _manifest_error(source: SourcePackage) -> str | None:
 def _sources(
     root: Path, files: Iterable[PurePosixPath], noted: Noted, assignment: Assignment
 ) -> Iterator[PythonSource]:
-    """Yield the Python files that have to do with ROS or the assignment, those that lie highest first."""
+    """Yield the Python files that mention ROS or the assignment's topics, those in higher folders first."""
     words = re.compile("|".join(["rclpy", *(topic.rpartition("/")[2] for topic in assignment.topics)]))
     budget = MOST_SOURCE
     scripts = [file for file in files if file.suffix == ".py" and file.name != "setup.py"]
@@ -289,7 +289,7 @@ def _sources(
 
 
 def _is_built(root: Path, package: FoundPackage, seen: Collection[PurePosixPath]) -> bool:
-    """Return whether colcon sees a package among those that are some, and builds executables of it as was asked for."""
+    """Return whether colcon sees a package, and builds its executables as ament_python."""
     is_seen = not any(folder in PurePosixPath(package.folder).parents for folder in seen)
     if not is_seen or package.build_type != "ament_python":
         return False
@@ -298,7 +298,7 @@ def _is_built(root: Path, package: FoundPackage, seen: Collection[PurePosixPath]
 
 
 def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) -> str | None:
-    """Return the folder whose src holds a package, directly, somewhere below, or by a link."""
+    """Return the folder whose src holds a package, at any depth or through a link; None if there is none."""
     there = root / folder
     by_link = [
         (link / there.relative_to(end)).relative_to(root)
@@ -313,7 +313,7 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
 
 
 def _starts_node(source: PythonSource) -> bool:
-    """Return whether a file defines a node or starts ROS; one that Python cannot read only has to import rclpy."""
+    """Return whether a file defines a node or starts ROS; one that cannot be parsed only has to import rclpy."""
     targets = {imported.target for imported in source.imports}
     if source.fault:
         return re.search(r"^\s*(import|from)\s+rclpy\b", source.text, re.MULTILINE) is not None

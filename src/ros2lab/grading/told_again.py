@@ -1,7 +1,7 @@
-"""Which answers to commands come in their place only, and not of the word: they are no answers.
+"""Which answers to commands depend only on the place in the sequence, not on the word: they are no answers.
 
-Where the commands are said again, words that nobody knows come before them. What followed a command at first, follows
-one of these then, and does not follow the command any more, was told whatever came.
+When the commands are sent again, unknown words come before them. An answer that followed a command the first
+time, but now follows one of these words and no longer the command, would have been given to any word.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from ros2lab.assignments import Part
 from ros2lab.grading import reactions
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 
-Answer = tuple[str, str]  # the topic on which it came, empty for the log, and what it says
+Answer = tuple[str, str]  # the topic, empty for the log, and what it says
 
 
 def told_by_place(part: Part, runs: Collection[Run], alone: Mapping[str, Heard]) -> set[str]:
-    """Return the commands whose answers come in their place and not of the word.
+    """Return the commands whose answers depend on their place and not on the word.
 
     Args:
-        part: that takes the commands.
-        runs: in which they were said.
-        alone: what comes on each topic by itself.
+        part: the part that takes the commands.
+        runs: the runs in which they were sent.
+        alone: by topic, what is published without commands.
     """
     first = [_Said(part, run, alone) for run in runs if not _before(part, run)]
     again = [_Said(part, run, alone) for run in runs if _before(part, run)]
@@ -36,7 +36,7 @@ def told_by_place(part: Part, runs: Collection[Run], alone: Mapping[str, Heard])
 
 
 def _before(part: Part, run: Run) -> list[CommandSeen]:
-    """Return what was said before any command."""
+    """Return the words that were sent before the first of the part's commands."""
     return [*itertools.takewhile(lambda command: command.text not in part.commands, run.commands)]
 
 
@@ -44,9 +44,9 @@ class _Said:
     """What followed the commands in a run.
 
     Args:
-        part: that takes the commands.
-        run: in which they were said.
-        alone: what comes on each topic by itself.
+        part: the part that takes the commands.
+        run: the run in which they were sent.
+        alone: by topic, what is published without commands.
     """
 
     def __init__(self, part: Part, run: Run, alone: Mapping[str, Heard]) -> None:
@@ -61,11 +61,11 @@ class _Said:
 
     @cached_property
     def _early(self) -> set[Answer]:
-        """What followed what was said before any command."""
+        """The answers to the words before the first command."""
         return set[Answer]().union(*(_said(self._run, command) for command in _before(self._part, self._run)))
 
     def answers(self, word: str) -> set[Answer]:
-        """Return what followed a command, and does not follow whatever comes."""
+        """Return what followed a command and does not follow just any word."""
         if word not in self._numbers:
             return set()
         changes = self._changed[self._numbers[word]]
@@ -73,10 +73,10 @@ class _Said:
         return lines | {(topic, sense) for topic, sense in changes if topic != self._part.topic}
 
     def is_elsewhere(self, word: str, answers: Collection[Answer]) -> bool:
-        """Return whether one of some answers to a command follows other words, and none of them this one.
+        """Return whether some of these answers followed the words before, and none of them the command.
 
-        Where nothing follows it, what comes with the next command may be late. What comes again and again by itself
-        says something after any word: it answers if it changes.
+        If nothing follows the command, its answer may come late, with the next one. Topics that are published
+        repeatedly count only if they change.
         """
         number = self._numbers.get(word)
         if number is None or self._early.isdisjoint(answers):
@@ -94,7 +94,7 @@ class _Said:
 
 
 def _said(run: Run, command: CommandSeen) -> set[Answer]:
-    """Return what came after a command, of what does not come by itself."""
+    """Return what followed a command, without what comes by itself."""
     lines = {("", line) for line in reactions.lines_of(run, command) - reactions.said_by_itself(run)}
     return lines | {
         (topic, sense)

@@ -1,4 +1,4 @@
-"""Whether an assignment's rubric tells a right solution from a package in which nothing was written yet."""
+"""Whether an assignment's rubric tells a right solution from an empty package."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ros2lab.assignments import Assignment
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.rubric import BONUS
 
-MOST_OF_BARE = 0.5  # of all points, which nobody should have who has written nothing
+MOST_OF_BARE = 0.5  # the largest share of all points that an empty package should get
 CREATE_TIMEOUT = 60.0  # s
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The grades of a model solution, and of what `ros2 pkg create` makes, side by side.
+    """The grades of a model solution and of what `ros2 pkg create` makes, side by side.
 
     Attributes:
-        solution: of the model solution.
-        bare: of the package in which nothing was written.
+        solution: the grade of the model solution.
+        bare: the grade of the package that `ros2 pkg create` makes.
     """
 
     solution: Grade
@@ -30,7 +30,7 @@ class Comparison:
 
     @property
     def lost(self) -> list[Judgement]:
-        """The criteria of which the solution does not have all points; the bonus may be left."""
+        """The criteria, except the bonus, on which the solution loses points."""
         return [
             criterion
             for criterion in self.solution.criteria
@@ -39,13 +39,13 @@ class Comparison:
 
     @property
     def alike(self) -> list[Judgement]:
-        """The criteria that give both the same points, as the bare package has them."""
+        """The bare package's criteria that give it as many points as the solution."""
         pairs = zip(self.solution.criteria, self.bare.criteria, strict=True)
         return [bare for model, bare in pairs if bare.points >= model.points > 0]
 
     @property
     def is_low(self) -> bool:
-        """Whether the bare package gets as little as it should."""
+        """Whether the bare package gets as few points as it should."""
         return self.bare.total <= MOST_OF_BARE * self.bare.max
 
     @property
@@ -55,7 +55,7 @@ class Comparison:
 
 
 def sentences(comparison: Comparison) -> Iterator[str]:
-    """Yield what a comparison says, a line each."""
+    """Yield the lines of a comparison's report."""
     solution, bare = comparison.solution, comparison.bare
     yield f"The solution gets {solution.total:g} of {solution.max:g} points."
     for criterion in comparison.lost:
@@ -73,8 +73,8 @@ def create_bare(assignment: Assignment, folder: Path) -> Path:
     """Make a workspace with the package that `ros2 pkg create` makes for an assignment.
 
     Args:
-        assignment: after which the package is called.
-        folder: in which the workspace is made.
+        assignment: the assignment, which gives the package its name.
+        folder: the folder in which the workspace is made.
 
     Returns:
         The workspace.
