@@ -183,7 +183,7 @@ class Publishing:
                     yield node
 
     def _is_same(self, made_in: NodeClass | None, owner: NodeClass | None, node: ast.AST) -> bool:
-        """Return whether a node may mean the same object: for self attributes, whether classes share a base."""
+        """Return whether a node may mean the same object; a self attribute only in related classes."""
         if not (is_self_attribute(node) and owner and made_in):
             return True
         lines = [{*self._sources.lineage(node_class)[0]} for node_class in (owner, made_in)]

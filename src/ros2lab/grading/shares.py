@@ -1,4 +1,4 @@
-"""What each program did in a run of several, as if it had been watched alone; nothing if that cannot be told."""
+"""What each program did in a run of several, as if watched alone; nothing if that cannot be told."""
 
 from __future__ import annotations
 

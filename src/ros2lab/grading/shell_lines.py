@@ -1,4 +1,4 @@
-"""Whether a shell would run a command in the code of a README: whether it starts one there, and reaches it."""
+"""Whether a shell would run a command in the code of a README: whether one starts there and is reached."""
 
 from __future__ import annotations
 

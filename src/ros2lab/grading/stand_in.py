@@ -154,7 +154,7 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 
 def _named(module: str, name: str) -> Any:
-    """Return what a module has under a name: an interface type for `msg` and `srv` modules, else a stand-in."""
+    """Return what a module has under a name: an interface type in `msg` and `srv`, else a stand-in."""
     if name.startswith("__"):
         raise AttributeError(name)
     kind = module.rpartition(".")[2]

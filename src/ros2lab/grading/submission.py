@@ -313,7 +313,7 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
 
 
 def _starts_node(source: PythonSource) -> bool:
-    """Return whether a file defines a node or starts ROS; one that cannot be parsed only has to import rclpy."""
+    """Return whether a file defines a node or starts ROS; an unparsable one only has to import rclpy."""
     targets = {imported.target for imported in source.imports}
     if source.fault:
         return re.search(r"^\s*(import|from)\s+rclpy\b", source.text, re.MULTILINE) is not None

@@ -1,4 +1,4 @@
-"""What lies in a folder, a zip or a tar, one by one; nothing is believed that an archive's headers say of sizes."""
+"""The members of a folder, a zip or a tar, one by one; sizes in an archive's headers are never trusted."""
 
 from __future__ import annotations
 
@@ -40,22 +40,22 @@ from ros2lab.grading.notes import Kind
 DEEPEST_ARCHIVE = 3  # archives inside one another
 MANIFESTS = frozenset(("package.xml", "setup.py"))
 
-_LONGEST_HEADER = 1 << 18  # bytes, of all that stands before a member of a tar
+_LONGEST_HEADER = 1 << 18  # bytes, of everything before a member of a tar
 _LARGEST_DIRECTORY = 1 << 23  # bytes, of the list of members in a zip
 
 
 def in_folder(folder: Path, note: Callable[[Kind, str], None]) -> Iterator[Member]:
-    """Yield what lies in a folder.
+    """Yield the members of a folder.
 
     Args:
-        folder: is only read.
-        note: told why something was left out, and its path.
+        folder: the folder, which is only read.
+        note: called with the reason why something was left out, and its path.
     """
 
     def note_error(error: OSError) -> None:
         note("unreadable", str(error.filename))
 
-    # By descriptors, so that nobody can put a link in the place of what was looked at.
+    # By descriptors, so that nobody can replace what was looked at by a link.
     for parent, folders, files, descriptor in os.fwalk(folder, onerror=note_error):
         above = Path(parent).relative_to(folder)
         for name in sorted([*folders, *files]):
@@ -87,7 +87,7 @@ def unpack(path: Path, copy: CleanCopy, below: tuple[str, ...] = ()) -> None:
     except SubmissionError:
         raise
     except Exception as error:
-        # Hostile bytes make the readers raise anything; what the system says of them is at most EINVAL.
+        # Hostile bytes may make the readers raise anything; the only system error that they cause is EINVAL.
         if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):
             raise
         raise SubmissionError(
@@ -137,7 +137,7 @@ def _inner_archives(root: Path) -> list[Path]:
 
 
 def _free_name(archive: Path) -> Path:
-    """Return a path beside an archive that is like its name and not in use."""
+    """Return an unused path beside an archive, named like it without its ending."""
     match = _ARCHIVE.fullmatch(archive.name)
     stem = (match[1] if match else "").strip(".") or "archive"
     names = itertools.chain([stem], (f"{stem}_{number}" for number in itertools.count(2)))
@@ -145,7 +145,7 @@ def _free_name(archive: Path) -> Path:
 
 
 def in_archive(path: Path, meter: Meter) -> Iterator[Member]:
-    """Yield the members of an archive, which is recognised by how it begins and not by its name."""
+    """Yield the members of an archive, which is recognised by its first bytes and not by its name."""
     start = _start_of(path)
     unsupported = next((kind for magic, kind in _UNSUPPORTED.items() if start.startswith(magic)), None)
     open_tar = next((opener for magic, opener in _OPENERS.items() if start.startswith(magic)), None)
@@ -202,7 +202,7 @@ def _in_zip(path: Path) -> Iterator[Member]:
                     f"{shown(path.name)} is protected by a password; hand it in without one."
                 )
             if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                # zipfile cannot bound what other methods make of a few bytes.
+                # zipfile cannot limit how much other methods make of a few bytes.
                 raise SubmissionError(
                     f"{shown(path.name)} is compressed in an unusual way (method {info.compress_type}); "
                     "pack it again with `zip` or as a .tar.gz."
@@ -240,7 +240,7 @@ def _zip_name(info: zipfile.ZipInfo) -> str:
 class _Header(tarfile.TarInfo):
     @classmethod
     def frombuf(cls, buf: bytes | bytearray, encoding: str, errors: str) -> _Header:
-        """Read a header; tarfile takes one that is damaged for the end of the archive."""
+        """Read a header, and raise if it is damaged; tarfile would take it for the end of the archive."""
         try:
             return super().frombuf(buf, encoding, errors)
         except tarfile.HeaderError as error:
@@ -291,7 +291,7 @@ def _in_tar(raw: BinaryIO, meter: Meter) -> Iterator[Member]:
                 yield Member(info.name, "hard link", target=info.linkname, is_executable=is_executable)
             else:
                 yield Member(info.name, "other")
-            # tarfile holds all that comes before the next member in memory.
+            # tarfile holds everything before the next member in memory.
             stream.end = archive.offset + _LONGEST_HEADER
     stream.end = math.inf
     while stream.read(CHUNK):  # the check sum stands at the end

@@ -1,6 +1,6 @@
-"""What a reader of ours has failed to read in a submission: it is no loss, no gain, and it is said.
+"""What one of our readers failed to read in a submission: it costs and gains nothing, and the grade says so.
 
-In the tests the failure itself is raised, for it is a fault of ours that must be seen.
+In the tests the failure itself is raised, so that our fault is seen.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ FAILED = "the grader itself has failed to read a file, which is no fault of the 
 
 
 def read_all(readers: Mapping[str, Callable[[], Any]]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return what readers have read, by their names, and why those that are missing in it have failed.
+    """Return the readers' results by name, and by name why the other readers failed.
 
     Raises:
-        MemoryError, RecursionError, OSError: where nobody can follow what is read.
+        MemoryError, RecursionError, OSError: if the submission itself cannot be read.
     """
     found: dict[str, Any] = {}
     failed: dict[str, str] = {}
@@ -35,7 +35,7 @@ def read_all(readers: Mapping[str, Callable[[], Any]]) -> tuple[dict[str, Any], 
 
 
 def told(failed: Mapping[str, str]) -> list[str]:
-    """Say of readers that have failed what was not read, and why."""
+    """Return sentences that say what was not read, and why."""
     return [
         f"Not read: {', '.join(name for name in failed if failed[name] == why)}. {why} What rests on it costs nothing, "
         "and is left to the instructor."
@@ -44,7 +44,7 @@ def told(failed: Mapping[str, str]) -> list[str]:
 
 
 class Noted(Files):
-    """Facts of files, some of which could not be read; it notes when it is asked for one of those."""
+    """Facts of files that record in `missed` each access to a fact that could not be read."""
 
     missed: set[str]
 
@@ -57,7 +57,7 @@ class Noted(Files):
 
 
 def noted(evidence: Evidence) -> Evidence:
-    """Return evidence that notes when it is asked for a fact that could not be read."""
+    """Return evidence that records each access to a fact that could not be read."""
     if not evidence.files.unread:
         return evidence
     facts = Noted(**vars(evidence.files))
@@ -67,7 +67,7 @@ def noted(evidence: Evidence) -> Evidence:
 
 @contextmanager
 def missing(evidence: Evidence) -> Iterator[set[str]]:
-    """Give the set into which come the facts that are asked for meanwhile and could not be read."""
+    """Yield a set that collects the unread facts that are accessed inside the context."""
     facts = evidence.files
     before = facts.missed if isinstance(facts, Noted) else set()
     asked: set[str] = set()

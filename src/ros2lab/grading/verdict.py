@@ -1,4 +1,4 @@
-"""From evidence to a grade, by a rubric; nothing is run, and the same evidence always gives the same grade."""
+"""From evidence to a grade, by a rubric; nothing is run, and equal evidence always gives an equal grade."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ros2lab.grading.unread import FAILED
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
 _OUTPUT = re.compile(r"\[INFO\] \[|^\s*data: |^\s*average rate: ", re.MULTILINE)
-# What is a fault also where it costs nothing.
+# Findings that are faults even where they cost nothing.
 ALWAYS_WRONG = frozenset(
     ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition", "timer-in-callback")
 )
@@ -35,12 +35,12 @@ ABSENT = (MISSING, "written")  # of a node that was not seen
 
 
 def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision] | None = None) -> Grade:
-    """Say what a submission is worth, and why.
+    """Grade a submission.
 
     Args:
         evidence: what was seen of it.
         rubric: what the points are given for.
-        overrides: what an instructor has decided, by criterion; see `overrides.read`.
+        overrides: an instructor's decisions, by criterion; see `overrides.read`.
 
     Raises:
         ValueError: if there is a decision about a criterion that the rubric does not have.
@@ -95,7 +95,7 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         if answer.excuse and answer.lack:
             reason, hint = NOT_DONE.format(shown(answer.excuse, LONGEST_WHY), answer.lack), DO
         elif answer.excuse:
-            # Nobody has more points than others for what we have failed to read.
+            # Nobody gets a bonus for what we failed to read.
             is_extra = criterion.component == BONUS and answer.excuse == FAILED
             share, reason = share if is_extra else 1.0, NOT_TRIED.format(shown(answer.excuse, LONGEST_WHY))
         yield Judgement(
@@ -124,7 +124,7 @@ def _decided(judgement: Judgement, decision: Decision | None) -> Judgement:
 def _faults(
     case: Case, rubric: Rubric, judged: Iterable[Judgement], answers: Mapping[str, Answer]
 ) -> Iterator[Fault]:
-    """Yield what is wrong: what the diagnosis says of a lost criterion, else what was observed."""
+    """Yield the faults: the findings that explain a lost criterion, else what was observed."""
     questions = {criterion.id: QUESTIONS[criterion.question] for criterion in rubric.criteria}
     lost = [
         judgement
@@ -152,15 +152,15 @@ def _faults(
 
 
 def _is_fault(lost: Judgement, level: str) -> bool:
-    """Return whether a lost criterion tells of a fault.
+    """Return whether a lost criterion shows a fault.
 
-    What could not be tried is the fault of something else; what was not asked for is none.
+    What could not be tried has another cause; what was not asked for is no fault.
     """
     return level != "untried" and (lost.component != BONUS or level not in (MISSING, "none", "of_an_end"))
 
 
 def _unexplained(case: Case, lost: Iterable[Judgement], answers: Mapping[str, Answer]) -> Iterator[Fault]:
-    """Yield what was observed of lost criteria; a node that is not there is one fault, however many it costs."""
+    """Yield faults from what was observed; a missing node is one fault, however many criteria it costs."""
     told: set[str] = set()
     for judgement in lost:
         answer = answers[judgement.id]
@@ -176,7 +176,7 @@ def _unexplained(case: Case, lost: Iterable[Judgement], answers: Mapping[str, An
 
 
 def _notes(case: Case) -> Iterator[str]:
-    """Yield what was done in another way than usual, or left out."""
+    """Yield what was done differently than usual, or left out."""
     evidence = case.evidence
     for note in (*map(str, evidence.submission.notes), *evidence.files.notes):
         yield shown(note, LONGEST_FAULT)
@@ -198,7 +198,7 @@ def _notes(case: Case) -> Iterator[str]:
 
 
 def _shown_running(evidence: Evidence) -> str:
-    """Return what of a hand-in shows that it has run."""
+    """Return what in the submission shows that it has run, as a clause."""
     if evidence.files.recordings:
         return listed(evidence.files.recordings)
     if _OUTPUT.search(evidence.files.readme):
@@ -207,7 +207,7 @@ def _shown_running(evidence: Evidence) -> str:
 
 
 def _notes_of_runs(case: Case) -> Iterator[str]:
-    # What ends without a command when it is alone is not ended by one that another program takes.
+    # A program that ends without a command when alone is not ended by a command to another program.
     runs, part = case.evidence.runs, case.assignment.commanded
     brief = {name for run in runs if run.setting == "alone" and not deadly_in(run) for name in run.ended}
     for run in runs:
@@ -217,7 +217,7 @@ def _notes_of_runs(case: Case) -> Iterator[str]:
 
 
 def _not_launched(evidence: Evidence) -> Iterator[str]:
-    """Yield which launch files were not tried where others were."""
+    """Yield a note about the launch files that were not tried, if others were."""
     tried = {run.programs[0] for run in evidence.runs if run.setting == "launched"}
     left = [path for path in evidence.files.launch_files if PurePosixPath(path).name not in tried]
     if tried and left:
@@ -241,10 +241,10 @@ def _unwritten(case: Case, player: Player) -> Iterator[str]:
 
 
 def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
-    """Yield what was done in another way than usual in a run.
+    """Yield what was done differently than usual in a run.
 
     Args:
-        run: that was watched.
+        run: the run.
         brief: the programs that end by themselves.
     """
     who = shown(", ".join(run.programs))
@@ -272,7 +272,7 @@ def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
 
 
 def _unheard(player: Player) -> Iterator[str]:
-    """Yield that by its QoS a node does not hear, or is not heard by, ends with the default QoS."""
+    """Yield a note if a node's QoS does not match nodes with the default QoS."""
     end, policy, effect = (
         ("subscriber", "transient_local", "hears only publishers that are transient local, too")
         if not player.part.is_publisher

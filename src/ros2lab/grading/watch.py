@@ -1,4 +1,4 @@
-"""The domain of a run as it is seen from outside: who is there, what is heard on each topic, and what nodes answer."""
+"""The domain of a run as seen from outside: its nodes, the messages on each topic, and the nodes' answers."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
 from ros2lab.observed_domain import LATCHED, LATE, UNTOLD, ObservedDomain
 from ros2lab.topics import find_type
 
-# What only a wrong program, or one that never spins, makes us wait for, in s.
+# How long we wait, in s, for what only a wrong program, or one that never spins, keeps from coming.
 ANSWER_TIMEOUT = 10.0
-SLOW = 0.3  # that an answer takes from nodes which sleep
-SLEEP = 1.0  # that a step takes where a timer sleeps
-SLEEPS = 3  # of them, after which the clock is not stepped any more
+SLOW = 0.3  # s that nodes which sleep take to answer
+SLEEP = 1.0  # s that a step takes if a timer sleeps
+SLEEPS = 3  # such steps, after which the clock is not stepped any more
 
 OWN_CLOCK = "The submission publishes /clock itself."
-TOPICS, NODES = 20, 20  # that are looked at
+TOPICS, NODES = 20, 20  # that are watched
 NAMELESS = "_NODE_NAME_UNKNOWN_"
 OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 
@@ -47,11 +47,12 @@ class Watch(ObservedDomain):
     """A domain in which a run's programs are watched.
 
     Args:
-        assignment: whose parts the programs may play.
-        number: of the domain.
+        assignment: the assignment whose parts the programs may play.
+        number: the domain's number.
         is_stepped: whether the programs follow a clock that is stepped here.
-        alive: tells how many of the programs have not ended.
-        at_each_turn: is called whenever what came before was heard, so that what is done to the programs then is heard, too.
+        alive: returns how many of the programs have not ended.
+        at_each_turn: called whenever all earlier messages were heard, so that what it does to the programs
+            shows.
     """
 
     def __init__(
@@ -72,14 +73,14 @@ class Watch(ObservedDomain):
         self._alive_before = alive()
         self._start = time.time()
         self.ears: dict[str, Ear] = {}
-        self.excessive: set[Ear] = set()  # that are still open
+        self.excessive: set[Ear] = set()  # ears with too many messages that are still open
         self.logged: list[list[str]] = []
         self.publishes: dict[str, dict[str, list[str]]] = {}
         self.subscribes: dict[str, dict[str, list[str]]] = {}
         self.qos: dict[str, set[str]] = {}
         self.services: dict[str, dict[str, list[str]]] = {}
         self.names: set[str] = set()
-        self.enclaves: dict[str, set[str]] = {}  # of the programs that have a node of this name
+        self.enclaves: dict[str, set[str]] = {}  # by node name, those of the programs that have it
         self.twins: set[str] = set()
         self.parameter_names: dict[str, list[str]] = {}
         self.values: dict[str, dict[str, Any]] = {}
@@ -87,7 +88,7 @@ class Watch(ObservedDomain):
         self._callers: dict[str, Any] = {}
         self.is_answering = True
         self._answered: list[float] = []  # how long each answer took, in s
-        self._slept: list[float] = []  # how long steps took that took long, in s
+        self._slept: list[float] = []  # how long the slow steps took, in s
         self._silent: set[str] = set()  # the nodes of programs that have ended
         self._unanswering: set[str] = set()
         self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
@@ -100,19 +101,19 @@ class Watch(ObservedDomain):
 
     @property
     def is_slow(self) -> bool:
-        """Whether most answers take long: on a busy machine a few do."""
+        """Whether most answers take long; on a busy machine only a few do."""
         return bool(self._answered) and statistics.median(self._answered) > SLOW
 
     def now(self) -> float:
-        """Return the time of the run in s, on its clock."""
+        """Return the time of the run on its clock, in s."""
         return self.simulated if self.is_stepped else time.time() - self._start
 
     def time_of(self, received: int) -> float:
-        """Return the time of the run in s at which a message came, by what DDS says of it (ns of the system's clock)."""
+        """Return the time of the run in s at which a message came, by its DDS timestamp (ns, system clock)."""
         return self.simulated if self.is_stepped else round(received / 1e9 - self._start, 4)
 
     def wait_for_start(self, condition: Callable[[], object], timeout: float) -> bool:
-        """Wait as any observer does, and where the programs do not start by themselves, for what is done to them."""
+        """Wait as any observer does; if the programs do not start by themselves, call `at_each_turn`, too."""
         if self._at_each_turn is None:
             return super().wait_for_start(condition, timeout)
         is_met, left = super().wait_for_start(condition, self.patience), timeout - self.patience
@@ -122,7 +123,7 @@ class Watch(ObservedDomain):
         return is_met
 
     def until(self, condition: Callable[[], object], timeout: float) -> bool:
-        """Wait as `wait` does, at most until all programs have ended."""
+        """Wait like `wait`, but only until all programs have ended; return whether the condition was met."""
         met = False
 
         def is_over() -> bool:
@@ -134,7 +135,7 @@ class Watch(ObservedDomain):
         return met
 
     def wait(self, condition: Callable[[], object], timeout: float | None = None) -> bool:
-        """Wait as any observer does, and close the topics on which more comes than is borne."""
+        """Wait as any observer does, and close the topics that have too many messages."""
 
         def is_met() -> bool:
             while self.excessive:
@@ -146,7 +147,7 @@ class Watch(ObservedDomain):
         return super().wait(is_met, timeout)
 
     def nodes(self) -> list[str]:
-        """Return the full names of the nodes that others run here, sorted; one that is there twice stands twice."""
+        """Return the full names of all nodes but our own, sorted; a name that is there twice comes twice."""
         names = [f"{space.rstrip('/')}/{name}" for name, space in self.node.get_node_names_and_namespaces()]
         own = self.node.get_fully_qualified_name()
         if own in names:
@@ -154,10 +155,10 @@ class Watch(ObservedDomain):
         return sorted(name for name in names if not name.rpartition("/")[2].startswith("_"))
 
     def look(self) -> bool:
-        """Take in the graph, and listen to what is new in it; tell whether there was something new to listen to.
+        """Read the graph, and subscribe to new topics; return whether there was anything new.
 
         Raises:
-            NotStepped: if the clock that is stepped here is published by somebody else as well.
+            NotStepped: if somebody else also publishes the clock that is stepped here.
         """
         nodes = self.nodes()
         self.names |= set(nodes)
@@ -174,7 +175,7 @@ class Watch(ObservedDomain):
                 self.notes.add(f"{topic} is published by {count} DDS participants.")
             if topic == "/clock" and publishers:
                 self.notes.add(OWN_CLOCK)
-                if self.is_stepped:  # whenever the graph comes to tell of it
+                if self.is_stepped:  # whenever the graph shows it
                     raise NotStepped(OWN_CLOCK)
             if topic in every_node.HIDDEN_TOPICS:
                 continue
@@ -197,14 +198,14 @@ class Watch(ObservedDomain):
         return is_new
 
     def look_again(self) -> bool:
-        """Take in the graph, and be heard and told of what is new in it from now on; tell whether there was any."""
-        # The graph tells of an end before it tells whose it is.
+        """Read the graph, and make sure that new nodes know our endpoints; return whether there was anything new."""
+        # The graph shows an endpoint before it shows its node.
         self.until(lambda: not self.has_nameless(), self.patience)
         is_new = self.look()
         if self._at_each_turn:
             self._at_each_turn()
         if is_new and self.is_answering:
-            # An answer to a new client comes after its program knows of what was made here before.
+            # A program that answers a new client knows of the endpoints that were made here before.
             self.forget_questions()
             names = self.asked()
             self.is_answering = bool(names) and not self.ask(
@@ -224,7 +225,7 @@ class Watch(ObservedDomain):
                     self.services.setdefault(service, {})[name] = list(types)
 
     def service(self, part: Part) -> str:
-        """Return the service that plays a part: the right one, or else one of its type; empty if there is none."""
+        """Return the service that plays a part: the right one, else one of its type; empty if there is none."""
         fitting = [
             name
             for name, nodes in sorted(self.services.items())
@@ -236,15 +237,16 @@ class Watch(ObservedDomain):
         return free[0] if free else ""
 
     def call(self, part: Part, name: str, request: Mapping[str, Any]) -> tuple[dict[str, Any] | None, float]:
-        """Call a service, and wait for the response.
+        """Call a service and wait for the response.
 
         Args:
-            part: of which the service is.
-            name: of the service.
-            request: by field.
+            part: the part that the service plays.
+            name: the service's name.
+            request: the request's values by field.
 
         Returns:
-            The response by field, None if none came; and how much longer it took than any answer of a node, in s.
+            The response by field, None if none came; and how much longer it took than a node's usual answer,
+            in s.
         """
         kind: Any = find_type(part.type_name)
         message = kind.Request()
@@ -264,7 +266,7 @@ class Watch(ObservedDomain):
         return (plain(answer.result()) if is_answered else None), took
 
     def has_nameless(self) -> bool:
-        """Return whether there are publishers or subscriptions of which it is not known yet whose they are."""
+        """Return whether there are publishers or subscriptions whose node is not known yet."""
         return any(
             info.node_name == NAMELESS
             for topic, _ in self.node.get_topic_names_and_types()[:TOPICS]
@@ -276,7 +278,7 @@ class Watch(ObservedDomain):
         )
 
     def command_topic(self) -> str:
-        """Return the String topic that commands are taken from: the right one, or one that plays its part; or none."""
+        """Return the topic that commands are taken from: the right one, else a likely one; empty if there is none."""
         part = self._commanded
         if part is None:
             return ""
@@ -287,7 +289,8 @@ class Watch(ObservedDomain):
         }
         if part.topic in taken:
             return part.topic
-        # What the nodes say to one another is the last that may be meant; what has another type there never is.
+        # A topic on which nodes talk to each other is the least likely; one with publishers of another type
+        # is out.
         return min(
             (
                 t
@@ -303,7 +306,7 @@ class Watch(ObservedDomain):
         )
 
     def step(self, seconds: float) -> None:
-        """Set the clock forward, and wait until what is then due is done.
+        """Set the clock forward, and wait until everything that is due then is done.
 
         Raises:
             NotStepped: if a node does not answer, or sleeps for longer than the clock is set forward.
@@ -319,7 +322,7 @@ class Watch(ObservedDomain):
         if len(self._slept) >= SLEEPS and sum(self._slept) > self.simulated:
             raise NotStepped("What is called while the clock is stepped sleeps for longer than that.")
         if not is_settled:
-            if not self.nodes():  # whoever leaves the graph is about to end
+            if not self.nodes():  # programs that have left the graph are about to end
                 self.until(lambda: False, self.patience)
             self.check()
             raise NotStepped("A node does not answer while the clock is stepped.")
@@ -330,7 +333,7 @@ class Watch(ObservedDomain):
             raise Gone
 
     def check_still(self) -> None:
-        """Raise NotStepped if something was published at each answer, although the clock stood."""
+        """Raise NotStepped if something was published with each answer although the clock stood still."""
         if self.is_stepped and self.is_restless:
             raise NotStepped("Something is published while the ROS clock stands still.")
 
@@ -339,15 +342,15 @@ class Watch(ObservedDomain):
         return {ends.node_name(info) for info in self._others(ends.subscriptions(self.node, "/clock"))}
 
     def periodic(self) -> list[Ear]:
-        """Return the topics on which more than one message came in this part, and which are still heard."""
+        """Return the open topics that had more than one message since the last call of `part`."""
         return [ear for ear in self.ears.values() if ear.count > 1 and not ear.is_closed]
 
     def has_part(self) -> bool:
-        """Return whether anything was heard or logged since `part` and `log_part` were called."""
+        """Return whether anything was published or logged since the last calls of `part` and `log_part`."""
         return any(ear.count for ear in (self._rosout, *self.ears.values()))
 
     def part(self) -> dict[str, Any]:
-        """Return what was heard on each topic since the last call."""
+        """Return what was published on each topic since the last call."""
         return {topic: ear.part() for topic, ear in sorted(self.ears.items()) if ear.count}
 
     def log_part(self) -> list[list[str]]:
@@ -360,7 +363,7 @@ class Watch(ObservedDomain):
         ]
 
     def list_parameters(self) -> None:
-        """Ask which parameters there are; `values` has them after the next answer."""
+        """Ask the nodes for their parameters' names; the next answers fill `values`."""
         for name in sorted(set(self.nodes()) - self._silent - self._unanswering)[:NODES]:
             client = self.node.create_client(ListParameters, f"{name}/list_parameters")
             if self.until(client.service_is_ready, self.patience):
@@ -377,7 +380,7 @@ class Watch(ObservedDomain):
         )
 
     def has_unmet(self) -> bool:
-        """Return whether there are more DDS participants than have been met: the kernel knows at once who is there."""
+        """Return whether some DDS participants were not met yet: the kernel knows at once who is there."""
         return len(ends.discovery_ports(self.number)) > self.participants() + 1  # and our own
 
     def _hear(self, topic: str, type_name: str) -> bool:
@@ -392,7 +395,7 @@ class Watch(ObservedDomain):
         return [info for info in infos if ends.participant(info) != self._prefix]
 
     def settle(self, timeout: float | None = ANSWER_TIMEOUT, least: int = 1) -> bool:
-        """Wait as any observer does, for all of the nodes that have not ended."""
+        """Wait as any observer does, for all nodes that have not ended."""
         return super().settle(timeout, least)
 
     def asked(self) -> list[str]:
@@ -401,11 +404,11 @@ class Watch(ObservedDomain):
 
     @property
     def heard(self) -> int:
-        """How many messages were received, on all topics."""
+        """The number of messages received on all topics."""
         return sum(self.counts().values())
 
     def receivers(self, topics: Collection[str]) -> set[str]:
-        """Return the full names of the nodes that subscribe to topics."""
+        """Return the full names of the nodes that subscribe to any of these topics."""
         return {node for topic in topics for node in self.subscribes.get(topic, ())}
 
     def counts(self) -> dict[str, int]:
@@ -413,7 +416,7 @@ class Watch(ObservedDomain):
         return {topic: ear.total for topic, ear in (("/rosout", self._rosout), *self.ears.items())}
 
     def ask(self, names: Collection[str], timeout: float, times: int = 1) -> set[str]:
-        """Ask as any observer does, and learn the values of parameters; return who lives and does not answer."""
+        """Ask nodes as any observer does, for parameter values; return the live ones that do not answer."""
         start = time.monotonic()
         self._unanswering = super().ask(names, timeout, times)
         if self._alive() < self._alive_before:  # the nodes of a program that has ended do not answer any more
@@ -424,16 +427,16 @@ class Watch(ObservedDomain):
         return self._unanswering
 
     def request(self, name: str) -> GetParameters.Request:
-        """Return what a node is asked: the values of all its parameters, once they are known."""
+        """Return the request for a node: the values of all its parameters, once their names are known."""
         return GetParameters.Request(names=self.parameter_names.get(name, []))
 
     def take_answer(self, name: str, answer: GetParameters.Response) -> None:
-        """Take what a node has answered."""
+        """Store the parameter values that a node has answered."""
         values = map(_parameter, answer.values)
         self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
 
     def has_lost(self) -> bool:
-        """Return whether a program has ended since all were asked the last time."""
+        """Return whether a program has ended since the nodes were last asked."""
         return self._alive() < self._alive_before
 
 

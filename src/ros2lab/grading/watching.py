@@ -1,4 +1,4 @@
-"""Which programs of a submission are watched together, and which alone or with other parameters, and what for."""
+"""Decide which programs of a submission are watched together, alone, or with other parameters."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from ros2lab.grading.senses import is_still
 from ros2lab.grading.submission import Submission
 
 MOST_LAUNCH_FILES = 3
-MOST_PARAMETERS = 4  # that are changed to see what follows
+MOST_PARAMETERS = 4  # that are changed to see the effect
 
-# What rclpy says of a float field that is given something else, if it is told to check.
+# rclpy's error for a wrong type in a float field, if its checks are on.
 _REFUSED = re.compile(r"AssertionError: The '\w+' field must be of type 'float'")
 CAUGHT = "an AssertionError that it catches"
 
@@ -32,14 +32,14 @@ Show = Callable[[str], None]
 def watch(
     observer: Observer, submission: Submission, facts: Files, built: Build, show: Show = lambda _step: None
 ) -> list[Run]:
-    """Watch all programs, or each alone, and what launch files start, and timers with another parameter.
+    """Watch a submission's programs: together or alone, as launched, and with changed parameters.
 
     Args:
-        observer: in the World in which it was built.
+        observer: the observer of the World in which it was built.
         submission: what was handed in.
-        facts: of its files.
-        built: what came of the build.
-        show: told what is being done.
+        facts: the facts of its files.
+        built: the result of its build.
+        show: called with what is being done.
     """
     programs = [_program(executable, built, facts) for executable in built.executables if executable.command]
     asking = {executable.name for executable in built.executables if KEYBOARD in executable.absent}
@@ -54,7 +54,7 @@ def watch(
         watching.at_a_keyboard(asking)
         watching.launched_and_changed()
         if watching.untold(_clocked(watching.runs)):
-            continue  # what follows a clock that nobody brings does less than was seen
+            continue  # programs that follow a clock that nobody publishes do less than was seen
         watching.changed_otherwise()
         watching.without_launch_files()
         watching.given()
@@ -62,10 +62,10 @@ def watch(
 
 
 class _Watching:
-    """What is watched of a submission, one step after the other.
+    """The steps of watching a submission, one after the other.
 
     Attributes:
-        runs: until now.
+        runs: the runs so far.
     """
 
     def __init__(
@@ -80,14 +80,14 @@ class _Watching:
         self._observer, self._facts, self._show = observer, facts, show
         self._assignment = observer.assignment
         self._programs, self._launches = programs, launches
-        self._together: list[Run] = []  # what was seen of all of them
-        self._is_shared = False  # whether that tells what each does
-        self._ended: set[str] = set()  # the programs that ended while all were watched
-        self._is_given_up = False  # whether that was given up
-        self._known: set[str] = set()  # the programs of which it is known whether they follow `/clock` untold
+        self._together: list[Run] = []  # the run of all programs together
+        self._is_shared = False  # whether that run tells what each program does
+        self._ended: set[str] = set()  # the programs that ended in that run
+        self._is_given_up = False  # whether that run was given up
+        self._known: set[str] = set()  # the programs that were checked for following `/clock` untold
 
     def untold(self, names: Collection[str]) -> bool:
-        """See which of some programs follow `/clock` though nobody tells them; return whether one does that was not known to."""
+        """Check which programs follow `/clock` without being told; return whether any new one does."""
         programs = [
             program
             for program in self._programs
@@ -106,7 +106,7 @@ class _Watching:
         return bool(found)
 
     def each(self) -> None:
-        """Watch what each program does: among the others, and alone where that leaves something open."""
+        """Watch each program: among the others, and alone if that leaves something open."""
         self._together, self._is_shared, self._is_given_up = [], False, False
         if len(self._programs) > 1 and not any(program.has_clock for program in self._programs):
             whole = Job.shared(self._programs)
@@ -119,7 +119,7 @@ class _Watching:
             self.runs = self._observer.watch([Job.alone(program) for program in self._programs])
 
     def again_unchecked(self) -> None:
-        """Watch again, as outside the lab, what is refused in it."""
+        """Watch programs again as outside the lab, if the lab's checks have stopped them."""
         refused = _refused(self._assignment, self._facts, self.runs)
         if not refused:
             return
@@ -138,9 +138,9 @@ class _Watching:
         self.runs = [watched.get(run.programs[0], run) for run in self.runs]
 
     def at_a_keyboard(self, asking: Collection[str]) -> None:
-        """Watch again, with somebody who types, each program that reads a keyboard and of which nothing was seen.
+        """Watch again, with typed answers, each idle program that reads the keyboard.
 
-        One that ends whatever is typed, and always in the same place, has not ended for want of an answer.
+        A program that always ends at the same place, whatever is typed, has not ended for lack of an answer.
         """
         waiting = [run.programs[0] for run in self.runs if {*run.programs} <= {*asking} and _is_idle(run)]
         if not waiting:
@@ -162,11 +162,11 @@ class _Watching:
             for program, run in zip(programs, self._observer.watch(jobs), strict=True):
                 name = program.name
                 if run.ended:
-                    # Without an error, an answer has ended it, or else the end of all that it asks.
+                    # Without an error, it ended at an answer, or after its last question.
                     is_error = "Traceback (most recent call last)" in run.ended[name]
                     places[name].add(raised_at(run.ended[name], name) if is_error else len(run.typed))
                 else:
-                    # What it has not been told meanwhile may end it.
+                    # Only what was typed is kept: further answers might end it.
                     answered[name], by_name[name] = run, replace(program, keys=run.typed or keys)
                 last[name] = run
         for name in {*waiting} - answered.keys():
@@ -176,10 +176,10 @@ class _Watching:
         self.runs = [answered.get(run.programs[0], run) for run in self.runs]
 
     def launched_and_changed(self) -> None:
-        """Watch what launch files start, and programs with changed parameters; and all together, if that is open."""
+        """Watch what launch files start, programs with changed parameters, and all together if still needed."""
         nodes = len({node for run in self.runs for node in run.nodes})
         self.runs += self._together
-        # Where all programs are quick to answer it costs next to nothing to see them obey together.
+        # If all programs answer quickly, watching them obey together costs next to nothing.
         is_known = _is_complete(self._assignment, self.runs)
         has_commands = not is_known or all(run.clock == "stepped" for run in self.runs)
         jobs = [
@@ -187,7 +187,7 @@ class _Watching:
             for launch in self._launches
         ]
         together = list[Job]()
-        if not self._launches:  # at once: no launch file starts them
+        if not self._launches:  # no launch file starts them together
             is_commanded = any(run.commands for run in self.runs) or self._is_torn()
             together = [Job.together(self._programs)] if is_commanded else [] if is_known else self._anew()
         wanted = [*asked(self._assignment, self._programs, self.runs)]
@@ -208,9 +208,9 @@ class _Watching:
         self.runs += _watched(self._observer, jobs)
 
     def changed_otherwise(self) -> None:
-        """Watch a program again whose period has changed in another way than its parameter.
+        """Watch again each program whose period did not follow its parameter.
 
-        It may keep to a limit on this side of what it has by itself; then it follows on the other side.
+        It may have a limit on this side of its own value; then it follows on the other side.
         """
         programs = [*doubtful(self._programs, self.runs, self._facts)]
         if programs:
@@ -220,9 +220,9 @@ class _Watching:
             )
 
     def without_launch_files(self) -> None:
-        """Watch all together where something was seen only of what launch files start.
+        """Watch all together if something was seen only when launched.
 
-        It counts only for what the executables do without it.
+        A launch file counts only for what the executables do without it.
         """
         is_done_without = all(
             any(is_done(part, run) for run in self.runs if run.setting != "launched")
@@ -234,7 +234,7 @@ class _Watching:
             self.runs += self._observer.watch(self._anew())
 
     def given(self) -> None:
-        """Watch all together once more where one may wait for something, and give it that."""
+        """Watch all together once more, and give them what they may wait for, if any seems to wait."""
         for has_flags in (False, True):
             is_for_nothing = has_flags and not self.runs[-1].given
             if self._programs and not is_for_nothing and _is_waiting(self._assignment, self.runs):
@@ -242,24 +242,24 @@ class _Watching:
                 self.runs += self._observer.watch([Job.given(self._programs, has_flags=has_flags)])
 
     def _is_torn(self) -> bool:
-        """Return whether a program has ended beside the others, or does not follow the clock there, that does so alone."""
+        """Return whether a program that goes on alone ended beside the others, or lost the stepped clock there."""
         alone = [run for run in self.runs if run.setting == "alone" and not run.ended]
         is_stepped = bool(alone) and all(run.clock == "stepped" for run in alone)
         return (self._is_given_up and is_stepped) or any(run.programs[0] in self._ended for run in alone)
 
     def _anew(self) -> list[Job]:
-        """Return the job of all programs, if it is still to be done."""
+        """Return the job of all programs together, if it is still to be done; else an empty list."""
         is_due = len(self._programs) > 1 and not self._together
         return [Job.together(self._programs)] if is_due else []
 
 
 def _is_timed_otherwise(program: Program) -> bool:
-    """Return whether only timers have other parameters: how often they fire tells no words apart."""
+    """Return whether a program has changed parameters for timers only, which do not affect reactions."""
     return all(is_timers(parameter.partition(":=")[0]) for parameter in program.parameters)
 
 
 def _groups(programs: Iterable[Program]) -> list[list[Program]]:
-    """Return programs in groups, in each of which none is twice."""
+    """Return programs in groups, none of which has the same program twice."""
     groups: list[list[Program]] = []
     for program in programs:
         free = (group for group in groups if all(member.name != program.name for member in group))
@@ -271,7 +271,7 @@ def _groups(programs: Iterable[Program]) -> list[list[Program]]:
 
 
 def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
-    """Watch as jobs say, and what a shared one is for apart, where it cannot be told what each program does."""
+    """Run jobs; run the programs of a shared job apart if it does not tell what each of them does."""
     runs, again = list[Run](), list[Job]()
     for job, run in zip(jobs, observer.watch(jobs), strict=True):
         shares = job.shares()
@@ -282,13 +282,13 @@ def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
 
 
 def _program(executable: Executable, built: Build, facts: Files) -> Program:
-    # Code that says or asks which clock there is may do something else on one that is stepped.
+    # Code that sets or asks for the clock may behave differently on a stepped one.
     has_clock = not {*executable.modules, executable.stem}.isdisjoint(facts.simulated)
     return Program(executable.name, executable.command, built.environ, has_clock=has_clock)
 
 
 def _simulated(facts: Files, built: Build) -> list[str]:
-    """Return the programs that may have a node follow `/clock`, by a file of parameters."""
+    """Return the programs whose nodes a parameter file may tell to follow `/clock`."""
     is_set = any(
         values.get("use_sim_time") for nodes in facts.parameter_files.values() for values in nodes.values()
     )
@@ -296,28 +296,28 @@ def _simulated(facts: Files, built: Build) -> list[str]:
 
 
 def _clocked(runs: Iterable[Run]) -> list[str]:
-    """Return the programs whose nodes were seen to follow `/clock` where a launch file, or nobody, told them."""
+    """Return the programs whose nodes followed `/clock` when a launch file, or nobody, told them to."""
     runs = [*runs]
     clocked = {node for run in runs for node in run.clocked}
     return [run.programs[0] for run in runs if run.setting == "alone" and not clocked.isdisjoint(run.nodes)]
 
 
 def _is_idle(run: Run) -> bool:
-    """Return whether nothing was seen of what a program does, but that it is there, or has ended."""
+    """Return whether a program was not seen to publish anything or to react to any command."""
     return not run.quiet and not any(
         command.log or command.topics or command.parameters for command in run.commands
     )
 
 
 def _refused(assignment: Assignment, facts: Files, runs: Sequence[Run]) -> dict[str, str]:
-    """Return by program what the lab's check of fields has ended it with, or what has kept it from publishing."""
+    """Return by program the error of the lab's field checks that ended it or kept it from publishing."""
     ended = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
     may_catch = bool(facts.handlers.get("wholesale"))
     return {run.programs[0]: CAUGHT for run in runs if may_catch and _is_mute(assignment, run)} | ended
 
 
 def _is_mute(assignment: Assignment, run: Run) -> bool:
-    """Return whether a program publishes what no other part has the type of, and none came."""
+    """Return whether a program has publishers of a type that only one part has, but published nothing there."""
     types = {
         part.type_name for part in assignment.parts.values() if part.is_publisher and assignment.is_only(part)
     }
@@ -329,14 +329,14 @@ def _is_mute(assignment: Assignment, run: Run) -> bool:
 
 
 def _unchecked(programs: Iterable[Program]) -> list[Program]:
-    """Return programs as they are outside the lab, where a float field takes an int, and makes 5e-324 of it."""
+    """Return programs as they run outside the lab, where a float field takes an int and makes 5e-324 of it."""
     return [
         replace(program, environ={**program.environ, "ROS_PYTHON_CHECK_FIELDS": "0"}) for program in programs
     ]
 
 
 def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Program]:
-    """Yield `ros2 launch` for each launch file, as installed, or by its path if it was not installed."""
+    """Yield a `ros2 launch` program for each launch file: as installed, or by path if it was not installed."""
     for path in facts.launch_files[:MOST_LAUNCH_FILES]:
         name, owner = PurePosixPath(path).name, _owner(submission, path)
         is_installed = owner and any(PurePosixPath(shared).name == name for shared in built.shared)
@@ -360,7 +360,7 @@ def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
 
 
 def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
-    """Return whether a node seems to publish a part of the assignment, and nothing came: it may wait for something."""
+    """Return whether a part's publisher was seen but nothing came: its node may wait for something."""
     for part in assignment.parts.values():
         seen = [
             (topic, types)
@@ -378,7 +378,7 @@ def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
 
 
 def _is_at_work(part: Part, run: Run) -> bool:
-    """Return whether a part was seen to work in a run: so often that its period can be told, or so that it moves."""
+    """Return whether a part was seen to work in a run: often enough for a period, or with a motion."""
     if part.end == "service":
         return any(call.service == part.topic and call.response is not None for call in run.calls)
     if not part.is_publisher:

@@ -1,8 +1,8 @@
-"""In which way of starting the nodes an assignment is done: all of it has to be seen in one.
+"""The ways of starting the nodes: all of an assignment must work in one of them.
 
-The programs themselves are one way, each launch file is another. What a launch file does not start may be started
-beside it, by itself or by a launch file that starts nothing of the same; nobody starts a node twice. A program that
-does not run beside the others is a way by itself, whatever it does alone.
+Starting the programs one by one is one way, each launch file is another. What a launch file does not start
+may be started beside it, by itself or by a launch file without the same nodes; no node is started twice. A
+program that does not run beside the others is a way of its own.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from ros2lab.grading.periods import period_of
 from ros2lab.grading.player import MATCHES, Player
 from ros2lab.rhythm import has_period
 
-Way = dict[str, list[Player]]  # by part, who plays it in this way; the most telling first
+Way = dict[str, list[Player]]  # by part, its players in this way; the most telling first
 
 
 def best_way(players: Mapping[str, Sequence[Player]], shut_out: Collection[str] = ()) -> Way:
-    """Return the way in which most topics are right; of equals, the one with most of the periods.
+    """Return the way in which most topics are right; of equal ones, the one with the most right periods.
 
     Args:
-        players: by part, who plays it; in each run in which it was seen, the most telling first.
+        players: by part, its players in each run, the most telling first.
         shut_out: the programs that do not run beside the others; see below.
     """
-    numbers: dict[str, set[int]] = {}  # of runs, by what is started: "" stands for all programs
+    numbers: dict[str, set[int]] = {}  # the runs' numbers by what is started; "" stands for the programs
     for player in (player for found in players.values() for player in found):
         run = player.run
         is_solitary = run.setting == "alone" and not {*run.programs}.isdisjoint(shut_out)
@@ -37,21 +37,21 @@ def best_way(players: Mapping[str, Sequence[Player]], shut_out: Collection[str] 
         _only(players, found)
         for _, found in sorted(numbers.items(), key=lambda pair: (pair[0] != "", *pair[1]))
     ]
-    # Which of two programs that keep each other out was there is chance: the other one has to be better by a topic.
+    # Which of two programs that exclude each other ran is chance: the other must be better by a topic.
     best = max((_completed(way, ways, lone) for way in ways), key=_worth, default={})
     return max([best, *solitary], key=lambda way: _worth(way)[0])
 
 
 def shut_out(runs: Sequence[Run]) -> dict[str, str]:
-    """Return the programs that go on alone, and not beside the others; with what each said last there.
+    """Return the programs that run alone but not beside the others; with the last output of each there.
 
-    One has ended there before any command, or is there without any of the topics and services that it has alone, or
-    nothing comes on those on which it publishes alone in a rhythm.
+    Beside the others such a program ends before any command, or has none of the topics and services that it
+    has alone, or publishes nothing on the topics on which it publishes repeatedly alone.
     """
     alone = {run.programs[0]: run for run in runs if run.setting == "alone" and not run.ended}
     found: dict[str, str] = {}
     for run in runs:
-        # What could not be watched, or not to its end, tells nothing.
+        # A run that could not be watched to its end tells nothing.
         if run.setting != "together" or run.unfinished or not (run.nodes or run.ended):
             continue
         there = _ends(run)
@@ -65,7 +65,7 @@ def shut_out(runs: Sequence[Run]) -> dict[str, str]:
 
 
 def _is_silent(alone: Run, together: Run) -> bool:
-    """Return whether nothing comes beside others, of whom something does, on topics on which something comes alone by itself."""
+    """Return whether a program's topics are silent beside the others, though these work."""
     told = {topic for topic, heard in alone.quiet.items() if heard.count > 2}
     heard = {topic for topics in together.stretches for topic, heard in topics.items() if heard.count}
     is_at_work = bool(heard) or any(command.log for command in together.commands)
@@ -73,13 +73,13 @@ def _is_silent(alone: Run, together: Run) -> bool:
 
 
 def _ends(run: Run) -> set[tuple[str, str]]:
-    """Return the topics and services of the nodes of a run, each with what they have of it."""
+    """Return the ends of a run's nodes: publishers, subscriptions and services, each with its topic."""
     kinds = (("publishes", run.publishes), ("subscribes", run.subscribes), ("provides", run.services))
     return {(kind, topic) for kind, topics in kinds for topic in topics}
 
 
 def _only(players: Mapping[str, Sequence[Player]], numbers: set[int]) -> Way:
-    """Return who plays which part in some of the runs."""
+    """Return the players in the runs with these numbers, by part."""
     found = {
         name: [player for player in everybody if player.number in numbers]
         for name, everybody in players.items()
@@ -88,12 +88,13 @@ def _only(players: Mapping[str, Sequence[Player]], numbers: set[int]) -> Way:
 
 
 def _completed(way: Way, ways: Iterable[Way], lone: Collection[str]) -> Way:
-    """Return a way with what can be started beside it.
+    """Return a way together with what can be started beside it.
 
     Args:
-        way: by itself.
-        ways: all of them.
-        lone: the nodes that do not run beside others: a launch file that starts one of them is no company.
+        way: the way itself.
+        ways: all ways.
+        lone: the nodes that do not run beside others: a launch file that starts one of them cannot be
+            combined.
     """
     whole = dict(way)
     if _launches(way, lone):
@@ -137,7 +138,7 @@ def _base(node: str) -> str:
 
 
 def _worth(way: Way) -> tuple[int, int, int]:
-    """Return how many topics and periods are right in a way, and how near the other topics are."""
+    """Return how many topics and periods of a way are right, and how near the other topics are."""
     best = [min(MATCHES.index(player.match) for player in players) for players in way.values()]
     return best.count(0), sum(map(_has_period, way.values())), sum(len(MATCHES) - rank for rank in best)
 

@@ -1,4 +1,4 @@
-"""The publishers and subscriptions that code makes, as far as it tells without being run."""
+"""The publishers and subscriptions that code makes, as far as reading tells."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ MOST_ENDS = 100
 _MAKERS = {
     "create_publisher": True,
     "create_subscription": False,
-}  # what makes an end, and whether it publishes
+}  # by method that makes an end, whether that publishes
 _MAKER_OF = {is_publisher: name for name, is_publisher in _MAKERS.items()}
 _NAMES_MAKER = re.compile(
     rb"\b(create)_(?:\w+_)?(publisher|subscription)\b"
-)  # also a `create_generic_publisher`
+)  # also `create_generic_publisher`
 
 
 def written_ends(
@@ -34,7 +34,7 @@ def written_ends(
     entrances: Collection[str] | None = None,
     words: Collection[str] = (),
 ) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
-    """Return the publishers and subscriptions that some files make; those of unknown topics have none.
+    """Return the publishers and subscriptions that some files make; an unknown topic is empty.
 
     Args:
         files: the modules.
@@ -42,7 +42,7 @@ def written_ends(
         words: the commands of the assignment.
 
     Returns:
-        Those in code that runs, and the others.
+        The ends in code that runs, and those in other code.
     """
     sources = NodeSources({source.name: source.as_meant() for source in files})
     try:
@@ -63,7 +63,7 @@ def written_ends(
             periods = [seconds for _, seconds in timers_of(end)]
             made = replace(made, topic=f"/{end.topic}", type_name=type_name, periods=periods)
         found[creation.call in run].append(made)
-    # The ones of which more is known come first, if there are too many.
+    # If there are too many, those with a known topic come first.
     live, dead = (sorted(found[key], key=lambda end: not end.topic)[:MOST_ENDS] for key in (True, False))
     return live, dead
 
@@ -71,10 +71,10 @@ def written_ends(
 def ends_elsewhere(
     root: Path, paths: Iterable[PurePosixPath], sources: Collection[PythonSource], ends: Iterable[WrittenEnd]
 ) -> list[WrittenEnd]:
-    """Return an end of an unknown topic for each kind that code may make besides `ends`, which `sources` tell.
+    """Return an end with an unknown topic for each kind that code may make besides `ends`, found in `sources`.
 
-    Whatever names the method may call it: a module in another way than by a plain call, and any file but a text. So
-    may whatever has the message's class; see `hidden_ends`.
+    Anything that names the method may call it: a module in another way than by a plain call, or any file that
+    is no prose. So may code that has the message's class; see `hidden_ends`.
     """
     ends = [*ends]
     known = {source.path for source in sources}
@@ -89,7 +89,7 @@ def ends_elsewhere(
 
 
 def _makers_in(source: PythonSource) -> Iterator[str]:
-    """Yield the name of a method that makes an end wherever a module has it."""
+    """Yield the name of a method that makes an end for each time that a module uses the name."""
     if not source.tree.body:  # what cannot be parsed, or is empty
         yield from _makers_named(source.text.encode(errors="replace"))
     for node in source.nodes:
@@ -100,7 +100,7 @@ def _makers_in(source: PythonSource) -> Iterator[str]:
 
 
 def _named_makers(path: Path) -> Iterable[str]:
-    """Return which methods that make an end a file names; all of them for Python that is more than is read."""
+    """Return the methods that make an end and that a file names; all of them for a Python file that is too large."""
     with path.open("rb") as file:
         data = file.read(LARGEST_FILE + 1)
     if len(data) > LARGEST_FILE and path.suffix == ".py":
