@@ -109,7 +109,7 @@ class Watch(ObservedDomain):
         return self.simulated if self.is_stepped else time.time() - self._start
 
     def time_of(self, received: int) -> float:
-        """Return the time of the run in s at which a message came, by its DDS timestamp (ns, system clock)."""
+        """Return the run's time in s at which a message came, by its DDS timestamp (ns, system clock)."""
         return self.simulated if self.is_stepped else round(received / 1e9 - self._start, 4)
 
     def wait_for_start(self, condition: Callable[[], object], timeout: float) -> bool:
@@ -198,7 +198,7 @@ class Watch(ObservedDomain):
         return is_new
 
     def look_again(self) -> bool:
-        """Read the graph, and make sure that new nodes know our endpoints; return whether there was anything new."""
+        """Read the graph, and wait until new nodes know our endpoints; return whether anything was new."""
         # The graph shows an endpoint before it shows its node.
         self.until(lambda: not self.has_nameless(), self.patience)
         is_new = self.look()
@@ -225,7 +225,7 @@ class Watch(ObservedDomain):
                     self.services.setdefault(service, {})[name] = list(types)
 
     def service(self, part: Part) -> str:
-        """Return the service that plays a part: the right one, else one of its type; empty if there is none."""
+        """Return the service that plays a part: the right one, else one of its type, else an empty name."""
         fitting = [
             name
             for name, nodes in sorted(self.services.items())
@@ -278,7 +278,7 @@ class Watch(ObservedDomain):
         )
 
     def command_topic(self) -> str:
-        """Return the topic that commands are taken from: the right one, else a likely one; empty if there is none."""
+        """Return the topic that takes commands: the right one, else a likely one, else an empty name."""
         part = self._commanded
         if part is None:
             return ""

@@ -176,7 +176,7 @@ class _Watching:
         self.runs = [answered.get(run.programs[0], run) for run in self.runs]
 
     def launched_and_changed(self) -> None:
-        """Watch what launch files start, programs with changed parameters, and all together if still needed."""
+        """Watch launch files, programs with changed parameters, and all programs together if still needed."""
         nodes = len({node for run in self.runs for node in run.nodes})
         self.runs += self._together
         # If all programs answer quickly, watching them obey together costs next to nothing.
@@ -242,7 +242,7 @@ class _Watching:
                 self.runs += self._observer.watch([Job.given(self._programs, has_flags=has_flags)])
 
     def _is_torn(self) -> bool:
-        """Return whether a program that goes on alone ended beside the others, or lost the stepped clock there."""
+        """Return whether a program ended, or lost the stepped clock, only when it ran beside the others."""
         alone = [run for run in self.runs if run.setting == "alone" and not run.ended]
         is_stepped = bool(alone) and all(run.clock == "stepped" for run in alone)
         return (self._is_given_up and is_stepped) or any(run.programs[0] in self._ended for run in alone)
@@ -317,7 +317,7 @@ def _refused(assignment: Assignment, facts: Files, runs: Sequence[Run]) -> dict[
 
 
 def _is_mute(assignment: Assignment, run: Run) -> bool:
-    """Return whether a program has publishers of a type that only one part has, but published nothing there."""
+    """Return whether a program published nothing on its topics of a type that only one part has."""
     types = {
         part.type_name for part in assignment.parts.values() if part.is_publisher and assignment.is_only(part)
     }
@@ -329,14 +329,14 @@ def _is_mute(assignment: Assignment, run: Run) -> bool:
 
 
 def _unchecked(programs: Iterable[Program]) -> list[Program]:
-    """Return programs as they run outside the lab, where a float field takes an int and makes 5e-324 of it."""
+    """Return programs as outside the lab, where a float field takes an int and makes 5e-324 of it."""
     return [
         replace(program, environ={**program.environ, "ROS_PYTHON_CHECK_FIELDS": "0"}) for program in programs
     ]
 
 
 def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Program]:
-    """Yield a `ros2 launch` program for each launch file: as installed, or by path if it was not installed."""
+    """Yield a `ros2 launch` program for each launch file: as installed, else by its path."""
     for path in facts.launch_files[:MOST_LAUNCH_FILES]:
         name, owner = PurePosixPath(path).name, _owner(submission, path)
         is_installed = owner and any(PurePosixPath(shared).name == name for shared in built.shared)

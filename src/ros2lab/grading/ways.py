@@ -65,7 +65,7 @@ def shut_out(runs: Sequence[Run]) -> dict[str, str]:
 
 
 def _is_silent(alone: Run, together: Run) -> bool:
-    """Return whether a program's topics are silent beside the others, though these work."""
+    """Return whether a program's repeated topics are all silent beside the others, while something works."""
     told = {topic for topic, heard in alone.quiet.items() if heard.count > 2}
     heard = {topic for topics in together.stretches for topic, heard in topics.items() if heard.count}
     is_at_work = bool(heard) or any(command.log for command in together.commands)

@@ -71,7 +71,7 @@ def written_ends(
 def ends_elsewhere(
     root: Path, paths: Iterable[PurePosixPath], sources: Collection[PythonSource], ends: Iterable[WrittenEnd]
 ) -> list[WrittenEnd]:
-    """Return an end with an unknown topic for each kind that code may make besides `ends`, found in `sources`.
+    """Return an end with an unknown topic for each kind that code may make besides the `ends` in `sources`.
 
     Anything that names the method may call it: a module in another way than by a plain call, or any file that
     is no prose. So may code that has the message's class; see `hidden_ends`.
@@ -100,7 +100,7 @@ def _makers_in(source: PythonSource) -> Iterator[str]:
 
 
 def _named_makers(path: Path) -> Iterable[str]:
-    """Return the methods that make an end and that a file names; all of them for a Python file that is too large."""
+    """Return the names in a file of methods that make an end; all for a Python file that is too large."""
     with path.open("rb") as file:
         data = file.read(LARGEST_FILE + 1)
     if len(data) > LARGEST_FILE and path.suffix == ".py":

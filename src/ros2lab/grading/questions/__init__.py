@@ -1,4 +1,4 @@
-"""What a rubric can ask the evidence: each question a function from a `Case`, and a part of the assignment, to an `Answer`."""
+"""What a rubric can ask the evidence: functions from a `Case`, and a part if they need one, to an `Answer`."""
 
 from __future__ import annotations
 
@@ -31,4 +31,4 @@ _MODULES = (
     launching,
     parameter_file,
     bonus,
-)  # enter their questions
+)  # importing them registers their questions

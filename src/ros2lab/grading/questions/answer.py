@@ -24,25 +24,25 @@ _CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
 _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
 _OF_LAUNCH = re.compile(r"\[ERROR\] \[launch\]: (?:Caught exception in launch \([^)]*\): )?(.+)")
 _DIED = re.compile(r"\[ERROR\] \[([^\]]+)\]: process has died \[pid \d+, exit code (-?\d+)")
-# What `ros2 launch` says of a program that it asks to end, and what that says then.
+# What `ros2 launch` prints about a program that it asks to end, and what that program prints then.
 _ASKED = re.compile(
     r"(?:\[INFO\] )?\[([^\]]+)\]:? (?:sending signal 'SIGINT' to process|KeyboardInterrupt$|[\w.]*\bExternalShutdownException\b)"
 )
-_REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # of what went well
+_REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # log lines about no error
 
-# A place in a traceback that lies in the submission, as it was written or as it was installed.
+# A traceback's frame in the submission, as it was written or as it was installed.
 _FRAME = re.compile(rf'File "{FILES}/(?:[^"\n]*-packages/)?([^"\n]+)", line (\d+)')
 
 
 def shown(text: object, longest: int = LONGEST) -> str:
-    """Return a submission's text as it may stand in a sentence: on one line, shortened, without control characters."""
+    """Return a submission's text for use in a sentence: one line, shortened, no control characters."""
     line = " ".join(str(text).split())
     line = "".join("�" if unicodedata.category(c)[0] == "C" else c for c in line[: 10 * longest])
     return line if len(line) <= longest else f"{line[: longest - 1]}…"
 
 
 def listed(words: list[str]) -> str:
-    """Return words as they stand in a sentence, at most four."""
+    """Return words as a list in a sentence, at most four and the number of the others."""
     some = [shown(word) for word in words[:4]]
     if len(words) > 4:
         some.append(f"{len(words) - 4} more")
@@ -51,15 +51,16 @@ def listed(words: list[str]) -> str:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the evidence says.
+    """What the evidence says about a question.
 
     Attributes:
-        level: the answer, which the rubric gives a share of the points.
-        seen: what fills the sentence's braces.
-        evidence: keys of the evidence on which it rests.
+        level: the name of the answer, which the rubric gives a share of the points.
+        seen: the values for the braces in the level's sentence.
+        evidence: the keys of the evidence on which it rests.
         place: a file, a topic or a node; empty if there is none.
-        excuse: why it could not be tried here as it is meant, in a clause; empty if it could.
-        lack: what no code does that would have to for it to be excused, in a clause; empty if there is nothing.
+        excuse: why it could not be tried here as intended, in a clause; empty if it could.
+        lack: what the code would have to do for the excuse to count, and does not, in a clause; empty if
+            nothing.
     """
 
     level: str
@@ -72,19 +73,19 @@ class Answer:
 
 @dataclass(frozen=True)
 class Question:
-    """What can be asked.
+    """A question that a rubric can ask.
 
     Attributes:
-        name: as the rubric has it.
+        name: its name in the rubric.
         answers: the levels that an answer can have, the best first.
-        names: what every answer to it fills in.
-        codes: of the findings of `diagnose` that explain a loss.
-        is_of_part: whether it is asked of a part of the assignment, and not of the submission as a whole; an answer
-            then fills in what was `asked` of it, too.
-        ends: that such a part may have.
-        needs: what such a part must be given in the assignment, such as `period`; empty if nothing.
-        mute: the answers that may rest on nothing but what could not be tried here.
-        deeds: without which in the code there would be nothing to try, besides those that every end needs.
+        names: the names that every answer fills in.
+        codes: the codes of `diagnose` findings that explain a loss.
+        is_of_part: whether it is asked about a part of the assignment, not about the submission as a whole;
+            an answer then also fills in what was `asked` of the part.
+        ends: the ends that such a part may have.
+        needs: what the assignment must give for such a part, such as `period`; empty if nothing.
+        mute: the answers that may only mean that something could not be tried here.
+        deeds: what the code must do for there to be anything to try, besides what every end needs.
     """
 
     name: str
@@ -99,7 +100,7 @@ class Question:
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
-        """Answer it, of a part if it is asked of one; what rests on a fact that could not be read costs nothing."""
+        """Answer the question, about `part` if it needs one; an answer from an unread fact costs nothing."""
         with missing(case.evidence) as unread:
             answer = self._answer(case, part)
         is_open = unread and answer.level != self.answers[0]
@@ -109,14 +110,14 @@ class Question:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
-        # Of what was never seen, the code must plainly have what is asked for.
+        # For what was never seen, the code must plainly do what is asked for.
         is_open = answer.level in ("written", *self.mute)
         why, lack = excuse(case, part, self.deeds) if is_open else ("", "")
         return replace(answer, seen={**asked(part), **answer.seen}, excuse=why, lack=lack)
 
 
 def asked(part: Part) -> dict[str, str]:
-    """Return what is asked of a part, by the names that a rubric's sentences have for it."""
+    """Return what is asked of a part, by the names that the rubric's sentences use."""
     package, class_name = part.type_name.partition("/")[0], part.short_type
     ends = {
         "publisher": ("publishes on", "a publisher"),
@@ -153,16 +154,17 @@ def question(
     mute: str = "",
     deeds: str = "",
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
-    """Make a function of a `Case`, or of a `Case` and a `Part`, a question that a rubric can ask by its name.
+    """Register a function of a `Case`, or of a `Case` and a `Part`, as a question that a rubric can ask by name.
 
     Args:
-        answers: the levels, the best first, separated by blanks.
-        names: what every answer fills in, separated by blanks.
-        codes: of the findings of `diagnose` that explain a loss.
-        ends: that the part of which it is asked may have.
-        needs: what the assignment must give such a part.
-        mute: the levels that may rest on nothing but what could not be tried here, separated by blanks.
-        deeds: without which in the code these would be the same anywhere, separated by blanks; see `deeds`.
+        answers: the levels, the best first, separated by spaces.
+        names: the names that every answer fills in, separated by spaces.
+        codes: the codes of `diagnose` findings that explain a loss.
+        ends: the ends that the part may have.
+        needs: what the assignment must give for such a part.
+        mute: the levels that may only mean that something could not be tried here, separated by spaces.
+        deeds: what the code must do, or these levels would be the same anywhere, separated by spaces; see
+            `deeds`.
     """
 
     def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
@@ -187,11 +189,11 @@ def question(
 
 
 def ended(said: str, otherwise: str = "by itself with") -> str:
-    """Return how a program ended, by what it said last, as the rest of a sentence.
+    """Return how a program ended, by its last output, as the rest of a sentence.
 
     Args:
-        said: its last lines, or which limit has ended it.
-        otherwise: the words before why it has ended by itself.
+        said: its last lines, or the limit that ended it.
+        otherwise: the words before the reason, if it ended by itself.
     """
     if is_limit(said):
         return f"at a limit: it{shown(said).removeprefix('It').rstrip('.')}"
@@ -199,7 +201,7 @@ def ended(said: str, otherwise: str = "by itself with") -> str:
 
 
 def is_shut_down(said: str) -> bool:
-    """Return whether a launch file has itself ended what it had started, by what it said last: no fault is told of."""
+    """Return whether a launch file itself ended what it had started, by its last output, which shows no fault."""
     lines = [line.strip() for line in said.splitlines()]
     deaths = [line for line in lines if _DIED.match(line)]
     asked = _asked_to_end(lines)
@@ -207,7 +209,7 @@ def is_shut_down(said: str) -> bool:
 
 
 def _asked_to_end(lines: Iterable[str]) -> set[str]:
-    """Return the lines of `ros2 launch` that tell of the end of what it had asked to end."""
+    """Return the lines of `ros2 launch` about the end of programs that it had asked to end."""
     lines = [*lines]
     asked = {match[1] for match in map(_ASKED.match, lines) if match}
     found = {line for line in lines if _ASKED.match(line)}
@@ -219,12 +221,12 @@ def _asked_to_end(lines: Iterable[str]) -> set[str]:
 
 
 def last_word(text: str) -> str:
-    """Return the line that says why a program ended, without what is chance in it."""
+    """Return the line that says why a program ended, without the parts that differ between runs."""
     lines = [line.strip() for line in text.splitlines() if line.strip() and not _REPORT.match(line)]
-    # What a launch file has asked to end is not why it did so.
+    # The end of a program that was asked to end is no reason.
     asked = _asked_to_end(lines)
     lines = [line for line in lines if line not in asked] or lines
-    # Behind what ends a launch file stand the ends of what it had started.
+    # After the error that ends a launch file come the ends of what it had started.
     telling = [match[1] for match in map(_OF_LAUNCH.fullmatch, lines) if match]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
@@ -234,6 +236,6 @@ def last_word(text: str) -> str:
 
 
 def raised_at(text: str, program: str) -> str:
-    """Return the last place in the submission that a traceback tells of; the program, if it tells of none."""
+    """Return a traceback's last place in the submission; the program's name if there is none."""
     frames = _FRAME.findall(text)
     return shown(":".join(frames[-1])) if frames else shown(program)

@@ -1,4 +1,4 @@
-"""What goes beyond the assignment, besides a launch file and a parameter file: periods, errors, tests."""
+"""What goes beyond the assignment besides launch and parameter files: period parameters, errors, tests."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ros2lab.grading.player import is_for_want, is_timers
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
-# Parts of the names of parameters that can hardly be anything but a timer's.
+# Parts of parameter names that can hardly belong to anything but a timer.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
 
 
 @question("all some none unseen missing", "without", frozenset(("parameter-undeclared", "parameter-type")))
 def period_parameters_take_effect(case: Case) -> Answer:
-    """Whether a timer fires at another rate when its parameter is another one."""
+    """Whether a timer fires at another rate when its parameter has another value."""
     tried = [*_tried(case)]
     answered = {
         name
@@ -43,7 +43,7 @@ def period_parameters_take_effect(case: Case) -> Answer:
 
 @dataclass(frozen=True)
 class _Tried:
-    """A parameter that was given other values, and whether a rhythm has followed; None if there was none before."""
+    """A parameter that was given other values; `has_effect` is None if no topic had a rhythm before."""
 
     numbers: tuple[int, ...]
     program: str
@@ -52,10 +52,10 @@ class _Tried:
 
 
 def _meant(tried: Sequence[_Tried], answered: Collection[str]) -> list[_Tried]:
-    """Return the parameters that are for a period.
+    """Return the parameters that are meant for a period.
 
-    Where no name is a timer's, other numbers were tried; one that has no effect is for something else. What a program
-    does not tell of may be another's.
+    If no name is a timer's, other numbers were tried; one without an effect is for something else. A
+    parameter that a program does not report may belong to another program.
     """
     at_work = {trial.parameter for trial in tried if trial.has_effect}
     return [
@@ -67,9 +67,10 @@ def _meant(tried: Sequence[_Tried], answered: Collection[str]) -> list[_Tried]:
 
 
 def _without_effect(known: Sequence[_Tried]) -> list[str]:
-    """Return the parameters that are to have an effect and have none.
+    """Return the parameters that should have an effect and have none.
 
-    A turn rate is no timer's: what has such a name is a fault only where no parameter of the program is one's.
+    A turn rate belongs to no timer: a parameter with such a name is a fault only if no other one of the
+    program works.
     """
     working = {trial.program for trial in known if trial.has_effect}
     return [
@@ -80,7 +81,7 @@ def _without_effect(known: Sequence[_Tried]) -> list[str]:
 
 
 def _tried(case: Case) -> Iterator[_Tried]:
-    """Yield the parameters that were tried, but those that the assignment asks to change messages."""
+    """Yield the parameters that were tried, except those that are to change messages by the assignment."""
     runs = [(number, run) for number, run in enumerate(case.evidence.runs) if run.programs]
     alone = {run.programs[0]: run for _, run in runs if run.setting == "alone"}
     parts = case.assignment.parts.values()
@@ -98,10 +99,10 @@ def _tried(case: Case) -> Iterator[_Tried]:
 
 
 def _takes_effect(case: Case, before: Run, name: str, tries: Sequence[Run]) -> bool | None:
-    """Return whether any topic follows a parameter; None if none comes again and again before.
+    """Return whether any topic follows a parameter; None if no topic had a rhythm before.
 
-    Its period, or its rate, must change as the value does: any other change may be chance, or one fixed period for
-    whatever is not the default. Where nobody knows what the value was, any change tells.
+    Its period or rate must change as the value does: any other change may be chance, or a fixed period for
+    any value but the default. If the value before is not known, any change counts.
     """
     if not has_rhythm(before):
         return None
@@ -111,9 +112,9 @@ def _takes_effect(case: Case, before: Run, name: str, tries: Sequence[Run]) -> b
 
 @question("by_name wholesale of_an_end none")
 def errors_are_handled(case: Case) -> Answer:
-    """Whether exceptions are caught, by name, and others than that the program is asked to end.
+    """Whether exceptions are caught, by name, and not only those that end the program.
 
-    What catches them must stand in the code of a program that was seen to work, or that could not be tried here.
+    The handler must be in the code of a program that was seen to work, or that could not be tried here.
     """
     modules = _modules_at_work(case)
     for key in ("by name", "wholesale", "of an end") if case.executables else ():
@@ -129,9 +130,9 @@ def errors_are_handled(case: Case) -> Answer:
 
 
 def _modules_at_work(case: Case) -> set[str] | None:
-    """Return the modules of the programs of which a node was seen, or that ended for want of what is not here.
+    """Return the modules of the programs that had a node, or that ended for lack of something not here.
 
-    None if it is not known of which modules one of them is made.
+    None if the modules of one of these programs are not known.
     """
     runs = case.evidence.runs
     launched = {node for run in runs if run.setting == "launched" for node in run.nodes}

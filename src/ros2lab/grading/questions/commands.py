@@ -1,9 +1,9 @@
-"""The node that takes commands: what follows each of them.
+"""The node that takes commands: what follows each command.
 
-A command is processed if something follows it that does not follow any word: a log line of its own, another
-velocity, another status, a parameter, a message where there was none. A node that only repeats the word in its log
-has received it; if its source compares something with each of the words, it is believed to do more with them inside.
-How a program moves the robot is nobody's business here.
+A command is processed if something follows it that does not follow just any word: a log line of its own,
+another velocity or status, a parameter, a message where there was none. A node that only repeats the word in
+its log has received it; if its source compares something with each of the words, we believe that it does more
+with them. How a program moves the robot does not matter here.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from ros2lab.grading.senses import is_still
 from ros2lab.grading.told_again import told_by_place
 
 VERY_MANY = "very many commands"
-FLOOD = " x "  # in the observer's name for them
+FLOOD = " x "  # part of the observer's name for them
 
 _SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": ""}
 
-# Findings of a comparison that is never true, or always: with whatever it compares, it tells no words apart.
+# Findings about comparisons that are always or never true: they tell no words apart.
 _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
 
 
@@ -40,7 +40,7 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
     deeds=COMPARES,
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
-    """Whether each of the commands has an effect; two of the node's own words count as one of them."""
+    """Whether each command has an effect; two of the node's own words count as one command."""
     players = case.players[part.name]
     if not players:
         is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.depended_on}
@@ -91,7 +91,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
 def _own_words(
     part: Part, runs: Iterable[Run], telling: Collection[int], alone: Mapping[str, Heard]
 ) -> list[str]:
-    """Return what a node answers in another way than unknown words, of the words that its code compares with."""
+    """Return the words, of those that its code compares with, that a node answers differently than unknown ones."""
     found = set[str]()
     for run in runs:
         own = _with_own(part, run)
@@ -101,7 +101,7 @@ def _own_words(
 
 
 def _with_own(part: Part, run: Run) -> Part:
-    """Return a part whose commands are the words of the node's own that were tried in a run."""
+    """Return a part whose commands are the node's own words that were tried in a run."""
     known = {*part.commands, *part.unknown, *(word.upper() for word in part.commands[:1])}
     said = itertools.dropwhile(lambda command: command.text not in part.commands, run.commands)
     texts = [command.text for command in said if command.text not in known and FLOOD not in command.text]
@@ -109,7 +109,7 @@ def _with_own(part: Part, run: Run) -> Part:
 
 
 def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
-    """Return the words of which some run tells that they have this effect."""
+    """Return the words that have this effect in some run."""
     return {word for found in effects.values() for word, seen in found.items() if seen == how}
 
 
@@ -118,7 +118,7 @@ def _level_of(count: int, part: Part) -> str:
 
 
 def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
-    """Return where the evidence has the commands of a run."""
+    """Return the evidence's keys for a run's commands."""
     known = [index for index, command in enumerate(run.commands) if command.text in part.commands]
     return tuple(f"runs[{number}].commands[{index}]" for index in known[:3])
 
@@ -131,7 +131,7 @@ def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
     deeds=LOGS,
 )
 def commands_are_logged(case: Case, part: Part) -> Answer:
-    """Whether a log line, or a printed one, tells of each command, or of words of the node's own in their place."""
+    """Whether a logged or printed line tells of each command, or of own words of the node instead."""
     seen = {"silent": "", "told": "each command", "why": ""}
     players = case.players[part.name]
     if not players:
@@ -160,7 +160,7 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
 
 
 def _logged(part: Part, run: Run) -> set[str]:
-    """Return the commands of which a line tells that does not follow an unknown word as well."""
+    """Return the commands with a line that does not also follow an unknown word."""
     strange = reactions.unknown_word(part)
     unknown = {
         line
@@ -178,7 +178,7 @@ def _logged(part: Part, run: Run) -> set[str]:
     mute="dies ends unseen untried",
 )
 def commands_do_no_harm(case: Case, part: Part) -> Answer:
-    """Whether unknown and empty commands, and a thousand of them, leave the node alive and the robot at rest."""
+    """Whether unknown, empty and a thousand commands leave the node alive and the robot at rest."""
     player = case.whole(part)
     seen = {"command": "", "last": "", "end": "", "program": ""}
     if player is None:
@@ -203,7 +203,7 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
 
 
 def _says_anything(runs: Iterable[Run]) -> bool:
-    """Return whether any line comes with a command that does not come without one."""
+    """Return whether any line follows a command that does not come without one."""
     return any(
         reactions.lines_of(run, command) - reactions.said_by_itself(run)
         for run in runs
@@ -212,7 +212,7 @@ def _says_anything(runs: Iterable[Run]) -> bool:
 
 
 def _untried(player: Player) -> str:
-    """Return why no command was sent to a node."""
+    """Return why no command was sent to a node, as a clause."""
     if player.end is not None:
         return f"{shown(player.program or player.node)} had ended by then {ended(player.end, 'with')}"
     if player.part.type_name not in player.types:
@@ -221,7 +221,7 @@ def _untried(player: Player) -> str:
 
 
 def _is_answered(case: Case, part: Part) -> bool:
-    """Return whether anything at all follows a command that does not come by itself."""
+    """Return whether anything follows a command that does not also come by itself."""
     players, alone = case.players[part.name], _alone(case)
     telling = _telling_players(players)
     tried = [player for player in players if player.commands]
@@ -242,7 +242,7 @@ def _end(player: Player, seen: dict[str, str]) -> Answer:
 
 
 def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
-    """Return the words that could not be tried, because an earlier one was a node's end; that counts elsewhere."""
+    """Return the words that could not be tried because an earlier one ended a node, which counts elsewhere."""
     sent = set()
     for run in runs:
         for command in run.commands:
@@ -253,13 +253,13 @@ def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
 
 
 def _telling_players(players: list[Player]) -> list[Player]:
-    """Return the players whose logs are the node's own: those where its program ran alone, if there are any."""
+    """Return the players whose log is the node's own: those whose program ran alone, else all with commands."""
     tried = [player for player in players if player.commands]
     return [player for player in tried if player.run.setting == "alone"] or tried
 
 
 def _alone(case: Case) -> dict[str, Heard]:
-    """Return what programs published on each topic while they were alone and had no command."""
+    """Return by topic what programs published alone and before any command."""
     return {
         topic: heard
         for run in case.evidence.runs
@@ -269,7 +269,7 @@ def _alone(case: Case) -> dict[str, Heard]:
 
 
 def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
-    """Return the words of which only a log tells, the same as of unknown ones, and with which the code compares."""
+    """Return the words that are logged only like unknown ones, but with which the code compares."""
     if _compares_in_vain(case):
         return set()
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
@@ -281,10 +281,10 @@ def _compares_in_vain(case: Case) -> bool:
 
 
 def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
-    """Return the commands that were heard, and show by nothing what is so already.
+    """Return the commands that were received and have no visible effect because their state holds already.
 
-    The robot may drive from the beginning on, and until a later command: then the first one changes nothing. It
-    stands when the last one comes behind the one that has stopped it.
+    If the robot drives from the start until a later command stops it, the first command changes nothing. If
+    it was stopped before, the last command changes nothing.
     """
     runs = case.evidence.runs
     heard = {
@@ -312,13 +312,13 @@ def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, st
 
 
 def _moved_parts(case: Case) -> list[Part]:
-    """Return the parts that publish whenever something changes, of whose messages the type alone tells."""
+    """Return the publishing parts without a period whose type no other part has, such as velocities."""
     parts = case.assignment.parts.values()
     return [part for part in parts if part.is_publisher and not part.period and case.assignment.is_only(part)]
 
 
 def _is_inverted(case: Case, part: Part) -> bool:
-    """Return whether a robot stands after each command that is to move it, and moves after one that is to stop it."""
+    """Return whether the robot stands after the commands that should move it, and moves when it should stop."""
     wanted = dict(zip(part.commands, part.effects, strict=True))
     for moved in _moved_parts(case):
         for player in case.players[moved.name]:
@@ -334,7 +334,7 @@ def _is_inverted(case: Case, part: Part) -> bool:
 
 
 def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
-    """Return whether something follows START that does not follow an unknown word, nor comes by itself."""
+    """Return whether the first command in capitals has an effect that unknown words do not have."""
     numbers = {command.text: number for number, command in enumerate(run.commands)}
     capitals, strange = part.commands[0].upper(), reactions.unknown_word(part)
     if not {capitals, strange} <= numbers.keys():
@@ -346,10 +346,10 @@ def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
 
 
 def _mover(case: Case, player: Player) -> CommandSeen | None:
-    """Return the unknown command after which a robot moves that stood before it.
+    """Return the unknown command after which a standing robot moves; None if there is none.
 
-    A robot that has not moved yet after a command that is to move it may still be about to do so: that it then does is
-    no effect of the unknown one.
+    A robot that has not moved yet after a command that should move it may still be about to: that is no
+    effect of the unknown command.
     """
     wanted = dict(zip(player.part.commands, player.part.effects, strict=True))
     types = {name for part in _moved_parts(case) for name in (part.type_name, stamped(part.type_name))}
@@ -386,10 +386,10 @@ def _is_deaf(part: Part, run: Run) -> bool:
 
 
 def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
-    """Return whether something follows a command that does not follow whatever comes.
+    """Return whether something follows a command that does not follow just any word.
 
-    What follows an unknown word as well as one of the later commands comes by itself, such as from a loop in which a
-    node is caught.
+    What follows both an unknown word and a later command comes by itself, such as from a loop in which a node
+    is stuck.
     """
     unknown, known = (
         set[str]().union(*(reactions.lines_of(run, seen) for seen in run.commands if seen.text in texts))
@@ -401,7 +401,7 @@ def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
 
 
 def _last_answered(part: Part, run: Run) -> str:
-    """Name what a deaf node answered last: the flood, or what came before a known word that it did not answer."""
+    """Name what a deaf node answered last: the flood, or the word before a command that it did not answer."""
     said = [*itertools.takewhile(lambda command: FLOOD not in command.text, run.commands)]
     last = max((number for number, command in enumerate(said) if _is_heeded(part, run, command)), default=0)
     is_known = any(command.text in part.commands for command in said[last + 1 :])

@@ -17,13 +17,13 @@ SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 _NOTHING = "what was asked for, of which nothing was seen"
 
-# A container or a script of the student's own may do both; what it does is not tried.
+# A container or a script of the student's may do both; we do not try what it does.
 _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:bash +)?\./?\S+\.sh\b"
-# What sets up and runs besides the commands of colcon and ROS.
+# Commands that set up and run, besides those of colcon and ROS.
 _SET_UP = re.compile(rf"pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE)
 _RUN = re.compile(rf"python3? +[^\s<]*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
 _STARTS = ("ros2 run ", "ros2 launch ")
-_NAME_ENDS = r"(?!_?[A-Za-z0-9])"  # letters of other scripts may follow: they write no blanks
+_NAME_ENDS = r"(?!_?[A-Za-z0-9])"  # letters of scripts that use no spaces may follow
 
 
 @question("this thin older another nothing missing", "package fault foreign")
@@ -53,9 +53,9 @@ def readme_is_about_this_package(case: Case) -> Answer:
 
 @question("true excused partly some_wrong wrong nothing none", "wrong lacking untried")
 def readme_commands_are_true(case: Case) -> Answer:
-    """Whether the README tells how to set up and to run, and whether that works.
+    """Whether the README says how to set up and to run, and whether that works.
 
-    A command that fails because of a fault of the package or of a node is that one's.
+    A command that fails because of a fault in the package or a node costs nothing here.
     """
     files = case.evidence.files
     started = [text for text in files.readme_commands if text.startswith(_STARTS)]
@@ -77,13 +77,13 @@ def readme_commands_are_true(case: Case) -> Answer:
 
 @dataclass(frozen=True)
 class _Failed:
-    """The commands of a README that are not true.
+    """The commands of a README that do not work.
 
     Attributes:
-        needing: those that could not be tried here, with why.
-        misgiven: those that are given what they do not take.
+        needing: those that could not be tried here, with the reasons.
+        misgiven: those with wrong operands.
         wrong: the others.
-        excused: those that fail because of a fault of the package or of a node.
+        excused: those that fail because of a fault in the package or a node.
     """
 
     needing: dict[str, str]
@@ -107,14 +107,14 @@ def _failed(case: Case) -> _Failed:
 
 
 def _level_of_wrong(right: int, misgiven: int) -> str:
-    """Return the level of a README with wrong commands: as many that are given wrongly spoil the others."""
+    """Return the level of a README with wrong commands: each with wrong operands spoils a right one."""
     return "some_wrong" if right > misgiven or (right and not misgiven) else "wrong"
 
 
 def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
-    """Return how many things a README is to tell, and which of them it does not."""
+    """Return how many tasks a README must explain, and those that it does not."""
     needed = {"set up": (_SET_UP, ("colcon ",)), "run": (_RUN, _STARTS)}
-    if case.evidence.submission.form == "files":  # of which nothing can be built
+    if case.evidence.submission.form == "files":  # loose files cannot be built
         del needed["set up"]
     files = case.evidence.files
     typed = [text for text in files.readme_commands if _can_be_typed(case, text)]
@@ -129,7 +129,7 @@ def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
 
 
 def _can_be_typed(case: Case, text: str) -> bool:
-    """Return whether a reader can type a command as it stands, or with a program that the README names."""
+    """Return whether a reader can type a command as written, or with a program that the README names."""
     files = case.evidence.files
     match text.split():
         case ["ros2", "run" | "launch", package, *names] if files.readme_commands[text] is None:
@@ -143,7 +143,7 @@ def _can_be_typed(case: Case, text: str) -> bool:
 
 
 def _untried(case: Case, started: Collection[str], needing: Mapping[str, str]) -> str:
-    """Return what of a README was not tried, and why, as the end of a sentence."""
+    """Return which commands were not tried, and why, as the end of a sentence."""
     judged = case.evidence.files.readme_commands
     names = {package.name for package in case.evidence.submission.packages} - _packages(case)
     elsewhere = [text for text in started if judged[text] is None and text.split()[2] in names]
@@ -164,16 +164,16 @@ def _needs(case: Case, text: str) -> str:
 
 @question("all some none", "unnamed which")
 def readme_names_topics_and_nodes(case: Case) -> Answer:
-    """Whether the README names the topics and the nodes that there are.
+    """Whether the README names the topics and nodes of the package.
 
-    Those that play a part are to be named; what else of the package is named is better than nothing.
+    Those that play a part must be named; any other name of the package is better than nothing.
     """
     text, wanted = case.evidence.files.readme, [*_wanted(case)]
     seen = {"unnamed": _NOTHING, "which": ""}
     if text and not _has_code(case):
         return Answer("none", seen, ("files.readme", "build.executables"), "README")
     if not text or _is_another(case):
-        # One about another package may name topics and nodes of that one.
+        # A README about another package may name the topics and nodes of that one.
         seen = {"unnamed": "any topic or node", "which": " about this package" if text else ""}
         return Answer("none", seen, ("files.readme",), "README")
     unnamed = [*dict.fromkeys(subject for subject, names in wanted if not _is_any_named(names, text))]
@@ -186,12 +186,12 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
 
 
 def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
-    """Yield what a README is to name, and the names by which it may: each part's topic, and its node."""
+    """Yield what a README must name, each part's topic and node, with the names that it may use."""
     modules = [executable.stem for executable in case.executables.values()]
     lost = set[str]() if case.evidence.files.ends else case.lost(case.players)
     for name, part in case.assignment.parts.items():
         players = case.players[name]
-        # What was never written cost its points there; a node that could not be seen is to be described.
+        # A part that was never written has cost its points; a node that could not be seen must be described.
         if not players and (case.written(part) or any(case.may_be(program, part) for program in lost)):
             yield part.topic, {part.topic}
         elif players:
@@ -211,7 +211,7 @@ def _is_any_named(names: Collection[str], text: str) -> bool:
 
 @question("most some few nothing none", "described all")
 def code_is_described(case: Case) -> Answer:
-    """Whether classes and functions have a docstring or a comment; so has a module that has one, or nothing else."""
+    """Whether classes and functions, or a module without any, have a docstring or a comment."""
     sources = case.evidence.files.sources
     pairs = [sources.get(kind, [0, 0]) for kind in ("classes", "functions")]
     modules = sources.get("modules", [0, 0])
@@ -241,14 +241,14 @@ def _topics(case: Case) -> set[str]:
 
 
 def _is_named(name: str, text: str) -> bool:
-    """Return whether a text has a name, also with blanks or dashes in it, or in capitals; of a topic the whole of it."""
+    """Return whether a text has a name, in any case and with spaces or dashes; a topic must end there."""
     words = [re.escape(word) for word in re.split(r"[_\W]+", name) if word]
     pattern = r"[\W_]{0,2}".join(words) + (_NAME_ENDS if name.startswith("/") else "")
     return bool(words) and re.search(pattern, text, re.IGNORECASE) is not None
 
 
 def _is_another(case: Case) -> bool:
-    """Return whether none of several commands in the README is true of this package, or nearly so."""
+    """Return whether the README has several commands, and none of them is nearly true of this package."""
     judged = {
         text: bool(is_true) or _is_excused(case, text) or _starts_ours(case, text)
         for text, is_true in case.evidence.files.readme_commands.items()
@@ -258,7 +258,7 @@ def _is_another(case: Case) -> bool:
 
 
 def _is_foreign(case: Case, text: str) -> bool:
-    """Return whether a command, of which nobody knows whether it is true, starts something that was not handed in."""
+    """Return whether a command that could not be judged starts something that was not handed in."""
     match text.split():
         case ["ros2", "run" | "launch", package, *_] if case.evidence.files.readme_commands[text] is None:
             is_own = package in {own.name for own in case.evidence.submission.packages} or _starts_ours(
@@ -269,7 +269,7 @@ def _is_foreign(case: Case, text: str) -> bool:
 
 
 def _starts_ours(case: Case, text: str) -> bool:
-    """Return whether a command names one of our programs, in whatever package, and with or without .py."""
+    """Return whether a command runs one of the submission's programs, in any package, with or without .py."""
     match text.split():
         case ["ros2", "run", _, name, *_]:
             return name.removesuffix(".py") in _programs(case)
@@ -277,13 +277,13 @@ def _starts_ours(case: Case, text: str) -> bool:
 
 
 def _is_excused(case: Case, text: str) -> bool:
-    """Return whether a command is what the assignment and the files say, and fails for a fault that counts elsewhere."""
+    """Return whether a command agrees with the assignment and the files, so that its failure counts elsewhere."""
     match text.split():
         case ["colcon", *_]:
             is_built = case.evidence.build is not None and case.evidence.build.is_built
             return bool(_packages(case)) and not is_built
         case ["ros2", "run", package, name, *_]:
-            # Of what is not installed it is not known whether its name is to have an ending.
+            # The name of a program that is not installed may be meant with or without its ending.
             stem = name.removesuffix(".py")
             is_ours = name in _programs(case) or (
                 stem in _programs(case) and not case.is_installed_program(stem)
@@ -302,19 +302,19 @@ def _is_excused(case: Case, text: str) -> bool:
 
 
 def _is_misgiven(case: Case, text: str) -> bool:
-    """Return whether a command gives what is not so, and not what the assignment asks for: the type of a topic."""
+    """Return whether a command has wrong operands, other than the type that the assignment asks for."""
     words = text.split()
     is_asked = any(part.topic in words and part.type_name in words for part in case.assignment.parts.values())
     return text in case.evidence.files.readme_misgiven and not is_asked
 
 
 def _programs(case: Case) -> set[str]:
-    """Return what the programs and their modules are called."""
+    """Return the names of the programs and their modules."""
     return {*case.executables, *(executable.stem for executable in case.executables.values())} - {""}
 
 
 def _packages(case: Case) -> set[str]:
-    """Return what the package is called: by its manifest, and by its folder; nothing where none could be built."""
+    """Return the package's names, in its manifest and of its folder; empty if it could not be built."""
     package, files = case.evidence.submission.package, case.evidence.files
     is_there = files.manifest.get("is_there") or files.setup.get("installs_modules")
     return {case.package, PurePosixPath(package.folder).name} if package and is_there else set()

@@ -13,7 +13,7 @@ from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, is_shut_down, listed, question, shown
 
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
-# What launch says of a program that is not on the PATH; what a program prints itself has its name before it.
+# launch's error for a program that is not on the PATH; a program's own output has its name before it.
 _NOT_HERE = re.compile(
     r"(?:\[ERROR\] \[[^\]]+\]: exception occurred while executing process: |FileNotFoundError: )"
     r"\[Errno 2\] No such file or directory: '([^'/]+)'"
@@ -52,9 +52,9 @@ _FAULTS = frozenset(
     _FAULTS,
 )
 def launch_file_starts_all(case: Case) -> Answer:
-    """Whether a launch file starts every node that works, and at least two parts of the assignment.
+    """Whether a launch file starts every node that works, and nodes for at least two parts.
 
-    Where no node plays a part, it is to start each that was seen.
+    If no node plays a part, it must start every node that was seen.
     """
     files = case.evidence.files
     seen = {"file": "", "lost": "", "nodes": "", "elsewhere": ""}
@@ -66,7 +66,7 @@ def launch_file_starts_all(case: Case) -> Answer:
     untried = Answer("untried", seen, ("runs",), shown(files.launch_files[0]))
     runs = [(number, run) for number, run in enumerate(case.evidence.runs) if run.setting == "launched"]
     answers = [(_started(case, run), _launched(case, number, run, seen)) for number, run in runs]
-    # The one that starts most; of equals the best, and of these the first.
+    # The launch file that starts most; of equal ones the best answer, and of these the first.
     _, best = min(
         answers, key=lambda pair: (-len(pair[0]), _ORDER.index(pair[1].level)), default=(set(), untried)
     )
@@ -74,9 +74,10 @@ def launch_file_starts_all(case: Case) -> Answer:
 
 
 def excuse(case: Case, path: str) -> str:
-    """Return why a launch file of which nothing was seen could not be tried: it needs what is not here, beside our own.
+    """Return why a launch file started nothing, if it needs packages not installed here; else empty.
 
-    Where it has a fault of its own, or ended for something else, that is what kept it from starting anything.
+    It must also start something of the submission. A fault of its own, or an end for another reason, is no
+    excuse.
     """
     files, build, file = case.evidence.files, case.evidence.build, PurePosixPath(path).name
     absent = [name for name in files.launched_packages.get(path, []) if build and name in build.absent]
@@ -95,7 +96,7 @@ def excuse(case: Case, path: str) -> str:
 
 
 def _modules_missing(case: Case, said: Iterable[str]) -> list[str]:
-    """Return the modules that launch did not find here, for which a file imports them, and which no name here is meant by."""
+    """Return the modules that launch did not find and that are no misspelt names of installed or own packages."""
     own = [package.name or "" for package in case.evidence.submission.packages]
     names = [name for text in said for name in _NO_MODULE.findall(text)]
     return [
@@ -107,9 +108,9 @@ def _modules_missing(case: Case, said: Iterable[str]) -> list[str]:
 
 
 def _lacks(case: Case, run: Run, path: str) -> str:
-    """Return why some nodes were not started: for what is to stand before their programs, such as a terminal.
+    """Return why nodes were not started, if programs that start them, such as a terminal, are not here; else empty.
 
-    Each that is not there accounts for one node at most, and for none of which the launch file does not name the program.
+    Each missing program explains at most one node, and only a node whose own program the launch file names.
     """
     lines = [
         *(text for _, text in run.log),
@@ -134,13 +135,13 @@ def _lacks(case: Case, run: Run, path: str) -> str:
 
 
 def _names_own(case: Case, path: str) -> bool:
-    """Return whether a launch file names a package that was handed in; true if nobody knows."""
+    """Return whether a launch file names a package that was handed in; True if that is not known."""
     named = case.evidence.files.launched_packages.get(path)
     return named is None or any(package.name in named for package in case.evidence.submission.packages)
 
 
 def _started(case: Case, run: Run) -> set[str]:
-    """Return the parts that a launch file starts, of those that work; none where it ends before it was asked."""
+    """Return the working parts that a launch file starts; empty if it ended by itself."""
     working = {name for name, players in case.players.items() if players}
     return set() if _has_ended(run) else working & case.started(run)
 
@@ -150,7 +151,7 @@ def _has_ended(run: Run) -> bool:
 
 
 def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Answer:
-    """Answer for one launch file, by what was seen when it was launched."""
+    """Answer for one launch file, by its run."""
     file = run.programs[0]
     paths = case.evidence.files.launch_files
     path = next((path for path in paths if PurePosixPath(path).name == file), file)
@@ -174,7 +175,7 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
 
 
 def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[str, dict[str, str]]:
-    """Return the answer for a launch file that goes on, and what fills its sentence, by the nodes that it has started."""
+    """Return the level for a launch file that goes on, by its nodes, and the values for its sentence."""
     whole = "all" if is_installed else "not_installed"
     if started := _started(case, run):
         names = _lost(case, started)
@@ -198,7 +199,7 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
 
 
 def _is_there(case: Case, run: Run, name: str) -> bool:
-    """Return whether a node that plays a part was started, though it may play it on another topic."""
+    """Return whether a node that plays a part was started, on whatever topic."""
     return not {*map(_base, run.nodes)}.isdisjoint(_base(player.node) for player in case.players[name])
 
 
@@ -208,15 +209,16 @@ def _base(node: str) -> str:
 
 
 def _ends(run: Run) -> set[tuple[str, str]]:
-    """Return the nodes of a run, with each topic that they have."""
+    """Return the nodes of a run, each with each of its topics."""
     return {
         (node, topic) for ends in (run.publishes, run.subscribes) for topic in ends for node in ends[topic]
     }
 
 
 def _lost(case: Case, started: set[str]) -> list[str]:
-    """Return the parts that a launch file should start, too: those of which a node was seen without it."""
-    # One that ends by itself may have ended before it was seen; that counts elsewhere. Nor has it a keyboard there.
+    """Return the parts that a launch file should also start: those that a node plays without it."""
+    # A node that ends by itself may have ended unseen; that counts elsewhere. Nor do launched nodes have a
+    # keyboard.
     return [
         name
         for name, players in case.players.items()

@@ -86,7 +86,7 @@ def has_its_topic(case: Case, part: Part) -> Answer:
 
 @question("right stamped wrong written missing", "type topic", CODES | TYPE_CODES)
 def has_its_type(case: Case, part: Part) -> Answer:
-    """Whether the topic has the type that is asked for; `stamped` is the one with a header."""
+    """Whether the topic has the type that is asked for; `stamped` is that type with a header."""
     player = case.main(part)
     if player is None:
         end = case.written(part)
@@ -103,7 +103,7 @@ def has_its_type(case: Case, part: Part) -> Answer:
 
 
 def _written_type(case: Case, player: Player, seen: str) -> str:
-    """Return the type that the code has for a topic, where the one that was seen stands in for what is not installed."""
+    """Return a topic's type; the one in the code if a stand-in for a missing type was seen."""
     ends = [end for end in case.evidence.files.ends if end.topic == player.topic and end.type_name]
     return shown(next((end.type_name for end in ends), seen) if seen == STAND_IN else seen)
 
@@ -114,8 +114,8 @@ def _written_type(case: Case, player: Player, seen: str) -> str:
 def goes_on(case: Case, part: Part) -> Answer:
     """Whether a node that publishes lives and goes on.
 
-    What dies of a command in the program that takes the commands is counted there, and what dies of a request in the
-    one that provides the service.
+    An end by a command counts at the node that takes the commands, if that is in the same program; an end by
+    a request counts at the service.
     """
     player = case.whole(part)
     if player is None:
@@ -137,13 +137,13 @@ def goes_on(case: Case, part: Part) -> Answer:
 
 
 def missing(case: Case, part: Part) -> Answer:
-    """Answer for a node that was not seen, or is not of the hand-in, with what is likely to be the reason."""
+    """Answer for a node that was not seen, or is not the submission's own, with the likely reason."""
     answers = itertools.chain.from_iterable(why(case, part) for why in (_foreign, _shut_out, _lost, _turned))
     return next(answers, Answer("missing", {"why": ""}, ("runs",)))
 
 
 def _foreign(case: Case, part: Part) -> Iterator[Answer]:
-    """Yield a node that is there, and that no code of the hand-in makes."""
+    """Yield an answer if a node is there that no code of the submission makes."""
     ends = "publishes" if part.is_publisher else "subscribes"
     for number, run in enumerate(case.evidence.runs if case.is_foreign(part) else ()):
         for node in getattr(run, ends).get(part.topic, ()):
@@ -152,7 +152,7 @@ def _foreign(case: Case, part: Part) -> Iterator[Answer]:
 
 
 def _shut_out(case: Case, part: Part) -> Iterator[Answer]:
-    """Yield a program that goes on only alone."""
+    """Yield an answer if the part's program runs only alone."""
     if lone := case.shut_out_of(part):
         how = ended(case.shut_out[lone], "ends with") if case.shut_out[lone] else "does nothing"
         why = f", for {shown(lone)} {how} beside the other programs"
@@ -161,7 +161,7 @@ def _shut_out(case: Case, part: Part) -> Iterator[Answer]:
 
 
 def _lost(case: Case, part: Part) -> Iterator[Answer]:
-    """Yield a program that may have the node, and that has crashed or cannot be started."""
+    """Yield an answer for each program that may have the node, and crashed or cannot be started."""
     playing = [player.run for players in case.players.values() for player in players]
     crashed = {
         name: (number, end)
@@ -189,7 +189,7 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
 
 
 def _turned(case: Case, part: Part) -> Iterator[Answer]:
-    """Yield a node that publishes where it is to subscribe."""
+    """Yield an answer for each node that publishes where it should subscribe."""
     for number, run in enumerate(case.evidence.runs if not part.is_publisher else ()):
         for node in run.publishes.get(part.topic, ()):
             why = f": {shown(node)} publishes on it, where a subscription is needed"
@@ -197,7 +197,7 @@ def _turned(case: Case, part: Part) -> Iterator[Answer]:
 
 
 def _dies_of_command(case: Case, player: Player) -> bool:
-    """Return whether its program ended at a command that it takes, or at a request to its service."""
+    """Return whether a player's program ended by a command that it takes, or by a request to its service."""
     if any(
         not call.is_alive and call.service == provider.topic and provider.program == player.program
         for part in case.assignment.services
@@ -210,7 +210,7 @@ def _dies_of_command(case: Case, player: Player) -> bool:
     if player.last_command is None or commanded is None:
         return False
     if player.run.commanded != commanded.topic:
-        return True  # only this grader took its topic for the one of the commands
+        return True  # the topic was only our guess for the one with the commands
     return any(
         taker.program == player.program and taker.number == player.number
         for taker in case.players[commanded.name]

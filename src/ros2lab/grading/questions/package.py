@@ -1,7 +1,7 @@
 """Whether package.xml, setup.py and setup.cfg say what they must.
 
-A fault that keeps everything from being built is counted at the criterion whose file has it. What follows from it
-costs only the part of `nodes_are_installed` that is for being installed.
+A fault that prevents the build counts at the criterion of the file that has it. Its consequences cost only
+the share of `nodes_are_installed` that is for being installed.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ def manifest_is_valid(case: Case) -> Answer:
 def dependencies_are_declared(case: Case) -> Answer:
     """Whether package.xml declares what the nodes import, and nothing that does not exist."""
     facts = case.evidence.files.manifest
-    # What no module imports is not asked for.
+    # Packages that no module imports are not required.
     wanted = [name for name in case.assignment.dependencies if f"declares_{name}" in facts]
     wanted = wanted or [*case.assignment.dependencies]
-    # A type may come without an import that can be read: what was seen at run time was needed.
+    # A type may come without an import that we can read: packages of types seen at run time are required.
     wanted += [name for name in _packages_seen(case) if f"{DECLARED}{name}" in facts and name not in wanted]
     missing = [
         name for name in wanted if not (facts.get(f"declares_{name}") or facts.get(f"{DECLARED}{name}"))
@@ -75,7 +75,7 @@ def dependencies_are_declared(case: Case) -> Answer:
 
 
 def _packages_seen(case: Case) -> list[str]:
-    """Return the packages of the types with which nodes play their parts, where no other package may have brought them."""
+    """Return the packages of the players' types; empty if another package was handed in, which may use them."""
     if len(case.evidence.submission.packages) != 1:
         return []
     types = (
@@ -146,7 +146,7 @@ def package_is_registered(case: Case) -> Answer:
     _codes(_SETUP, "has_entry_points", "entry_points_lead_to_functions") | {"executable-missing"},
 )
 def nodes_are_installed(case: Case) -> Answer:
-    """Whether `ros2 run` or `ros2 launch` starts every node that there is; those that there are not count elsewhere."""
+    """Whether `ros2 run` or `ros2 launch` starts every node that exists; missing nodes count elsewhere."""
     facts, build = case.evidence.files.setup, case.evidence.build
     seen, keys = {"lost": "", "fault": ""}, ("build.executables", "files.setup")
     if build is None or not facts.get("is_there") or not build.executables:
@@ -166,7 +166,7 @@ def nodes_are_installed(case: Case) -> Answer:
 
 
 def _lost(case: Case) -> tuple[list[str], list[str]]:
-    """Return the programs whose nodes play a part, or would if they did not end, and that are not installed.
+    """Return the programs that are not installed though their nodes play a part, or would if they did not end.
 
     Returns:
         Their names, and what is wrong with them.
@@ -174,7 +174,7 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
     lost, faults = list[str](), list[str]()
     meant = _meant(case)
     for name, players in case.players.items():
-        # Where it is not known which program has the node, it is not known either that nothing starts it.
+        # If the node's program is not known, it is not known either that nothing starts it.
         alike = [player for player in players if player.match == players[0].match and player.program]
         programs = [player.program for player in alike] or _crashed(case, case.assignment.parts[name])
         is_there = any(map(case.is_installed, alike)) or any(map(case.is_installed_program, programs))
@@ -187,20 +187,22 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
 
 
 def _crashed(case: Case, part: Part) -> list[str]:
-    """Return the programs that may have the node of a part that nobody plays, and ended before it was seen.
+    """Return the programs that may have the node of an unplayed part, and ended before it was seen.
 
-    One to which an entry point rightly leads ends by a fault of its own, such as an import, which counts at the node.
+    A program to which an entry point rightly leads ends by a fault of its own, such as an import, which counts at the node.
     """
     if case.players[part.name]:
         return []
     is_right = _has_right_points(case, is_whole=False) and case.evidence.files.setup.get("installs_modules")
     lost = sorted(case.lost(case.players), key=lambda name: case.assignment.meant_by(name) is not part)
     programs = [case.executables[name] for name in lost if case.may_be(name, part)]
-    return [one.name for one in programs if one.command and not (is_right and one.has_entry_point)]
+    return [
+        program.name for program in programs if program.command and not (is_right and program.has_entry_point)
+    ]
 
 
 def _idle(case: Case) -> list[str]:
-    """Return the executables that are named for a part, and run on without any node while others play it."""
+    """Return the executables named for a part that run on without a node while other programs play it."""
     idle = {
         run.programs[0]
         for run in case.evidence.runs
@@ -215,11 +217,11 @@ def _idle(case: Case) -> list[str]:
 
 
 def _has_right_points(case: Case, *, is_whole: bool) -> bool:
-    """Return whether the entry points are right, as far as nothing else in the package keeps them from leading anywhere.
+    """Return whether the entry points are right, apart from other faults of the package.
 
     Args:
-        case: of the submission.
-        is_whole: whether all that runs was built and is installed.
+        case: the submission's case.
+        is_whole: whether everything that runs was built and installed.
     """
     facts = case.evidence.files.setup
     is_own = facts.get("entry_points_are_own", True)
@@ -228,15 +230,15 @@ def _has_right_points(case: Case, *, is_whole: bool) -> bool:
 
 
 def _meant(case: Case) -> dict[str, Finding]:
-    """Return the modules, or files, that lie elsewhere than entry points say, and what was found of each."""
+    """Return by module or file the finding that it lies elsewhere than its entry point says."""
     astray = (finding for finding in case.evidence.files.told() if finding.code == "entry-point-module")
     return {finding.about[1]: finding for finding in astray if len(finding.about) > 1}
 
 
 def _astray(case: Case, meant: list[Finding]) -> tuple[list[str], list[str]]:
-    """Return the executables whose entry points miss a module that is there, and what is wrong with each.
+    """Return the executables whose entry points miss an existing module, and the causes.
 
-    Their nodes may not run for reasons of their own, so that nothing else tells of it.
+    Their nodes may not run for other reasons, so nothing else would report it.
     """
     named = [executable.name for executable in case.executables.values() if not executable.command]
     return [name for name in named if any(name in finding.about for finding in meant)], [
@@ -262,7 +264,7 @@ def package_is_described(case: Case) -> Answer:
 
 
 def _is_explained(case: Case) -> bool:
-    """Return whether another criterion counts what keeps the package from being built."""
+    """Return whether the fault that prevents the build counts at another criterion."""
     manifest, setup = case.evidence.files.manifest, case.evidence.files.setup
     facts = [
         manifest.get("is_there"),

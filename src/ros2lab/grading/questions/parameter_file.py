@@ -29,7 +29,7 @@ _ORDER = ("used", "loaded", "not_installed", "partly", "own", "lost", "unused", 
     ),
 )
 def parameter_file_is_used(case: Case) -> Answer:
-    """Whether the nodes have the values of a parameter file when they are launched, or when started as README says."""
+    """Whether the nodes have a parameter file's values when launched, or when started as the README says."""
     files = case.evidence.files.parameter_files
     if not files:
         return Answer("missing", {"file": "", "fault": ""}, ("files.parameter_files",))
@@ -56,7 +56,7 @@ class _File:
 
     @property
     def is_in_readme(self) -> bool:
-        """Whether a command of the README gives it to a node."""
+        """Whether a command in the README passes it to a node."""
         readme = self.case.evidence.files.readme
         return self.name in readme and "params-file" in readme
 
@@ -67,7 +67,7 @@ class _File:
 
     @property
     def runs(self) -> list[Run]:
-        """Those in which its values are to be seen."""
+        """The runs in which its values should be seen."""
         runs = self.case.evidence.runs
         launched = [run for run in runs if run.setting == "launched" and run.parameters]
         alone = [run for run in runs if run.setting == "alone"]
@@ -76,7 +76,7 @@ class _File:
 
 @dataclass
 class _Held:
-    """What of a parameter file was seen: values that nodes have, values that code declares, and what is wrong."""
+    """How much of a parameter file fits: values that nodes have, values that code declares, and faults."""
 
     fits: int = 0
     believed: int = 0
@@ -113,7 +113,7 @@ def _told(file: _File, level: str, fault: str, *keys: str) -> Answer:
 
 def _level(file: _File, held: _Held) -> str:
     if not held.fits + held.believed:
-        is_lost = any(not players for players in file.case.players.values())  # whose values they may be
+        is_lost = any(not players for players in file.case.players.values())  # the values may be for them
         return "lost" if is_lost else "unused"
     if held.faults:
         return "partly"
@@ -123,7 +123,7 @@ def _level(file: _File, held: _Held) -> str:
 
 
 def _astray(file: _File) -> str:
-    """Return why a file that is not installed is not found."""
+    """Return why a file that is not installed is not found, as a clause."""
     hard_coded = file.case.evidence.files.hard_coded
     lies = next((path for path in hard_coded if PurePosixPath(path).name == file.name), "")
     if lies:
@@ -132,7 +132,7 @@ def _astray(file: _File) -> str:
 
 
 def _hold(file: _File, pattern: str, values: Mapping[str, Any], held: _Held) -> None:
-    """Hold the values for the nodes of a name against what these have."""
+    """Compare the values for a name in the file with those of its nodes; enter the result in `held`."""
     case, node = file.case, shown(pattern)
     meant = _meant(case, pattern, file.runs)
     if meant:
@@ -148,10 +148,9 @@ def _hold(file: _File, pattern: str, values: Mapping[str, Any], held: _Held) -> 
 
 
 def _meant(case: Case, pattern: str, runs: Sequence[Run]) -> list[tuple[Run, str]]:
-    """Return the nodes that a name in a parameter file fits, and the runs in which their parameters were seen.
+    """Return the nodes that a name in a parameter file fits, each with a run that shows its parameters.
 
-    That a launch file does not start a node, or that it ends at once, counts elsewhere; its parameters are known from
-    when it was alone.
+    A node that is not launched, or ends at once, counts elsewhere; its parameters are taken from other runs.
     """
     started = [(run, node) for run in runs for node in run.parameters]
     for players in case.players.values():
@@ -162,19 +161,19 @@ def _meant(case: Case, pattern: str, runs: Sequence[Run]) -> list[tuple[Run, str
 
 
 def _is_unasked(case: Case, pattern: str) -> bool:
-    """Return whether there is such a node, and it did not answer what parameters it has."""
+    """Return whether there is such a node that did not report its parameters."""
     return any(_fits(pattern, node) for run in case.evidence.runs for node in run.unasked)
 
 
 def _counts_elsewhere(case: Case, pattern: str) -> bool:
-    """Return whether there is no such node because it was never written, or ends by itself."""
+    """Return whether such a node is missing because it was never written, or ends by itself."""
     meant = case.assignment.meant_by(pattern)
     is_lost = meant is not None and not case.players[meant.name]
     return is_lost or any(_fits(pattern, node) for node in case.short_lived)
 
 
 def _misfit(meant: Sequence[tuple[Run, str]], name: str, value: Any) -> str:
-    """Return what is wrong with a value in a parameter file; empty if nothing is."""
+    """Return what is wrong with a value in a parameter file, as a clause; empty if nothing is."""
     held = [(run, node, run.parameters[node][name]) for run, node in meant if name in run.parameters[node]]
     if not held:
         return "is no parameter of it"
@@ -187,14 +186,14 @@ def _misfit(meant: Sequence[tuple[Run, str]], name: str, value: Any) -> str:
 
 
 def _fits(pattern: str, node: str) -> bool:
-    """Return whether a parameter file's name for nodes, such as `/**/status`, is that of a node."""
+    """Return whether a parameter file's name for nodes, such as `/**/status`, matches a node."""
     expression = re.escape(pattern.lstrip("/")).replace(r"/\*\*/", "/(?:.*/)?").replace(r"\*\*/", "(?:.*/)?")
     expression = expression.replace(r"\*\*", ".*").replace(r"\*", "[^/]*")
     return re.fullmatch(expression, node.lstrip("/")) is not None
 
 
 def _is_alike(current: Any, wanted: Any) -> bool:
-    """Return whether one value of a parameter may replace another; a list is shown as a text in a file's facts."""
+    """Return whether a value may replace a parameter's current one; lists are texts in the file's facts."""
     return type(current) is type(wanted) or isinstance(current, list)
 
 

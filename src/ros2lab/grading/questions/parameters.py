@@ -1,4 +1,4 @@
-"""What is asked of parameters that an assignment names: that another value changes the rhythm or the messages of a topic."""
+"""Questions about an assignment's parameters: whether another value changes a topic's rhythm or messages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ros2lab.rhythm import is_another
     needs="parameters",
 )
 def parameters_take_effect(case: Case, part: Part) -> Answer:
-    """Whether another value of each parameter changes of the topic what the assignment says."""
+    """Whether another value of each parameter changes the topic's rhythm or messages, as the assignment says."""
     players = [player for player in case.players[part.name] if player.run.setting == "alone"]
     pairs = [
         (parameter, number, _fault(case, parameter, players, run))
@@ -38,7 +38,7 @@ def parameters_take_effect(case: Case, part: Part) -> Answer:
         for parameter in part.parameters
         if all(parameter is not tried for tried, *_ in pairs)
     ]
-    # Of several programs with such a parameter one is enough.
+    # If several programs have such a parameter, one that works is enough.
     right = {parameter.name for parameter, _, fault in pairs if not fault}
     wrong = dict.fromkeys(fault for parameter, _, fault in pairs if parameter.name not in right)
     without = [*wrong, *undeclared]
@@ -51,12 +51,12 @@ def parameters_take_effect(case: Case, part: Part) -> Answer:
 
 
 def setting(name: str, value: Any, held: Sequence[Any] = ()) -> str:
-    """Return how a parameter is set at a program's start.
+    """Return the argument that sets a parameter at a program's start.
 
     Args:
-        name: of the parameter.
-        value: that it is to have.
-        held: what it has by itself, if that is known: a whole number is written as a float where that is one.
+        name: the parameter's name.
+        value: its new value.
+        held: its own value, if known: if that is a float, a whole number is written as a float, too.
     """
     if held and isinstance(held[0], float) and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
@@ -64,13 +64,13 @@ def setting(name: str, value: Any, held: Sequence[Any] = ()) -> str:
 
 
 def _is_try(parameter: AskedParameter, run: Run, players: Sequence[Player]) -> bool:
-    """Return whether a run is that of a player's program with the value that is asked for."""
+    """Return whether a run is of a player's program with the value that the assignment asks for."""
     given = {setting(parameter.name, parameter.value), setting(parameter.name, parameter.value, [0.0])}
     return run.setting in given and any(player.run.programs == run.programs for player in players)
 
 
 def _fault(case: Case, parameter: AskedParameter, players: Sequence[Player], run: Run) -> str:
-    """Return what is wrong with the effect of a parameter in a run; empty if nothing is."""
+    """Return what is wrong with a parameter's effect in a run; empty if nothing is."""
     before = next(player for player in players if player.run.programs == run.programs)
     tried = shown(run.setting)
     if run.ended:
@@ -96,11 +96,11 @@ def _changes_rhythm(before: Player, after: Player) -> bool:
 
 
 def _changes_messages(after: Player, unchanged: Sequence[Player]) -> bool:
-    """Return whether a field holds what it never held before, in a message where it has been the same each time."""
+    """Return whether a field has a new value in a message where it was the same in all runs before."""
     changed = _fields(after)
     before = [_fields(player) for player in unchanged]
     count = min(map(len, (changed, *before)))
-    if after.run.clock == "real":  # which message is heard first is chance there
+    if after.run.clock == "real":  # which message comes first is chance there
         count = (count + 1) // 2
     for number, fields in enumerate(changed[:count]):
         for name, value in fields.items():
@@ -112,7 +112,7 @@ def _changes_messages(after: Player, unchanged: Sequence[Player]) -> bool:
 
 
 def _fields(player: Player) -> list[dict[str, str]]:
-    """Return the messages that came before any command, each as its innermost fields with their values, as JSON."""
+    """Return the messages before any command, each by its innermost fields with their values as JSON."""
     quiet = player.run.quiet.get(player.topic)
     return [dict(_innermost("", value)) for value in quiet.values] if quiet else []
 

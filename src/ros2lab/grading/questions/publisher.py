@@ -1,4 +1,4 @@
-"""What is asked of a node that publishes: its rhythm, and the numbers in its messages."""
+"""Questions about a node that publishes: its rhythm, and the numbers in its messages."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.senses import numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
-TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
+TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
 
 
 @question(
@@ -30,7 +30,7 @@ TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
     deeds=f"{REPEATS} {PACED}",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
-    """Whether messages come as often as is asked for: as the node says it, or a launch file with its parameters."""
+    """Whether messages come with the period that is asked for, by the node itself or as launched."""
     everybody = case.players[part.name]
     if not everybody:
         end = case.written(part)
@@ -48,7 +48,7 @@ def has_its_period(case: Case, part: Part) -> Answer:
 
 
 def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -> Answer:
-    """Answer where periods were seen: those of programs that ran alone tell most."""
+    """Answer from the periods that were seen: those of programs that ran alone come first."""
     alone = [pair for pair in found if pair[0].run.setting == "alone"] or found
     if growing := [player for player, _ in found if _is_growing(case, player)]:
         return _rhythm("growing", growing[0])
@@ -76,7 +76,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
     deeds=REPEATS,
 )
 def comes_again(case: Case, part: Part) -> Answer:
-    """Whether messages come again and again, or whenever something changes."""
+    """Whether messages come repeatedly, or whenever something changes."""
     players = case.players[part.name]
     if not players:
         end = case.written(part)
@@ -100,7 +100,7 @@ def comes_again(case: Case, part: Part) -> Answer:
     "right too_often silent missing", "topic why", nodes.CODES, ("publisher",), needs="when", mute="silent"
 )
 def comes_when_it_should(case: Case, part: Part) -> Answer:
-    """Whether a message comes once, or whenever a request or a command has changed something, and else none."""
+    """Whether a message comes only once, or only when a request or a command has changed something."""
     player = case.whole(part)
     if player is None:
         return Answer("missing", {"topic": "", "why": ""}, ("runs",))
@@ -130,9 +130,9 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
     deeds=FINITE,
 )
 def has_finite_numbers(case: Case, part: Part) -> Answer:
-    """Whether all numbers in its messages are finite, and none is an int that was put into a float field.
+    """Whether all numbers in the messages are finite, and none is an int in a float field.
 
-    Those that come alone, those that follow a command, and those of a launch file: one is enough to stop whoever uses it.
+    This covers all runs, before and after commands: one bad number is enough to stop a subscriber.
     """
     player = case.main(part)
     seen = {"value": "", "field": ""}
@@ -172,7 +172,7 @@ def _is_right(part: Part, period: float) -> bool:
 
 
 def _is_other(case: Case, player: Player) -> bool:
-    """Return whether the node has other parameters in this run than alone, and its period is not right for that."""
+    """Return whether a node has other parameters in its run than alone, which make its period wrong."""
     own = player.run.parameters.get(player.node)
     values = [
         candidate.run.parameters.get(candidate.node)
@@ -184,14 +184,14 @@ def _is_other(case: Case, player: Player) -> bool:
 
 
 def _is_growing(case: Case, player: Player) -> bool:
-    """Return whether several come where one came before, and the code makes one more timer whenever one fires."""
+    """Return whether more and more messages come because the code makes another timer whenever one fires."""
     gaps = _between(quiet_times(player))
     makes_more = any(code == "timer-in-callback" for code, *_ in case.evidence.files.findings)
     return makes_more and player.run.clock == "real" and bool(gaps) and min(gaps) < max(gaps) / 4
 
 
 def _is_steady(player: Player) -> bool:
-    """Return whether all times between two messages of a run are right."""
+    """Return whether all gaps between messages in a run are right."""
     return all(_is_right(player.part, gap) for gap in gaps_of(player))
 
 

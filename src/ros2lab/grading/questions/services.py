@@ -1,4 +1,4 @@
-"""What is asked of a node that provides a service: its name and type, whether it answers rightly, and whether it lives."""
+"""Questions about a node with a service: its name and type, whether it answers correctly, whether it lives."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
 
 SERVICE: tuple[End, ...] = ("service",)
-NEARLY = 1e-5  # of a number, by which one that went through 32 bits may be off
+NEARLY = 1e-5  # relative error of a number that went through 32 bits
 
 
 @question("right apart near other missing", "service node why", nodes.CODES, SERVICE)
@@ -44,7 +44,7 @@ def service_has_its_type(case: Case, part: Part) -> Answer:
 
 @question("right some none missing", "service fault", nodes.CODES, SERVICE, needs="requests")
 def service_answers(case: Case, part: Part) -> Answer:
-    """Whether each request gets its response in time; one that ends the program is counted elsewhere."""
+    """Whether each request gets its response in time; a request that ends the program counts elsewhere."""
     player = case.whole(part)
     if player is None:
         return Answer("missing", {"service": "", "fault": ""}, ("runs",))
@@ -72,13 +72,13 @@ def service_goes_on(case: Case, part: Part) -> Answer:
         place = raised_at(player.end, player.program)
         return Answer("dies", seen, (f"runs[{player.number}].ended",), place)
     again = [call for call in player.calls if call.is_repeated]
-    # One of another type cannot be called; that is counted where the type is.
+    # A service of another type cannot be called; that counts at its type.
     is_deaf = bool(player.calls) and not (again and all(call.response is not None for call in again))
     return Answer("deaf" if is_deaf else "lives", seen, (f"runs[{player.number}].calls",), shown(player.node))
 
 
 def _fault(part: Part, call: ServiceCall, exchange: Exchange) -> str:
-    """Return what is wrong with the response to a request; empty if nothing is."""
+    """Return what is wrong with the response to a request, as a clause; empty if nothing is."""
     request = _written(call.request)
     if call.response is None:
         return f"the request {request} was not answered"
@@ -97,7 +97,7 @@ def _untried(part: Part, player: Player) -> str:
 
 
 def _differing(got: Mapping[str, Any], wanted: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the fields of a response that are not as they have to be, as they are and as they have to be."""
+    """Return the wrong fields of a response, with the values that they have and those that they should have."""
     names = [name for name, value in wanted.items() if not _is_same(got.get(name), value)]
     return {name: got.get(name) for name in names}, {name: wanted[name] for name in names}
 
@@ -113,5 +113,5 @@ def _is_same(got: Any, wanted: Any) -> bool:
 
 
 def _written(fields: Mapping[str, Any]) -> str:
-    """Return fields as they stand in a sentence."""
+    """Return fields and values for use in a sentence."""
     return shown("{" + ", ".join(f"{name}: {json.dumps(value)}" for name, value in fields.items()) + "}")

@@ -1,4 +1,4 @@
-"""Where the package lies, and what colcon makes of that."""
+"""Where the package lies, and whether colcon finds and builds it there."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ def package_lies_in_src(case: Case) -> Answer:
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
 def colcon_finds_package(case: Case) -> Answer:
-    """Whether colcon finds the package and builds it; what is wrong in the package itself is not counted here.
+    """Whether colcon finds the package and builds it; faults in the package itself do not count here.
 
-    Only a build that does not end by itself is, for then whoever has the workspace can build nothing in it.
+    Only a build that never ends does, because then nothing in the workspace can be built.
     """
     seen = {"package": shown(case.package or "the package"), "others": "", "top": "", "why": ""}
     build = case.evidence.build
@@ -62,7 +62,7 @@ def colcon_finds_package(case: Case) -> Answer:
 
 
 def _of_twins(case: Case, twins: list[str], seen: dict[str, str]) -> Answer:
-    """Answer for a package that is there more than once, so that colcon builds none of them."""
+    """Answer for a package that is there more than once, so that colcon builds nothing."""
     workspace = case.evidence.submission.workspace
     is_inside = any(PurePosixPath(workspace or "", "src") in PurePosixPath(t).parents for t in twins)
     level = "duplicate" if workspace and is_inside else "copy_outside"
@@ -71,7 +71,7 @@ def _of_twins(case: Case, twins: list[str], seen: dict[str, str]) -> Answer:
 
 
 def _hidden_by(case: Case) -> str:
-    """Return what hides the package from colcon; empty if nothing does."""
+    """Return what hides the package from colcon, as a clause; empty if nothing does."""
     folder = PurePosixPath(_folder(case))
     for kind, why in _HIDDEN.items():
         for path in case.evidence.submission.noted(kind):
@@ -82,9 +82,9 @@ def _hidden_by(case: Case) -> str:
 
 @question("clean built_beside built_inside nothing", "folders")
 def sources_are_clean(case: Case) -> Answer:
-    """Whether nothing was handed in that colcon or Python makes; among the sources it does harm, beside them less.
+    """Whether no output of colcon or Python was handed in; among the sources it is worse than beside them.
 
-    Where there is no workspace, it lies among the sources wherever it lies.
+    Without a workspace, it always counts as among the sources.
     """
     submission = case.evidence.submission
     if submission.package is None:
@@ -94,7 +94,7 @@ def sources_are_clean(case: Case) -> Answer:
     if submission.workspace:
         inside = {PurePosixPath(submission.workspace, "src")}
         inside |= {PurePosixPath(package.folder) for package in submission.packages}
-        # A package that is its own workspace has them where they belong.
+        # If the package is its own workspace, they lie where they belong.
         wrong = [
             path
             for path in made
@@ -110,11 +110,11 @@ def sources_are_clean(case: Case) -> Answer:
 
 @question("asked_for conventional unconventional unknown nothing", "package wanted why")
 def package_has_its_name(case: Case) -> Answer:
-    """Whether the name is the one of the assignment, or at least one that ROS takes for a package's."""
+    """Whether the package has the assignment's name, or at least a valid package name."""
     name, wanted = case.package, case.assignment.package
     differ = case.evidence.files.setup.get("name_agrees") is False
     if differ and _NAME.fullmatch(name) and PurePosixPath(_folder(case)).name == wanted:
-        name = wanted  # that package.xml and setup.py differ counts there
+        name = wanted  # different names in package.xml and setup.py count there
     package = case.evidence.submission.package
     seen = {"package": shown(name), "wanted": wanted, "why": shown((package and package.error) or "", 160)}
     if package is None:
@@ -131,7 +131,7 @@ def _folder(case: Case) -> str:
 
 
 def _twins(case: Case) -> list[str]:
-    """Return where else in the workspace, or in all that was handed in, colcon sees a package of the same name."""
+    """Return the other folders in the workspace, or in the whole submission, with a package of the same name."""
     submission = case.evidence.submission
     if not case.package:
         return []
