@@ -1,10 +1,10 @@
-"""Recordings of topics: made in the background, played again, and read for a plot.
+"""Recordings of topics: made in the background, replayed, and read for a plot.
 
-The file is MCAP, which `ros2 bag` and Foxglove open, too. Modules import only from those above them:
+The files are MCAP, which `ros2 bag` and Foxglove open, too. Modules import only from those above them:
 
 - `tables`, `qos`, `matching`, `mcap_file`: text, policies, waiting and the file format, each by itself
-- `message_types`, `files`: what a file's messages are, and where a student's files are
-- `track`; then `subscriptions`, `buffer`: a topic while it is recorded, and its messages on their way to the disk
+- `message_types`, `files`: the types of a file's messages, and where a student's files are
+- `track`; then `subscriptions`, `buffer`: a topic while it is recorded, and its messages on their way to disk
 - `recorder`, `replay`, `read`: what a notebook uses
 """
 

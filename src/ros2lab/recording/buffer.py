@@ -9,7 +9,7 @@ from ros2lab.recording.track import Track
 
 
 class Buffer:
-    """What was taken in and is not yet written, up to a number of bytes."""
+    """Messages that were received and are not yet written, up to a number of bytes."""
 
     def __init__(self, most: int) -> None:
         self.dropped = 0
@@ -20,7 +20,7 @@ class Buffer:
         self._items: list[tuple[Track, bytes, dict[str, Any]]] = []
 
     def put(self, track: Track, data: bytes, info: dict[str, Any]) -> None:
-        """Add a message; one for which there is no space is dropped and counted."""
+        """Add a message; if there is no space for it, it is dropped and counted."""
         with self._lock:
             if self._bytes + len(data) > self._most:
                 self.dropped += 1
@@ -37,6 +37,6 @@ class Buffer:
         return items
 
     def wait(self, timeout: float) -> None:
-        """Wait until it is half full, or the time is up."""
+        """Wait until the buffer is half full, or the time is up."""
         self.wake.wait(timeout)
         self.wake.clear()

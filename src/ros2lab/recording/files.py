@@ -12,7 +12,7 @@ from ros2lab import course
 
 
 def new_file(path: Path) -> IO[bytes]:
-    """Open a new file, after an existing one of its name was moved to `~/earlier`."""
+    """Open a new file; an existing one of its name is moved to `~/earlier` first."""
     if path.is_dir():
         raise ValueError(f"{course.shown_path(path)} is a folder; name a file, such as drive.mcap.")
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -45,7 +45,7 @@ def open_recording(path: Path) -> RecordingFile:
 
 
 def no_topic(file: RecordingFile, topic: str) -> str:
-    """Return the sentence that says that a recording does not hold a topic, and what it holds."""
+    """Return a sentence that says that a recording does not hold a topic, and what it holds."""
     close = difflib.get_close_matches(topic, file.topics, n=1, cutoff=0.6)
     hint = (
         f"did you mean {close[0]}?" if close else f"it holds: {', '.join(sorted(file.topics)) or 'nothing'}."

@@ -20,18 +20,18 @@ def installed_type(topic: RecordedTopic) -> type:
     """Return the message class of a recorded topic.
 
     Raises:
-        ValueError: if its type is not installed here, or has other fields than where it was recorded.
+        ValueError: if its type is not installed here, or has other fields here than in the recording.
     """
     message_type = find_type(topic.type_name)
     if topic.encoding == SchemaEncoding.ROS2:
-        with contextlib.suppress(LookupError):  # a type without its definition is taken to be the same
+        with contextlib.suppress(LookupError):  # a type without a definition is assumed to be the same
             if not same_fields(topic.definition, definition_text(topic.type_name)):
                 raise ValueError(f"{topic.type_name} has other fields here than where it was recorded.")
     return message_type
 
 
 def decoder(topic: RecordedTopic) -> Callable[[bytes], Any]:
-    """Return what makes a message of bytes: of the type installed here, else as the recording defines it."""
+    """Return a function that decodes a message: as the type installed here, else as the recording defines it."""
     try:
         message_type = installed_type(topic)
     except ValueError as error:

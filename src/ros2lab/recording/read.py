@@ -35,9 +35,9 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         file: the file.
 
     Attributes:
-        path: the file's.
-        topics: what the file says of each topic, by name.
-        is_whole: whether the file was ended properly; if not, it is read up to where it was cut off.
+        path: the file's path.
+        topics: what the file says about each topic, by name.
+        is_whole: whether the file was finished properly; if not, it is read up to where it was cut off.
     """
 
     def __init__(self, file: RecordingFile) -> None:
@@ -54,7 +54,7 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
 
     @property
     def count(self) -> int:
-        """How many messages it holds."""
+        """The number of messages in it."""
         return sum(topic.count for topic in self.topics.values())
 
     def columns(self, topic: str, *fields: str) -> tuple[list[Any], ...]:
@@ -79,7 +79,7 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         return times, *([getter(sample.message) for sample in samples] for getter in getters)
 
     def no_topic(self, topic: str) -> str:
-        """Return the sentence that says that the recording does not hold a topic, and what it holds."""
+        """Return a sentence that says that the recording does not hold a topic, and what it holds."""
         return no_topic(self._file, topic)
 
     def __getitem__(self, topic: str) -> list[RecordedSample]:
@@ -136,7 +136,7 @@ def read_recording(path: str | Path) -> Recording:
     """Read a recording, so that what it holds can be shown and plotted.
 
     Args:
-        path: the file, as the lab's terminals write it: `~`, and what is relative, is in the student's folder.
+        path: the file, as in the lab's terminals: `~` and relative paths are in the student's folder.
 
     Raises:
         FileNotFoundError: if there is no such file; the text names those that are there.

@@ -1,7 +1,7 @@
 """Topics, recorded in the background.
 
-A recorder takes messages as serialised bytes, in a thread of its own, so that neither a callback that takes its
-time holds it up nor the ROS thread works for it; another thread writes them to disk.
+A recorder takes messages as serialised bytes in a thread of its own, so that slow callbacks do not hold it up
+and the ROS thread has no work with it; another thread writes them to disk.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 INTAKE_THREAD, WRITER_THREAD = "ros2lab-recorder-intake", "ros2lab-recorder-writer"
-TAKE_PERIOD = 0.05  # s, in which ROS holds what has come: up to QUEUE_DEPTH messages of a topic
+TAKE_PERIOD = 0.05  # s, in which ROS queues up to QUEUE_DEPTH messages per topic
 WRITE_PERIOD = 0.1  # s
 LAST_WAIT = 0.1  # s, for a message that is on its way when the recording ends
-LOOK_PERIOD = 0.2  # s, for new topics, of which rclpy sends no event
-FLUSH_PERIOD = 1.0  # s: what a kill can cost
+LOOK_PERIOD = 0.2  # s between looks for new topics, for which rclpy has no event
+FLUSH_PERIOD = 1.0  # s, the most that is lost if the process is killed
 STOP_TIMEOUT = 10.0  # s
 MOST_WAITING = 64 * 2**20  # bytes that wait for the disk
 
@@ -46,8 +46,8 @@ class Recorder:
     Args:
         node: the node that subscribes.
         path: the file.
-        topics: only these; None takes all.
-        most_waiting: how many bytes may wait for the disk; what comes beyond is dropped and counted.
+        topics: the topics to record; None takes all.
+        most_waiting: how many bytes may wait for the disk; messages beyond that are dropped and counted.
 
     Raises:
         ValueError: if the path is a folder.
@@ -79,7 +79,7 @@ class Recorder:
         try:
             self._subscriptions.look()
             self._subscriptions.wait_for_match()
-        except BaseException:  # an interrupt, too
+        except BaseException:  # also an interrupt
             self._stop_asked.set()
             raise
         finally:
@@ -88,22 +88,22 @@ class Recorder:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many messages were written, by topic."""
+        """The number of messages written, by topic."""
         return {topic: track.count for topic, track in list(self._tracks.items())}
 
     @property
     def count(self) -> int:
-        """How many messages were written."""
+        """The number of messages written."""
         return sum(self.counts.values())
 
     @property
     def dropped(self) -> int:
-        """How many messages came faster than they could be written, and were dropped."""
+        """The number of messages dropped because they came faster than they could be written."""
         return self._buffer.dropped
 
     @property
     def missed(self) -> int:
-        """How many messages never came, as the numbers that a topic's only publisher gives them tell."""
+        """The number of messages that never came, by the sequence numbers of topics with a single publisher."""
         return sum(track.missed for track in list(self._tracks.values()))
 
     @property
@@ -113,12 +113,12 @@ class Recorder:
 
     @property
     def is_recording(self) -> bool:
-        """Whether it still records."""
+        """Whether it is still recording."""
         return not self._stop_asked.is_set()
 
     @property
     def failure(self) -> str:
-        """Why the recording had to end early; empty if it had not."""
+        """Why the recording ended early; empty if it did not."""
         return self._failure
 
     @property
@@ -139,7 +139,7 @@ class Recorder:
         return problems
 
     def stop(self) -> None:
-        """End the recording and the file; prints what is missing in it. Stopping twice does no harm."""
+        """End the recording and the file, and print what is missing in it. Stopping twice does no harm."""
         self._stop_asked.set()
         with interrupted_says(f"{course.shown_path(self.path)} is finished in the background."):
             self._thread.join(STOP_TIMEOUT)
@@ -151,7 +151,7 @@ class Recorder:
     def _run_intake(self) -> None:
         try:
             self._take_in()
-        except Exception as error:  # it must be told, and the file ended, whatever it was
+        except Exception as error:  # whatever it was, it must be reported and the file ended
             self._fail(error)
         finally:
             self._subscriptions.close()
@@ -196,7 +196,7 @@ class Recorder:
                 self._writer.flush()
         self._write()
         for track in self._tracks.values():
-            self._channel(track)  # to be seen in the file also where nothing came
+            self._channel(track)  # the file lists a topic even if it had no messages
         self._writer.finish()
 
     def _write(self) -> None:

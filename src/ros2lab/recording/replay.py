@@ -42,8 +42,9 @@ class Replay:
         node: the node that publishes.
         path: the file.
         rate: how many times faster than recorded, from 0.1 to 100.
-        topics: only these; None takes all but `/rosout` and `/parameter_events`, where every node publishes.
-        loop: whether it begins again at the end.
+        topics: the topics to replay; None takes all but `/rosout` and `/parameter_events`, where every node
+            publishes.
+        loop: whether it starts again at the end.
 
     Raises:
         FileNotFoundError: if there is no such file; the text names those that are there.
@@ -87,23 +88,23 @@ class Replay:
 
     @property
     def position(self) -> float:
-        """Where it is, in s from the beginning of the recording."""
+        """The current position, in s from the beginning of the recording."""
         with self._changed:
             return min(self._now(), self.duration)
 
     @property
     def count(self) -> int:
-        """How many messages were published."""
+        """The number of messages published."""
         return self._count
 
     @property
     def is_playing(self) -> bool:
-        """Whether it has not ended, been stopped or paused."""
+        """Whether it is neither paused nor has it ended."""
         return not self.has_ended and not self._is_paused
 
     @property
     def has_ended(self) -> bool:
-        """Whether it has come to its end, or was stopped."""
+        """Whether it has reached its end or was stopped."""
         return self._is_stopped or self._is_over
 
     @property
@@ -125,7 +126,7 @@ class Replay:
             self._changed.notify_all()
 
     def pause(self) -> None:
-        """Stand still until `resume`."""
+        """Pause until `resume`."""
         with self._changed:
             self._is_paused = True
             self._set_clock(self._now(), is_running=False)
@@ -227,7 +228,7 @@ class Replay:
                 self._set_clock(self._position, is_running=not self._is_paused)
             while self._play_on():
                 pass
-            # The last message has to arrive before its publisher goes.
+            # The last message must arrive before its publisher is destroyed.
             for publisher in self._publishers.values():
                 publisher.wait_for_all_acked(Duration(seconds=MATCH_TIMEOUT))
         except Exception as error:  # whatever a damaged file makes its reader raise
@@ -238,7 +239,7 @@ class Replay:
                 self._node.destroy_publisher(publisher)
 
     def _play_on(self) -> bool:
-        """Publish from the position on; return whether there is more to play."""
+        """Publish from the current position on; return whether there is more to play."""
         with self._changed:
             jumps = self._jumps
             start = self._file.began + round(self._position * 1e9)
@@ -258,7 +259,7 @@ class Replay:
             return not self._is_over
 
     def _is_due(self, position: float, jumps: int) -> bool:
-        """Wait until a position is reached; return False if the replay was stopped or set elsewhere meanwhile."""
+        """Wait until a position is due; return False if the replay was stopped or moved meanwhile."""
         with self._changed:
             while not self._is_stopped and self._jumps == jumps:
                 remaining = (position - self._now()) / self._rate if self._since is not None else None

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 class Subscriptions:
-    """Follows what is published, and takes the messages.
+    """Subscribes to published topics and takes their messages.
 
     Args:
         node: the node that subscribes.
-        topics: only these; None takes all but hidden ones.
+        topics: the topics to record; None takes all but hidden ones.
 
     Attributes:
         tracks: the topics that are recorded, by name.
@@ -35,7 +35,7 @@ class Subscriptions:
         self._group = _NotSpun()
 
     def look(self) -> None:
-        """Subscribe to topics that have appeared, and anew where a publisher offers less than was asked for."""
+        """Subscribe to new topics, and again to those where a publisher offers less QoS than was requested."""
         for topic, _ in self._node.get_topic_names_and_types():
             if topic in self.left_out or not self._is_wanted(topic):
                 continue
@@ -48,7 +48,7 @@ class Subscriptions:
                 self.left_out[topic] = f"{topic} is not recorded: {error}"
 
     def wait_for_match(self) -> None:
-        """Wait until the publishers that the graph shows have matched: what is published before is lost."""
+        """Wait until the publishers in the graph have matched: messages from before that are lost."""
 
         def has_matched() -> bool:
             return all(
@@ -59,7 +59,7 @@ class Subscriptions:
         wait_for_match(has_matched)
 
     def messages(self) -> Iterator[tuple[Track, bytes, dict[str, Any]]]:
-        """Take the messages that have come, of each topic at most as many as ROS holds."""
+        """Take the messages that have come, at most as many per topic as ROS queues."""
         for track in self.tracks.values():
             for data, info in track.waiting():
                 track.note(info["publication_sequence_number"] or 0)
@@ -95,7 +95,8 @@ class Subscriptions:
 class _NotSpun(CallbackGroup):
     """Subscriptions that the executor leaves alone: a recorder takes their messages itself.
 
-    So no slow callback of a node holds them up, and a message costs a sixth of what it costs by way of the executor.
+    So no node's slow callback holds them up, and a message costs a sixth of what it costs through the
+    executor.
     """
 
     def can_execute(self, _: object) -> bool:

@@ -17,7 +17,7 @@ class Track:
 
     Raises:
         ValueError: if its type is not installed here.
-        LookupError: if the definition of its type is not.
+        LookupError: if the definition of its type is not installed.
     """
 
     def __init__(self, topic: str, offers: Sequence[Any]) -> None:
@@ -37,12 +37,12 @@ class Track:
         self._gaps = 0
 
     def is_served_by(self, offer: QoSProfile) -> bool:
-        """Return whether a publisher that offers this reaches the subscription."""
+        """Return whether a publisher with this QoS reaches the subscription."""
         verdict, _ = qos_check_compatible(offer, self.qos)
         return bool(verdict != QoSCompatibility.ERROR)
 
     def waiting(self) -> Iterator[tuple[bytes, dict[str, Any]]]:
-        """Take the messages that have come, at most as many as ROS holds."""
+        """Take the messages that have come, at most as many as ROS queues."""
         handle = self.subscription.handle
         with handle:  # it is not destroyed meanwhile
             for _ in range(QUEUE_DEPTH):
@@ -52,13 +52,13 @@ class Track:
                 yield taken
 
     def note(self, sequence: int) -> None:
-        """Take note of a message's number, and of those that are missing before it."""
+        """Note a message's sequence number, and count those that are missing before it."""
         if self._last:
             self._gaps += max(0, sequence - self._last - 1)
         self._last = sequence
 
     def met(self, publishers: set[bytes]) -> None:
-        """Take note of who publishes now. Only the numbers of one and the same publisher tell what is missing."""
+        """Note the current publishers. Only the numbers of a single, unchanged publisher show what is missing."""
         if publishers == self.publishers and len(publishers) == 1:
             self.missed += self._gaps
         else:

@@ -1,4 +1,4 @@
-"""What a rubric can ask the evidence: functions from a `Case`, and a part if they need one, to an `Answer`."""
+"""What a rubric can ask the evidence: functions from a `Case`, and sometimes a part, to an `Answer`."""
 
 from __future__ import annotations
 

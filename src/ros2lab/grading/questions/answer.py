@@ -154,7 +154,7 @@ def question(
     mute: str = "",
     deeds: str = "",
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
-    """Register a function of a `Case`, or of a `Case` and a `Part`, as a question that a rubric can ask by name.
+    """Register a function of a `Case`, or of a `Case` and a `Part`, as a question that a rubric can ask.
 
     Args:
         answers: the levels, the best first, separated by spaces.
@@ -201,7 +201,7 @@ def ended(said: str, otherwise: str = "by itself with") -> str:
 
 
 def is_shut_down(said: str) -> bool:
-    """Return whether a launch file itself ended what it had started, by its last output, which shows no fault."""
+    """Return whether a launch file itself ended what it had started, without a fault, by its last output."""
     lines = [line.strip() for line in said.splitlines()]
     deaths = [line for line in lines if _DIED.match(line)]
     asked = _asked_to_end(lines)

@@ -112,7 +112,7 @@ def _takes_effect(case: Case, before: Run, name: str, tries: Sequence[Run]) -> b
 
 @question("by_name wholesale of_an_end none")
 def errors_are_handled(case: Case) -> Answer:
-    """Whether exceptions are caught, by name, and not only those that end the program.
+    """Whether exceptions are caught, by name, and not only those that ask the program to end.
 
     The handler must be in the code of a program that was seen to work, or that could not be tried here.
     """

@@ -91,7 +91,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
 def _own_words(
     part: Part, runs: Iterable[Run], telling: Collection[int], alone: Mapping[str, Heard]
 ) -> list[str]:
-    """Return the words, of those that its code compares with, that a node answers differently than unknown ones."""
+    """Return the words in its code's comparisons that a node answers differently than unknown words."""
     found = set[str]()
     for run in runs:
         own = _with_own(part, run)
@@ -242,7 +242,7 @@ def _end(player: Player, seen: dict[str, str]) -> Answer:
 
 
 def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
-    """Return the words that could not be tried because an earlier one ended a node, which counts elsewhere."""
+    """Return the words that were not sent because an earlier one ended a node, which counts elsewhere."""
     sent = set()
     for run in runs:
         for command in run.commands:
@@ -253,7 +253,7 @@ def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
 
 
 def _telling_players(players: list[Player]) -> list[Player]:
-    """Return the players whose log is the node's own: those whose program ran alone, else all with commands."""
+    """Return the players whose log is the node's own: those that ran alone, else all with commands."""
     tried = [player for player in players if player.commands]
     return [player for player in tried if player.run.setting == "alone"] or tried
 
@@ -318,7 +318,7 @@ def _moved_parts(case: Case) -> list[Part]:
 
 
 def _is_inverted(case: Case, part: Part) -> bool:
-    """Return whether the robot stands after the commands that should move it, and moves when it should stop."""
+    """Return whether the robot stands after commands that should move it, and moves when it should stop."""
     wanted = dict(zip(part.commands, part.effects, strict=True))
     for moved in _moved_parts(case):
         for player in case.players[moved.name]:

@@ -277,7 +277,7 @@ def _starts_ours(case: Case, text: str) -> bool:
 
 
 def _is_excused(case: Case, text: str) -> bool:
-    """Return whether a command agrees with the assignment and the files, so that its failure counts elsewhere."""
+    """Return whether a command fits the assignment and the files, so that its failure counts elsewhere."""
     match text.split():
         case ["colcon", *_]:
             is_built = case.evidence.build is not None and case.evidence.build.is_built

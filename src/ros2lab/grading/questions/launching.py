@@ -96,7 +96,7 @@ def excuse(case: Case, path: str) -> str:
 
 
 def _modules_missing(case: Case, said: Iterable[str]) -> list[str]:
-    """Return the modules that launch did not find and that are no misspelt names of installed or own packages."""
+    """Return the modules that launch did not find, without misspelt names of installed or own packages."""
     own = [package.name or "" for package in case.evidence.submission.packages]
     names = [name for text in said for name in _NO_MODULE.findall(text)]
     return [
@@ -108,7 +108,7 @@ def _modules_missing(case: Case, said: Iterable[str]) -> list[str]:
 
 
 def _lacks(case: Case, run: Run, path: str) -> str:
-    """Return why nodes were not started, if programs that start them, such as a terminal, are not here; else empty.
+    """Return why nodes were not started, if a program that starts them, such as a terminal, is missing here.
 
     Each missing program explains at most one node, and only a node whose own program the launch file names.
     """

@@ -75,7 +75,7 @@ def dependencies_are_declared(case: Case) -> Answer:
 
 
 def _packages_seen(case: Case) -> list[str]:
-    """Return the packages of the players' types; empty if another package was handed in, which may use them."""
+    """Return the packages of the players' types; empty if another package, too, was handed in."""
     if len(case.evidence.submission.packages) != 1:
         return []
     types = (
@@ -166,7 +166,7 @@ def nodes_are_installed(case: Case) -> Answer:
 
 
 def _lost(case: Case) -> tuple[list[str], list[str]]:
-    """Return the programs that are not installed though their nodes play a part, or would if they did not end.
+    """Return the programs that are not installed though their nodes play a part, or would if they lived.
 
     Returns:
         Their names, and what is wrong with them.

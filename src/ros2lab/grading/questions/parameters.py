@@ -25,7 +25,7 @@ from ros2lab.rhythm import is_another
     needs="parameters",
 )
 def parameters_take_effect(case: Case, part: Part) -> Answer:
-    """Whether another value of each parameter changes the topic's rhythm or messages, as the assignment says."""
+    """Whether another value of each parameter changes the topic as the assignment says."""
     players = [player for player in case.players[part.name] if player.run.setting == "alone"]
     pairs = [
         (parameter, number, _fault(case, parameter, players, run))

@@ -1,4 +1,4 @@
-"""Questions about a node with a service: its name and type, whether it answers correctly, whether it lives."""
+"""Questions about a node with a service: its name and type, whether its answers are right, whether it lives."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _untried(part: Part, player: Player) -> str:
 
 
 def _differing(got: Mapping[str, Any], wanted: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the wrong fields of a response, with the values that they have and those that they should have."""
+    """Return the wrong fields of a response, with their values and with those that they should have."""
     names = [name for name, value in wanted.items() if not _is_same(got.get(name), value)]
     return {name: got.get(name) for name in names}, {name: wanted[name] for name in names}
 

@@ -62,7 +62,7 @@ def colcon_finds_package(case: Case) -> Answer:
 
 
 def _of_twins(case: Case, twins: list[str], seen: dict[str, str]) -> Answer:
-    """Answer for a package that is there more than once, so that colcon builds nothing."""
+    """Answer for a package that is there more than once, so that colcon builds none of them."""
     workspace = case.evidence.submission.workspace
     is_inside = any(PurePosixPath(workspace or "", "src") in PurePosixPath(t).parents for t in twins)
     level = "duplicate" if workspace and is_inside else "copy_outside"
@@ -131,7 +131,7 @@ def _folder(case: Case) -> str:
 
 
 def _twins(case: Case) -> list[str]:
-    """Return the other folders in the workspace, or in the whole submission, with a package of the same name."""
+    """Return the other folders in the workspace, or in the submission, with a package of the same name."""
     submission = case.evidence.submission
     if not case.package:
         return []

@@ -1,4 +1,4 @@
-"""What people and machines read of a grade: a module for each form, each with a function from data to text.
+"""A grade in the forms that people and machines read: a module for each, with a function from data to text.
 
-What a submission has written is shown so that it does nothing and hides nothing; see `shown`.
+A submission's own texts are shown so that they do nothing and hide nothing; see `shown`.
 """

@@ -1,7 +1,7 @@
-"""Evidence as JSON, and back without a loss.
+"""Evidence as JSON, and back without loss.
 
-JSON has no numbers that are not finite: they stand as `{"$float": "nan"}`. Python writes no decimal number with
-thousands of digits: it stands as `{"$int": "0x..."}`. A name that begins with `$` gets a second one.
+JSON has only finite numbers: others are written as `{"$float": "nan"}`. Python refuses to write integers with
+thousands of digits: they are written as `{"$int": "0x..."}`. A name that begins with `$` gets a second `$`.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ _WORDS = {
 
 
 class EvidenceError(Exception):
-    """A text that is no evidence, or none of this version; the message says where, and what to do."""
+    """A text that is no evidence, or not of this version; the message says where, and what to do."""
 
 
 def evidence_json(evidence: Evidence) -> str:
     """Return evidence as JSON: ASCII only, so that nothing in it acts on a terminal.
 
     Raises:
-        TypeError: if there is something in it that JSON cannot hold, such as a date; the message names the place.
+        TypeError: if it holds a value that JSON cannot hold, such as a date; the message names the place.
     """
     return json.dumps(plain(evidence, ""), allow_nan=False) + "\n"
 
@@ -66,11 +66,11 @@ def read_evidence(text: str) -> Evidence:
 
 
 def plain(value: Any, path: str) -> Any:
-    """Return a value of the evidence as plain data that strict JSON can hold.
+    """Return a value in the evidence as plain data that strict JSON can hold.
 
     Args:
-        value: such as a dataclass, with all that is in it.
-        path: where it stands, for a message.
+        value: the value, such as a dataclass with everything in it.
+        path: its place in the evidence, for messages.
 
     Raises:
         TypeError: as for `evidence_json`.
@@ -102,7 +102,7 @@ def plain(value: Any, path: str) -> Any:
 
 
 def restored(data: dict[str, Any]) -> Any:
-    """Undo `plain` for an object of JSON."""
+    """Undo `plain` for a JSON object."""
     if not any(name.startswith("$") for name in data):
         return data
     if data.keys() == {_FLOAT}:
@@ -113,10 +113,10 @@ def restored(data: dict[str, Any]) -> Any:
 
 
 def typed(data: Any, wanted: Any, path: str) -> Any:
-    """Return what `plain` made, as `restored` has read it, as the type that is wanted.
+    """Return plain data, as `plain` made it and `restored` read it, as the wanted type.
 
     Raises:
-        EvidenceError: if it does not fit.
+        EvidenceError: if the data do not fit.
     """
     origin, parts = _shape(wanted)
     if origin is Evidence:
@@ -124,7 +124,7 @@ def typed(data: Any, wanted: Any, path: str) -> Any:
     if origin is typing.Literal:
         if data not in parts:
             raise _unfit(path, " or ".join(parts), data)
-    elif origin in (types.UnionType, typing.Union):  # of a type and None, or of plain ones
+    elif origin in (types.UnionType, typing.Union):  # of a type and None, or of plain types
         kinds = [part for part in parts if part is not type(None)]
         if len(kinds) == 1:
             return None if data is None else typed(data, kinds[0], path)
@@ -147,7 +147,7 @@ def typed(data: Any, wanted: Any, path: str) -> Any:
 
 @functools.cache
 def _shape(wanted: Any) -> tuple[Any, tuple[Any, ...]]:
-    """Return what a type is made from, Any or `Evidence` for any of its classes among it, and of what parts."""
+    """Return a type's origin (`Any` for Any, `Evidence` for any dataclass) and its arguments."""
     if wanted is Any:
         return Any, ()
     if dataclasses.is_dataclass(wanted):
@@ -174,7 +174,7 @@ def _read_fields(data: Any, wanted: Any, path: str) -> Any:
 
 @functools.cache
 def _fields(wanted: Any) -> Mapping[str, tuple[Any, bool]]:
-    """Return the type of each field, and whether it must be given."""
+    """Return by field of a dataclass its type, and whether it is required."""
     hints = typing.get_type_hints(wanted)
     return {
         field.name: (
@@ -191,7 +191,7 @@ def _check(data: Any, kind: type, path: str) -> None:
 
 
 def _is_a(data: Any, kind: type) -> bool:
-    return type(data) is kind or (kind is float and type(data) is int)  # JSON has no other ones
+    return type(data) is kind or (kind is float and type(data) is int)  # in JSON a float may look like an int
 
 
 def _unfit(path: str, wanted: str, data: Any) -> EvidenceError:

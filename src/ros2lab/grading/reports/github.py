@@ -1,4 +1,4 @@
-"""A grade as annotations of GitHub Actions, which stand at the lines of a commit.
+"""A grade as annotations of GitHub Actions, shown at the lines of a commit.
 
 Their form: https://docs.github.com/actions/reference/workflow-commands-for-github-actions
 """
@@ -16,7 +16,7 @@ _PLACE = re.compile(r"(?P<file>[^:]+\.\w+)(?::(?P<line>\d+))?")
 
 
 def github(grade: Grade) -> str:
-    """Return a grade as lines that GitHub reads in a log: a warning for each fault, and a notice with the points."""
+    """Return a grade as log lines that GitHub reads: a warning for each fault, a notice with the points."""
     lines = [_warning(fault) for fault in grade.faults[:MOST]]
     said = f"{visible(grade.submission)}: {number(grade.total)} of {number(grade.max)} points"
     lines.append(f"::notice title=ros2lab::{_escaped(said)}")
@@ -33,5 +33,5 @@ def _warning(fault: Fault) -> str:
 
 
 def _escaped(text: str, further: str = "") -> str:
-    """Return a text that ends neither its line nor its property."""
+    """Return a text escaped so that it ends neither its line nor its property."""
     return re.sub(f"[%\r\n{further}]", lambda match: f"%{ord(match[0]):02X}", text)

@@ -1,6 +1,6 @@
-"""A grade as one HTML file, with what happened: for a phone, a screen, paper, and a screen reader.
+"""A grade as one HTML file with the runs: for a phone, a screen, paper, and a screen reader.
 
-Everything that a template prints goes through `shown.visible` and is escaped; only what is made here as Markup is not.
+Everything that a template prints goes through `shown.visible` and is escaped; only Markup made here is not.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ros2lab.grading.reports.shown import number, title, visible
 from ros2lab.grading.reports.timeline import LANES, published_by, timeline
 
 LARGEST = 900_000  # bytes of a report
-SPARE = 200_000  # of them for what happened, at least
+SPARE = 200_000  # of them at least for the runs
 MOST = {
     "faults": 30,
     "notes": 30,
@@ -42,8 +42,8 @@ def html(grade: Grade, evidence: Evidence) -> str:
     """Return a grade as an HTML page that needs nothing else and runs nothing.
 
     Args:
-        grade: what it is worth.
-        evidence: on which it rests; what happened is shown as far as it fits into `LARGEST`.
+        grade: the grade.
+        evidence: the evidence for it; runs are shown as far as they fit into `LARGEST`.
     """
     template = _environment().get_template("report.html.j2")
     context: dict[str, Any] = {
@@ -59,7 +59,7 @@ def html(grade: Grade, evidence: Evidence) -> str:
 
 
 def _runs(evidence: Evidence, room: int) -> list[Markup]:
-    """Return the runs, in their order, that fit into so many bytes."""
+    """Return the first runs, as many as fit into this number of bytes."""
     template = _environment().get_template("run.html.j2")
     shown: list[Markup] = []
     for index, run in enumerate(evidence.runs):
@@ -73,7 +73,7 @@ def _runs(evidence: Evidence, room: int) -> list[Markup]:
 
 
 def _pictures(run: Run, key: str) -> tuple[list[tuple[str, Markup, int]], list[str]]:
-    """Return name, picture and number of topics left out for each node that was heard, and the other nodes."""
+    """Return name, picture and number of omitted topics for each node that was heard, and the other nodes."""
     nodes = list(
         dict.fromkeys([*run.nodes, *(node for nodes in run.publishes.values() for node in nodes), ""])
     )
@@ -112,19 +112,19 @@ def _environment() -> jinja2.Environment:
 
 
 def _printed(text: str) -> Markup:
-    """Return the last lines of what a program printed, as it printed them."""
+    """Return the last lines that a program printed, unchanged."""
     lines = text.splitlines()
     left_out = [f"({len(lines) - LINES} lines before)"] if len(lines) > LINES else []
     return escape("\n".join([*left_out, *(visible(line, LINE) for line in lines[-LINES:])]))
 
 
 def _prose(text: str) -> Markup:
-    """Return a sentence, what stands between backticks in it as code."""
+    """Return a sentence with the text between backticks as code."""
     return Markup(_CODE.sub(r"<code>\1</code>", str(escape(visible(text)))))  # noqa: S704 -- all else is escaped
 
 
 def _lines(text: str) -> Markup:
-    """Return a text in the lines that it has."""
+    """Return a text with its line breaks."""
     return escape(visible(text, keeps_lines=True))
 
 
@@ -150,5 +150,5 @@ def _keys(keys: list[str], shown: int) -> Markup:
 
 
 def _first(values: list[Any] | Mapping[str, Any], kind: str) -> list[Any]:
-    """Return as many values, or names with values, as are shown of a kind."""
+    """Return the first values, or pairs of name and value, as many as are shown of a kind."""
     return list(values.items() if isinstance(values, Mapping) else values)[: MOST[kind]]

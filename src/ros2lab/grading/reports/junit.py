@@ -12,7 +12,7 @@ from ros2lab.grading.reports.shown import number, visible
 def junit(grade: Grade) -> str:
     """Return a grade as JUnit XML.
 
-    A criterion that is not worth all of its points has failed; one of the bonus was skipped.
+    A criterion that lost points has failed; a bonus criterion was skipped.
     """
     seconds = number(grade.seconds.get("total", 0.0))
     root = ET.Element("testsuites", name=visible(grade.submission), id=grade.run, time=seconds)

@@ -1,4 +1,4 @@
-"""Where points were lost, by component: what a student reads first."""
+"""The points lost, by component: what a student reads first."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ros2lab.grading.grade import Fault, Grade, Judgement
 
-BONUS = "bonus"  # the component that costs nothing where it is missed; as in the rubric
+BONUS = "bonus"  # the component that costs nothing if it is missed; as in the rubric
 
 
 @dataclass(frozen=True)
@@ -15,9 +15,9 @@ class Loss:
 
     Attributes:
         component: its name.
-        points: how many.
-        criteria: those that are not worth all of their points.
-        faults: what is wrong there, beyond what the criteria say.
+        points: how many points it lost.
+        criteria: its criteria that lost points.
+        faults: its faults that the criteria do not mention.
     """
 
     component: str
@@ -27,7 +27,7 @@ class Loss:
 
 
 def losses(grade: Grade) -> list[Loss]:
-    """Return what each component lost, in the order of the rubric; the bonus, which costs nothing, is not there."""
+    """Return the loss of each component, in the order of the rubric, without the bonus, which costs nothing."""
     found = []
     for component, given in grade.components.items():
         criteria = [
@@ -45,14 +45,14 @@ def losses(grade: Grade) -> list[Loss]:
 
 
 def other_faults(grade: Grade) -> list[Fault]:
-    """Return the faults that stand with no loss, and say more than what is said of the bonus."""
+    """Return the faults of components without a loss that the criteria of the bonus do not mention."""
     lost = {loss.component for loss in losses(grade)}
     told = {criterion.reason for criterion in missed_bonus(grade)}
     return [fault for fault in grade.faults if fault.component not in lost and fault.cause not in told]
 
 
 def missed_bonus(grade: Grade) -> list[Judgement]:
-    """Return the criteria of the bonus that could be worth more."""
+    """Return the bonus criteria that could give more points."""
     return [
         criterion
         for criterion in grade.criteria

@@ -1,7 +1,7 @@
 """A grade as Markdown, for a comment or an issue.
 
-Only words are plain text; whatever else a submission has written stands in code spans, where Markdown, HTML and
-addresses are nothing but characters.
+Only words are plain text; everything else from a submission is put into code spans, where Markdown, HTML and
+addresses have no effect.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ros2lab.grading.reports.shown import number, title, visible
 
 MOST = 50  # faults and notes, each
 
-# Words and numbers; and code spans that a sentence of ours has, or a call.
+# Words and numbers; then also code spans in our own sentences, and calls.
 _WORD = re.compile(r"""["'(]*(?:\d+\.\d+|[^\W_]+(?:['\u2019-][^\W_]+)*)[)"',.;:!?]*""")
 _PIECE = re.compile(
     r"""(?<!\S)(["'(]*)(?:`([^`]+)`|(\[[^][`]*\]|[\w.]+\([^()`]*\)|\S*?))([)"',.;:!?]*)(?!\S)"""
@@ -43,7 +43,7 @@ def markdown(grade: Grade) -> str:
 
 
 def prose(text: str) -> str:
-    """Return a text, in one line, that stays what it is inside a block of Markdown, after other words of it."""
+    """Return a text in one line that has no effect inside a block of Markdown, if other words come before."""
     parts = []
     for piece in _PIECE.finditer(" ".join(visible(text, keeps_lines=True).split())):
         before, quoted, word, after = piece.groups()
@@ -54,7 +54,7 @@ def prose(text: str) -> str:
 
 
 def _closed(word: str, after: str) -> tuple[str, str]:
-    """Return a word with as much of what stands behind it as closes its brackets, and the rest."""
+    """Return a word with as much of the text after it as closes its brackets, and the rest of that text."""
     for length in range(len(after) + 1):
         if word.count("(") == (word + after[:length]).count(")"):
             return word + after[:length], after[length:]
@@ -108,7 +108,7 @@ def _lost(grade: Grade) -> list[str]:
 
 def _fault(fault: Fault) -> str:
     lines = [f"- Cause: {prose(fault.cause)}"]
-    # A place is one thing, also where a file's name has blanks.
+    # A place is one code span, even if a file's name has spaces.
     place = _code(" ".join(visible(fault.place).split())) if " " in fault.place else prose(fault.place)
     fixes = (("Place", place), ("Fix", prose(fault.fix)))
     lines += [f"  - {name}: {text}" for name, text in fixes if text]

@@ -1,4 +1,4 @@
-"""How texts and numbers are shown: what a submission has written is visible, shortened, and does nothing."""
+"""How texts and numbers are shown: a submission's texts are visible, shortened, and have no effect."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ LONGEST = 400  # characters of a text
 MOST_MARKS = 4  # marks on one letter; more of them cover other lines
 
 _HIDDEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
-_JOINERS = (0x200C, 0x200D)  # which some scripts need
+_JOINERS = (0x200C, 0x200D)  # some scripts need them
 _FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 
 
 class _Signs(dict[int, str]):
-    """What stands for each character; found when it is first met."""
+    """The sign for each character, computed when it is first needed."""
 
     def __missing__(self, code: int) -> str:
         if code < 0x20:
@@ -29,8 +29,8 @@ class _Signs(dict[int, str]):
 
 
 def is_hidden(code: int) -> bool:
-    """Return whether a character is not seen, or changes how others are: controls, bidi controls, lone surrogates."""
-    is_none = code & 0xFFFE == 0xFFFE  # a character that never will be one
+    """Return whether a character is invisible or changes how others look, such as controls and surrogates."""
+    is_none = code & 0xFFFE == 0xFFFE  # a Unicode noncharacter
     return is_none or (code not in _JOINERS and unicodedata.category(chr(code)) in _HIDDEN)
 
 
@@ -43,7 +43,7 @@ def visible(text: object, longest: int = LONGEST, *, keeps_lines: bool = False) 
     Args:
         text: of any origin.
         longest: in characters; what is cut off is counted at the end.
-        keeps_lines: whether line ends stay, and tabs become blanks; else they are shown as ␊ and ␉.
+        keeps_lines: whether line ends stay and tabs become spaces; else they are shown as ␊ and ␉.
     """
     whole = str(text)
     cut = whole[:longest]
@@ -57,7 +57,7 @@ def visible(text: object, longest: int = LONGEST, *, keeps_lines: bool = False) 
 
 
 def disarmed(text: str) -> str:
-    """Return a text that no spreadsheet takes for a formula."""
+    """Return a text changed so that no spreadsheet takes it for a formula."""
     return f"'{text}" if text.lstrip().startswith(_FORMULA) else text
 
 
@@ -67,7 +67,7 @@ def number(value: float) -> str:
 
 
 def title(component: str) -> str:
-    """Return the name of a component as it stands in a heading."""
+    """Return a component's name for use in a heading."""
     return component.replace("_", " ").capitalize()
 
 

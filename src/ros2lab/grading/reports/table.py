@@ -15,7 +15,7 @@ MOST = 50  # faults and notes, each
 
 
 def table(grade: Grade) -> RenderableType:
-    """Return what a terminal shows of a grade: components, what was lost, notes."""
+    """Return a grade as rich renders it in a terminal: components, losses, overrides, notes."""
     parts: list[RenderableType] = [_components(grade)]
     lost = _lost(grade)
     if lost.row_count:
@@ -90,5 +90,5 @@ def _add_faults(result: Table, faults: list[Fault]) -> None:
 
 
 def _text(text: str) -> Text:
-    """Return a text whose brackets are no markup."""
+    """Return a text whose brackets are not taken for markup."""
     return Text(text, overflow="fold")

@@ -1,7 +1,7 @@
-"""What a node published during a run, as a picture: SVG that stands in an HTML page and takes its colours.
+"""What a node published during a run, as a picture: SVG for an HTML page, which gives it its colours.
 
-A page gives the classes their colours: `axis`, `mark`, `tick`, `linear`, `angular`. Without any they are black, and
-told apart by their form.
+The page sets the colours of the classes `axis`, `mark`, `tick`, `linear` and `angular`. Without these
+everything is black, and told apart by its form.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from ros2lab.grading.evidence import Heard, Run
 from ros2lab.grading.reports.shown import number, visible
 
 WIDTH, MARGIN = 480, 8  # of the picture
-LEAST = 18  # of a part of the run, however short it is
+LEAST = 18  # width of a part of the run, however short
 LABEL, TICK, PLOT, AXIS, GAP = 14, 12, 84, 16, 8  # heights
-LETTER = 5.8  # width
+LETTER = 5.8  # width of a letter
 NAME = 40  # characters of a topic
 LATEST = 1e6  # s
-FLAT = 1e-9  # of a velocity: a change that no picture shows
+FLAT = 1e-9  # a change of velocity that no picture shows
 LANES, PLOTS = 8, 2  # of a picture
 
 
@@ -33,12 +33,12 @@ class _Part:
     """A part of a run, from a command to the next one.
 
     Attributes:
-        name: the command; empty for what came before any.
-        start: when it began, in s: when something was heard in it first. Parts in which nothing was heard share the
-            time between their neighbours.
+        name: the command; empty for the part before any command.
+        start: the time of its first message, in s. Parts without messages share the time between their
+            neighbours.
         x: where it begins in the picture.
-        heard: by topic.
-        lines: of the log.
+        heard: what was published, by topic.
+        lines: the number of log lines.
     """
 
     name: str
@@ -49,7 +49,7 @@ class _Part:
 
 
 def published_by(run: Run, node: str) -> list[str]:
-    """Return the topics on which a node was heard, sorted; for an empty node those that are nobody's."""
+    """Return the topics on which a node was heard, sorted; for an empty name, those without a known node."""
     topics = {
         topic for heard in (run.quiet, *(command.topics for command in run.commands)) for topic in heard
     }
@@ -64,9 +64,9 @@ def timeline(run: Run, node: str, key: str) -> Markup:
     """Draw what a node published, the commands as marks, and velocities as a plot.
 
     Args:
-        run: in which it was watched.
-        node: its full name; empty for what was published by nobody that is known.
-        key: begins the ids in the picture, which must differ in a page.
+        run: the run in which it was watched.
+        node: its full name; empty for topics without a known node.
+        key: the prefix of the picture's ids, which must be unique in a page.
 
     Returns:
         An SVG element, `WIDTH` wide in its own units, with a title and a description.
@@ -104,7 +104,7 @@ def timeline(run: Run, node: str, key: str) -> Markup:
 
 
 class _Scale:
-    """From time to place: each part has its width, as its duration asks, and at least `LEAST`."""
+    """Maps times to places: each part is as wide as its duration needs, and at least `LEAST`."""
 
     def __init__(self, starts: list[float], end: float) -> None:
         self._times = [*starts, end]
@@ -120,14 +120,14 @@ class _Scale:
         return self.places[part + 1] - self.places[part]
 
     def x(self, part: int, time: float) -> float:
-        """Return where a time of a part is."""
+        """Return the place of a time in a part."""
         start, end = self._times[part], self._times[part + 1]
         share = (time - start) / (end - start) if end > start else 0.0
         return self.places[part] + self.width(part) * min(1.0, max(0.0, share))
 
 
 def _parts(run: Run) -> tuple[list[_Part], _Scale]:
-    """Return the parts of a run; when a command came is known from what was heard around it."""
+    """Return the parts of a run and the scale; a command's time follows from the messages around it."""
     rows: list[tuple[str, Mapping[str, Heard], int]] = [
         ("", run.quiet, 0),
         *((command.text, command.topics, len(command.log)) for command in run.commands),
@@ -156,7 +156,7 @@ def _times(heard: Heard) -> list[float]:
 
 
 def _marks(parts: list[_Part], scale: _Scale, bottom: float) -> Markup:
-    """Draw the commands, with their numbers in the order of the list beside, and the time."""
+    """Draw the commands, numbered as in the list of commands, and the time axis."""
     drawn = []
     for index, part in enumerate(parts):
         if index:
@@ -223,7 +223,7 @@ def _log(parts: list[_Part], scale: _Scale, y: float) -> Markup:
 
 
 def _plot(parts: list[_Part], topic: str, scale: _Scale, y: float) -> Markup:
-    """Draw linear x and angular z over time; a line for each part, as there may be messages between them."""
+    """Draw linear x and angular z over time, with a line for each part, as messages may be left out between."""
     lines = {
         name: [
             [(scale.x(index, time), value) for time, value in _velocities(part.heard.get(topic), name)]
@@ -234,7 +234,7 @@ def _plot(parts: list[_Part], topic: str, scale: _Scale, y: float) -> Markup:
     values = [value for runs in lines.values() for points in runs for _, value in points]
     top, low = max(0.0, *values), min(0.0, *values)
     middle = y + LABEL
-    if top - low < FLAT:  # such as what an int leaves in a field for floats
+    if top - low < FLAT:  # such as the tiny number that an int leaves in a float field
         top, low = 1.0, -1.0
 
     def place(value: float) -> float:
@@ -267,7 +267,7 @@ def _plot(parts: list[_Part], topic: str, scale: _Scale, y: float) -> Markup:
 
 
 def _path(points: list[tuple[float, float]], place: Any) -> str:
-    """Return a line through points: of those that share a column the lowest and the highest."""
+    """Return an SVG path through points; of those in one column only the lowest and the highest."""
     columns: dict[int, list[float]] = {}
     for x, value in points:
         columns.setdefault(round(x), []).append(value)
@@ -283,7 +283,7 @@ def _has_velocity(heard: Heard | None) -> bool:
 
 
 def _velocities(heard: Heard | None, name: str) -> Iterator[tuple[float, float]]:
-    """Give time and value of linear x or angular z, wherever a message has a finite number there."""
+    """Yield time and value of linear x or angular z for each message with a finite number there."""
     if heard is None or not heard.type_name.startswith("geometry_msgs/msg/Twist"):
         return
     for time, message in zip(heard.times, heard.values, strict=False):
@@ -302,7 +302,7 @@ def _amount(parts: Iterable[_Part], topic: str) -> str:
 
 
 def _described(run: Run, parts: list[_Part], topics: list[str], plotted: list[str]) -> str:
-    """Return the picture in words."""
+    """Return a description of the picture in words."""
     sentences = []
     for topic in topics:
         gaps = [
