@@ -31,7 +31,7 @@ def installed_type(topic: RecordedTopic) -> type:
 
 
 def decoder(topic: RecordedTopic) -> Callable[[bytes], Any]:
-    """Return a function that decodes a message: as the type installed here, else as the recording defines it."""
+    """Return a function that decodes a message: by the installed type, else by the recording's definition."""
     try:
         message_type = installed_type(topic)
     except ValueError as error:

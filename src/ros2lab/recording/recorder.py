@@ -103,7 +103,7 @@ class Recorder:
 
     @property
     def missed(self) -> int:
-        """The number of messages that never came, by the sequence numbers of topics with a single publisher."""
+        """The number of messages that never came, by the sequence numbers of a topic's only publisher."""
         return sum(track.missed for track in list(self._tracks.values()))
 
     @property

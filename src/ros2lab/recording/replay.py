@@ -29,8 +29,6 @@ REPLAY_THREAD = "ros2lab-replay"
 STOP_TIMEOUT = 10.0  # s
 SLOWEST, FASTEST = 0.1, 100.0
 
-# Every node publishes on them, so what was recorded there would mix with what the nodes say now.
-
 
 class Replay:
     """Publishes the messages of a recording again, on their topics, with their timing.

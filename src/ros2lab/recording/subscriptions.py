@@ -35,7 +35,7 @@ class Subscriptions:
         self._group = _NotSpun()
 
     def look(self) -> None:
-        """Subscribe to new topics, and again to those where a publisher offers less QoS than was requested."""
+        """Subscribe to new topics, and anew where a publisher offers less QoS than was requested."""
         for topic, _ in self._node.get_topic_names_and_types():
             if topic in self.left_out or not self._is_wanted(topic):
                 continue

@@ -58,7 +58,7 @@ class Track:
         self._last = sequence
 
     def met(self, publishers: set[bytes]) -> None:
-        """Note the current publishers. Only the numbers of a single, unchanged publisher show what is missing."""
+        """Note the current publishers. Only the numbers of one unchanged publisher show what is missing."""
         if publishers == self.publishers and len(publishers) == 1:
             self.missed += self._gaps
         else:

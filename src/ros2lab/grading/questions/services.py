@@ -1,4 +1,4 @@
-"""Questions about a node with a service: its name and type, whether its answers are right, whether it lives."""
+"""Questions about a node with a service: its name, its type, its answers, and whether it lives."""
 
 from __future__ import annotations
 

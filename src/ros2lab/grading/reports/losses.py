@@ -27,7 +27,7 @@ class Loss:
 
 
 def losses(grade: Grade) -> list[Loss]:
-    """Return the loss of each component, in the order of the rubric, without the bonus, which costs nothing."""
+    """Return the loss of each component, in the rubric's order, without the bonus, which costs nothing."""
     found = []
     for component, given in grade.components.items():
         criteria = [

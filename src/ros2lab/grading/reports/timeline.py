@@ -223,7 +223,7 @@ def _log(parts: list[_Part], scale: _Scale, y: float) -> Markup:
 
 
 def _plot(parts: list[_Part], topic: str, scale: _Scale, y: float) -> Markup:
-    """Draw linear x and angular z over time, with a line for each part, as messages may be left out between."""
+    """Draw linear x and angular z over time, with a line for each part, as messages may lie between them."""
     lines = {
         name: [
             [(scale.x(index, time), value) for time, value in _velocities(part.heard.get(topic), name)]
