@@ -1,4 +1,4 @@
-"""What a hand-in names that it does not hold, and that is not installed here either."""
+"""What a submission names that is neither in it nor installed here."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.launch_files import launch_files, shares_named
 
-MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
+MARKERS = "share/ament_index/resource_index/packages"  # holds a file named for each installed package
 MOST_PLACES = 20
-_HOMES = (("home",), ("root",), ("mnt",), ("media",))  # where folders lie that a person has made
+_HOMES = (("home",), ("root",), ("mnt",), ("media",))  # below which people make folders
 _PATH = re.compile(r"/[\w .+-]+(?:/[\w .+-]+)+/?")
 _PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
@@ -26,9 +26,10 @@ _PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 def absent_packages(
     packages: Iterable[Package], own: Collection[str], prefixes: Sequence[str]
 ) -> dict[str, list[str]]:
-    """Return what launch files start or name of packages that were not handed in and are not installed here.
+    """Return the packages that launch files name and that are neither in the submission nor installed here.
 
-    A name that looks like one of those that were handed in is a misspelt one, and no other package.
+    Each has the executables that launch files start from it. A name that is close to that of a package in the
+    submission is a misspelling and left out.
     """
     found: dict[str, list[str]] = {}
 
@@ -57,15 +58,15 @@ def is_installed(package: str, prefixes: Sequence[str]) -> bool:
 def absent_modules(
     root: Path, sources: Iterable[PythonSource], own: Collection[str], unbuilt: Collection[str]
 ) -> set[str]:
-    """Return the modules that sources import and that were not handed in and are not installed here.
+    """Return the modules that sources import and that are neither in the submission nor installed here.
 
-    A name that looks like that of one which is there is a misspelt one; one of ROS 1 is in no ROS 2. Those of packages
-    that cannot be built here, such as messages of one's own, are among them.
+    Modules of packages that cannot be built here, such as a student's own messages, are included. Misspelt
+    names and modules of ROS 1 are left out.
 
     Args:
-        root: the folder into which everything was received.
-        sources: that are graded.
-        own: the names of all packages that were handed in.
+        root: the folder that holds all that was received.
+        sources: the sources that are graded.
+        own: the names of all packages in the submission.
         unbuilt: those of them that cannot be built here.
     """
     tops = {
@@ -85,7 +86,7 @@ def absent_modules(
 
 
 def named_places(sources: Iterable[PythonSource]) -> list[str]:
-    """Return the folders that code names from the root on: where a file of it lies, or one below a home."""
+    """Return the folders that code names by an absolute path: those of its files, and those below a home."""
     found = set[str]()
     for source in sources:
         constants = (node.value for node in source.nodes if isinstance(node, ast.Constant))

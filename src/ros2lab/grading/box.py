@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ros2lab.grading.keeper import LIMITS
 
-# What moves the cursor, colours, renames the window (ECMA-48), and what turns the direction of writing.
+# Codes that move the cursor, colour text or rename the window (ECMA-48), or change the direction of writing.
 _TERMINAL = re.compile(
     "(?:\x1b\\[|\x9b)[0-?]*[ -/]*[@-~]?"
     "|(?:\x1b[\\]PX^_]|[\x90\x98\x9d-\x9f])[^\x07\x1b\x9c\n]*(?:\x07|\x1b\\\\|\x9c)?"
@@ -22,8 +22,8 @@ _TERMINAL = re.compile(
     "|[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"
 )
 
-SIGNALS = 256  # that wait in a box
-# What a program must be allowed for its loss to be its own: the letter of `ulimit`, and the least.
+SIGNALS = 256  # that may be pending in a box
+# The least that this process must be allowed so that programs are graded fairly, by the letter of `ulimit`.
 ALLOWED = {
     "f": (resource.RLIMIT_FSIZE, 100_000_000),
     "t": (resource.RLIMIT_CPU, 3600),
@@ -31,7 +31,7 @@ ALLOWED = {
 }
 
 
-class SandboxMissing(Exception):  # noqa: N818 -- no fault of the program's
+class SandboxMissing(Exception):  # noqa: N818 -- not the program's fault
     """This machine cannot run a submission safely; the message says what to install or to allow."""
 
 
@@ -42,15 +42,16 @@ class Limits:
     Attributes:
         wall_s: from the start to the end, in s.
         cpu_s: CPU time, in s.
-        memory_bytes: resident memory, page tables, maps, and what can wait in open sockets; memory that two processes share
-            counts twice. Also each process's own data.
-        together_bytes: resident memory, page tables and open files of all boxes of the World; the one that holds most is ended.
-        processes: processes and threads at one time.
+        memory_bytes: resident memory, page tables, maps, and what open sockets can buffer; memory that two
+            processes share counts twice. Also each process's own data.
+        together_bytes: resident memory, page tables and open files of all boxes of the World; the largest box
+            is ended.
+        processes: processes and threads at the same time.
         open_files: of each process.
         file_bytes: the largest file.
         disk_bytes: each of /tmp and /dev/shm; of the World's limits: /submission. An empty file counts 4096.
         output_bytes: standard output and standard error together.
-        spare_bytes: memory that the machine must have left; where it has not, that is no fault of the program's.
+        spare_bytes: memory that the machine must have left; if it has less, that is not the program's fault.
     """
 
     wall_s: float = 60.0
@@ -65,27 +66,27 @@ class Limits:
     spare_bytes: int = 200_000_000
 
     def words(self) -> list[str]:
-        """Return the words before a command that set its limits, in the box: there, its processes count alone."""
+        """Return the words before a command that set its limits in a box, where only its processes count."""
         wanted = {
             "nproc": (resource.RLIMIT_NPROC, self.processes),
             "data": (resource.RLIMIT_DATA, self.memory_bytes),
             "nofile": (resource.RLIMIT_NOFILE, self.open_files),
             "fsize": (resource.RLIMIT_FSIZE, self.file_bytes),
             "core": (resource.RLIMIT_CORE, 0),
-            # These are counted otherwise.
+            # The keeper counts these two.
             "as": (resource.RLIMIT_AS, resource.RLIM_INFINITY),
             "cpu": (resource.RLIMIT_CPU, resource.RLIM_INFINITY),
             "rtprio": (resource.RLIMIT_RTPRIO, 0),
             "sigpending": (
                 resource.RLIMIT_SIGPENDING,
                 SIGNALS,
-            ),  # else they are all that the user who grades may have
+            ),  # the default is all that the grading user may have
         }
         words = ["/usr/bin/prlimit"]
         for name, (number, most) in wanted.items():
             _, allowed = resource.getrlimit(number)
             least = min(
-                (one for one in (most, allowed) if one != resource.RLIM_INFINITY), default="unlimited"
+                (limit for limit in (most, allowed) if limit != resource.RLIM_INFINITY), default="unlimited"
             )
             words.append(f"--{name}={least}")
         return words
@@ -108,8 +109,8 @@ class Box:
     def __init__(self, ask: Callable[[str], None], output_bytes: int) -> None:
         self._ask = ask
         self._output_bytes = output_bytes
-        self._reading = -1  # the pipe on which it writes
-        self._bell = -1  # at whose end all of its neighbours are shown
+        self._reading = -1  # the pipe that carries its output
+        self._bell = -1  # closing it shows the box all of its neighbours
         self._start = time.monotonic()
         self._changed = threading.Condition()
         self._written = bytearray()
@@ -120,7 +121,7 @@ class Box:
 
     @property
     def output(self) -> str:
-        """What it has written to both streams so far, in order, as plain text without terminal codes."""
+        """Its output on both streams so far, in order, as plain text without terminal codes."""
         with self._changed:
             text = self._written.decode(errors="replace")
         return _TERMINAL.sub("", text.replace("\r\n", "\n").replace("\r", "\n"))
@@ -133,13 +134,13 @@ class Box:
 
     @property
     def cut(self) -> str | None:
-        """One sentence that says which limit ended it; None if none did."""
+        """A sentence that says which limit ended it; None if none did."""
         end = self._final()
         return self._excess or (end.cut if end else None)
 
     @property
     def seconds(self) -> float:
-        """How long it ran, or has run until now, in s."""
+        """How long it ran, or has run so far, in s."""
         end = self._final()
         return end.seconds if end else time.monotonic() - self._start
 
@@ -159,13 +160,13 @@ class Box:
         return end.code
 
     def wait_for(self, text: str, timeout: float) -> bool:
-        """Wait until `text` is in the output; False if it ends, or `timeout` seconds pass, without."""
+        """Wait for `text` in the output; return False if it ends, or `timeout` seconds pass, without it."""
         with self._changed:
             self._changed.wait_for(lambda: text in self.output or self._final(), timeout)
         return text in self.output
 
     def interrupt(self) -> None:
-        """Send SIGINT to the program and what runs with it, as Ctrl-C at a terminal does."""
+        """Send SIGINT to the program and its children, as Ctrl-C at a terminal does."""
         self._ask("interrupt")
 
     def kill(self) -> None:
@@ -173,28 +174,28 @@ class Box:
         self._ask("kill")
 
     def hold(self, timeout: float) -> bool:
-        """Let nothing in the box go on until `release`; return whether all of it stands, or has ended."""
+        """Pause everything in the box until `release`; return whether all of it has paused, or ended."""
         with self._changed:
             self._stands = False
             self._ask("hold")
             return self._changed.wait_for(lambda: self._stands or bool(self._end), timeout)
 
     def show_neighbours(self) -> None:
-        """Let its list of processes show those of its neighbours, too, that were started after it."""
+        """Show the box the processes of its neighbours that were started after it, too."""
         with self._changed:
             bell, self._bell = self._bell, -1
         if bell >= 0:
             os.close(bell)
 
     def release(self) -> None:
-        """Let everything in the box go on."""
+        """Resume everything in the box."""
         self._ask("release")
 
     def __repr__(self) -> str:
         return f"Box({'running' if self.code is None else f'ended with {self.code}'})"
 
     def _final(self) -> End | None:
-        """How it ended, once all that it wrote is here too; SandboxMissing if the machine ended it."""
+        """Return how it ended; None until all its output is here; SandboxMissing if the machine ended it."""
         if self._end and self._end.fault:
             raise SandboxMissing(
                 f"{self._end.fault}: end other programs, or grade fewer submissions at once."
@@ -202,7 +203,7 @@ class Box:
         return None if self._is_writing else self._end
 
     def _add(self, part: bytes) -> bool:
-        """Take in what it wrote, nothing at the end; False when no more is wanted."""
+        """Add a part of its output, empty at the end; return whether more is wanted."""
         room = self._output_bytes - len(self._written)
         with self._changed:
             self._written += part[:room]
@@ -227,10 +228,10 @@ class Box:
 
 
 def refuse_narrow_limits() -> None:
-    """Refuse to run programs where this process may not give them what they need.
+    """Refuse to run programs if this process may not give them what they need.
 
     Raises:
-        SandboxMissing: with the limit.
+        SandboxMissing: if a limit is too low; the message names it.
     """
     for letter, (number, least) in ALLOWED.items():
         _, allowed = resource.getrlimit(number)
@@ -241,10 +242,10 @@ def refuse_narrow_limits() -> None:
 
 
 def allow_open_files() -> None:
-    """Let this process, and the keeper that it starts, have as many open files as it may.
+    """Raise the limit of open files, for this process and the keeper that it starts, as far as is allowed.
 
-    Linux counts those that are on their way from one process to another together, for all of a user, and passes no further
-    one on for whom there are more than it may have open. What runs in a box may have fewer.
+    Linux counts the file descriptors that all processes of a user are passing to each other, and refuses to
+    pass another one if there are more than the sender may have open. What runs in a box may have fewer.
     """
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))

@@ -1,4 +1,4 @@
-"""Words of bubblewrap: what a box is shown, and where."""
+"""Arguments of bubblewrap: what a box is shown, and where."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pathlib import Path
 from ros2lab.grading.box import SandboxMissing
 from ros2lab.grading.clean_copy import is_too_long
 
-OWN = "/tmp/own"  # noqa: S108 -- where further folders of a box lie
+OWN = "/tmp/own"  # noqa: S108 -- where a box's own writable folders lie
 
-# The grader itself, hidden from each box that is not shown it; and with it what holds the course's solution, which is
-# the grader's own folder where it is installed, and the whole checkout where it is not.
+# Hidden from each box that does not ask for it: the grader itself, and the folder with the course's solution,
+# which is the grader's own if it is installed, and otherwise the whole checkout.
 PACKAGE = Path(__file__).parents[1]
 HIDDEN = sorted({PACKAGE, (PACKAGE / "course/robot_project_ws").resolve().parent})
 
@@ -28,7 +28,7 @@ _UNUSED = (
 
 _SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
 _TAKEN = frozenset((*_SYSTEM, "etc", "proc", "dev", "sys", "tmp", "run", "opt", "submission"))  # below /
-# What an installation of Python writes below its folder; whatever else lies there is somebody's own.
+# What an installation of Python puts into its folder; anything else there belongs to a user.
 _PYTHONS = ("bin", "etc", "include", "lib", "lib64", "pyvenv.cfg", "share")
 _SETTINGS = ("alternatives", "ld.so.cache", "ld.so.conf", "ld.so.conf.d")
 
@@ -37,7 +37,7 @@ def program() -> str:
     """Return the path of bubblewrap.
 
     Raises:
-        SandboxMissing: if it is not there, or this is no machine for it.
+        SandboxMissing: if it is not installed, or this is not an x86-64 machine.
     """
     if platform.machine() != "x86_64":
         raise SandboxMissing(f"The sandbox needs an x86-64 machine and this is {platform.machine()}.")
@@ -48,7 +48,7 @@ def program() -> str:
 
 
 def system() -> list[str]:
-    """Return bubblewrap's words that show the system's programs, read-only."""
+    """Return the arguments that show the system's programs, read-only."""
     words = ["--dir", "/etc"]
     for folder in (Path("/", name) for name in _SYSTEM):
         if folder.is_symlink():
@@ -61,14 +61,14 @@ def system() -> list[str]:
 
 
 def shown(paths: Iterable[Path]) -> list[Path]:
-    """Return what boxes see besides the system: this Python, an installed ROS 2, and `paths`; parents first."""
+    """Return what boxes see besides the system: this Python, an installed ROS 2 and `paths`, sorted."""
     base = Path(sys.base_prefix)
     python = [Path(sys.prefix), base, base.resolve()]
     link = Path(sys.executable)
     while link.is_symlink():
         link = link.parent / link.readlink()
         if link.parent.parent.resolve() == base.resolve():
-            python.append(link.parent.parent)  # another name of the same Python
+            python.append(link.parent.parent)  # another path to the same Python
     parts = {folder / name for folder in python for name in _PYTHONS}
     ros = Path("/opt/ros")
     paths = [path.absolute() for path in paths]
@@ -79,10 +79,10 @@ def shown(paths: Iterable[Path]) -> list[Path]:
 
 
 def emptied() -> list[str]:
-    """Return bubblewrap's words that show modules empty which take long to import, and which no program that runs needs.
+    """Return the arguments that show as empty some modules that are slow to import and that no node needs.
 
-    The messages of ROS import what generates messages, which is a seventh of a node's start, where it can be imported.
-    numpy, which they import too, gives each of its functions its documentation.
+    ROS messages import the message generator, if it is there, which takes a seventh of a node's start. numpy,
+    which they import too, adds documentation to each of its functions.
     """
     words = []
     for package, name in _UNUSED:
@@ -94,7 +94,7 @@ def emptied() -> list[str]:
 
 
 def bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]:
-    """Return bubblewrap's words that show `paths`, read-only, where they are; those of the system only if it `is_hidden` there."""
+    """Return the arguments that show `paths` read-only in their place; those in /usr only if `is_hidden`."""
     words = []
     for path in map(Path, paths):
         if is_hidden or not path.is_relative_to("/usr"):
@@ -103,14 +103,15 @@ def bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]:
 
 
 def _parents(path: Path) -> list[str]:
-    """Return bubblewrap's words that make the folders around `path`; otherwise those of a file are its owner's only."""
+    """Return the arguments that make the parents of `path`, which else only the owner of a file can read."""
     return [word for parent in reversed(path.parents[:-1]) for word in ("--dir", str(parent))]
 
 
 def writable(folders: Iterable[str], shown: Iterable[Path]) -> tuple[list[str], list[str]]:
-    """Return where in a box's /tmp `folders` are made, and bubblewrap's words for links to them where they are expected.
+    """Return where in a box's /tmp `folders` are made, and the arguments that link their own paths to them.
 
-    What the system has, and what lies around or in `shown`, stays what it is; what no folder can be called is left out.
+    Folders of the system, and those around or inside `shown`, stay as they are. Impossible paths are
+    left out.
     """
     made, words, links = list[str](), list[str](), set[Path]()
     for folder in map(Path, folders):
@@ -131,7 +132,7 @@ def writable(folders: Iterable[str], shown: Iterable[Path]) -> tuple[list[str], 
 
 
 def hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:
-    """Return bubblewrap's words that show `paths`, and nothing of what is `HIDDEN` but `inside` and those that lie in it."""
+    """Return the arguments that show `paths` and `inside`, but nothing else of what is `HIDDEN`."""
     inside = {*inside}
     hidden = [folder for folder in HIDDEN if folder not in inside]
     words = list[str]()

@@ -1,7 +1,7 @@
-"""Build a submission with colcon in the sandbox, and find out how each of its programs can be started.
+"""Build a submission with colcon in the sandbox, and find out how to start each of its programs.
 
-A fresh workspace lies beside what was handed in, so that nothing around a package takes part in its build.
-What a build leaves may be anything: it is listed and read in a box, and taken as a claim that the next box tries.
+The build runs in a fresh workspace beside the submission, so that nothing around a package takes part in it.
+What a build leaves may be anything: it is listed and read in a box, and the next box puts it to the test.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _OF_COLCON = re.compile(r"package\.(ba|z|)sh$|package\.(dsv|ps1|xml)$|hook/")
 
 
 def underlay() -> dict[str, str]:
-    """Return the variables with which a box has ROS and colcon, and nothing of a submission.
+    """Return the environment that gives a box ROS and colcon, and nothing of a submission.
 
     The file `environment.DDS_PROFILE` must be shown to the World.
 
@@ -41,16 +41,16 @@ def underlay() -> dict[str, str]:
 
 
 def build(world: World, submission: Submission, plan: Plan | None) -> Build:
-    """Build the assignment's package, with those of the other ones that it needs, or that launch it.
+    """Build the assignment's package, and the other packages that it needs or that launch it.
 
     Args:
-        world: a copy of what was received, in which nothing of it has run; its limits hold for colcon. It shows
-            `environment.DDS_PROFILE`.
-        submission: what was found in it.
-        plan: how it is built; it is laid out. None if there is no package, or none that could be read.
+        world: holds a copy of the submission, of which nothing has run yet; its limits hold for colcon. It
+            shows `environment.DDS_PROFILE`.
+        submission: what was found in that copy.
+        plan: the plan of the build, laid out; None if there is no package, or none that could be read.
 
     Returns:
-        What came of it; without a package there are only scripts.
+        The result; without a package it has only scripts.
 
     Raises:
         RuntimeError: as for `underlay`.
@@ -65,8 +65,8 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
     outcome = run_colcon(world, plan, environ)
     overlay = overlay_of(plan, outcome.files, environ)
     programs = programs_of(world, plan, outcome, overlay)
-    if not any(one.command for one in programs):
-        programs += [replace(one, fault="It does not lie in the package.") for one in loose]
+    if not any(program.command for program in programs):
+        programs += [replace(script, fault="It does not lie in the package.") for script in loose]
     shares = [f"{name}/share/{name}/" for name in plan.names]
     shared = [
         path.removeprefix(share) for share in shares for path in outcome.files if path.startswith(share)
@@ -90,9 +90,9 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
 def _unbuilt(
     submission: Submission, plan: Plan | None, loose: Iterable[Executable], environ: dict[str, str]
 ) -> Build:
-    """Return what there is where nothing can be built: files that are started as they are."""
+    """Return the result where nothing can be built: only files that are started as they are."""
     error = "The package could not be read." if submission.package else "There is no package to build."
-    programs = [replace(one, fault="There is no package to which it belongs.") for one in loose][
+    programs = [replace(script, fault="There is no package to which it belongs.") for script in loose][
         :MOST_PROGRAMS
     ]
     if plan is None:
@@ -103,7 +103,7 @@ def _unbuilt(
 
 
 def _notes(plan: Plan, outcome: Outcome) -> Iterator[str]:
-    """Yield what was built and started in another way than in a whole workspace with all that it needs."""
+    """Yield what was built or started differently than in a complete workspace with all its dependencies."""
     if needing := plan.not_installed(outcome.files):
         yield f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}."
     programs = [f"{name} of {package}" for package, found in plan.absent.items() for name in found]

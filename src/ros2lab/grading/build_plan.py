@@ -1,4 +1,4 @@
-"""Plan a build: what takes part, what is meant to be installed, and which settings count; all before anything runs."""
+"""Plan a build before anything runs: what takes part, what it should install, and which settings count."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 from ros2lab.grading.unread import read_all
 
-WORKSPACE = "graded_ws"  # beside what was handed in
+WORKSPACE = "graded_ws"  # beside the submission
 _UNBUILT = "unbuilt"  # a folder of the workspace
-_MODULES = "python"  # a folder of that, from which modules are imported
+_MODULES = "python"  # a folder in it, from which modules are imported
 _STAND_IN = "#!/bin/sh\nexec sleep infinity\n"  # for a program that is not installed here
 
 _NAMED_SCRIPT = re.compile(r"([\w.-]+)\s*=\s*([\w.{}]+)\s*:\s*(\w+)")
@@ -40,8 +40,8 @@ class Point:
 
     Attributes:
         name: of the executable.
-        module: that it names.
-        function: in that module.
+        module: its module.
+        function: the function in that module.
     """
 
     name: str
@@ -50,33 +50,34 @@ class Point:
 
     @property
     def target(self) -> str:
-        """As setup.py has it: `package.module:function`."""
+        """As setup.py writes it: `package.module:function`."""
         return f"{self.module}:{self.function}"
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be built, and what is known of it.
+    """What to build, and what is known about it.
 
     Attributes:
-        found: the assignment's package; None where there are only files that belong to none.
-        name: of that package.
+        found: the assignment's package; None if there are only files outside a package.
+        name: the name of that package.
         folders: where each package of the new workspace lies in the submission, by its folder below src.
-        names: of all these packages.
+        names: the names of all these packages.
         modules: the Python files of the assignment's package, and of those in `also`.
-        points: the executables that it means to install.
-        also: the other packages whose nodes are part of the work, by name, with what they mean to install.
+        points: the entry points of the assignment's package.
+        also: the entry points of the other packages whose nodes are part of the work, by package.
         workspace: the new workspace's folder below the World's.
-        configured: sections and options of its setup.cfg.
-        shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
-            where they then lie below `share`.
-        absent: the packages that launch files name and that nobody has handed in nor installed here, with the
-            executables of them that they start.
-        absent_modules: that its modules import, of the same kind.
-        places: folders that the code names from the root on.
-        settings: of colcon, Python and pytest in the submission, and how far they count, in sentences.
-        shared: the files of `shares`, by where they lie in the share folder of their package.
-        unread: what of this a reader of ours has failed to read, and why; it is empty.
+        configured: sections and options in the setup.cfg of the assignment's package.
+        shares: what the CMakeLists.txt of packages that need CMake seems to install: folders of the
+            submission, by their later place below `share`.
+        absent: the packages that launch files name and that are neither in the submission nor installed here,
+            with the executables that launch files start from them.
+        absent_modules: the modules that the code imports, of the same kind.
+        places: folders that the code names by an absolute path.
+        settings: sentences on the settings of colcon, Python and pytest in the submission, and how far they
+            count.
+        shared: the files of `shares`, by their place in the share folder of their package.
+        unread: the attributes that are empty because our reader failed, and why it did.
     """
 
     found: FoundPackage | None
@@ -97,18 +98,18 @@ class Plan:
     unread: dict[str, str] = field(default_factory=dict)
 
     def source_of(self, package: str) -> str:
-        """Return the folder of one of `names` in a box; that of the assignment's package for an empty name."""
+        """Return the folder in a box of a package of `names`; for "", that of the assignment's package."""
         folders = dict(zip(self.names, self.folders, strict=True))
         return f"{FILES}/{self.workspace}/src/{folders[package or self.name]}"
 
     @property
     def install(self) -> str:
-        """The folder in a box into which it is installed."""
+        """The install folder in a box."""
         return f"{FILES}/{self.workspace}/install"
 
     @property
     def unbuilt(self) -> str:
-        """The folder in a box that stands in for the installed one of packages that cannot be built or had here."""
+        """The folder in a box that stands in for the install folder of absent and unbuilt packages."""
         return f"{FILES}/{self.workspace}/{_UNBUILT}"
 
     @property
@@ -118,15 +119,15 @@ class Plan:
 
     @property
     def modules_unbuilt(self) -> str:
-        """The folder in a box with modules that stand in for others."""
+        """The folder in a box with stand-ins for absent modules."""
         return f"{self.unbuilt}/{_MODULES}"
 
     def not_installed(self, files: Container[str]) -> list[str]:
-        """Return those of `needing_cmake` that a build has not installed, by the files below its `install`."""
+        """Return those of `needing_cmake` that a build has not installed, given the files below `install`."""
         return [name for name in self.needing_cmake if f"{name}/{MARKERS}/{name}" not in files]
 
     def lay_out(self, root: Path) -> None:
-        """Put the packages into the new workspace's src, without using space for them; what was begun is done again."""
+        """Link the packages into the src of a new workspace, which replaces one that was begun before."""
         shutil.rmtree(root / self.workspace, ignore_errors=True)
         for name, folder in self.folders.items():
             _link_tree(root, PurePosixPath(folder), root / self.workspace / "src" / name, self.workspace)
@@ -154,33 +155,39 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     """Plan the build of a package.
 
     Args:
-        root: the folder into which the submission was received.
+        root: the folder that holds the submission.
         submission: what was found there.
         found: the package.
-        prefixes: into which packages are installed here.
+        prefixes: the folders into which packages are installed here.
     """
     package = Package(root / found.folder, root)
-    others = {one.name: one for one in submission.packages if one.name and one.folder != found.folder}
-    also = [one for one in submission.also if one in others.values()]
-    beside = [one for one in launching(root, submission) if one in others.values() and one not in also]
+    others = {
+        other.name: other for other in submission.packages if other.name and other.folder != found.folder
+    }
+    also = [other for other in submission.also if other in others.values()]
+    beside = [
+        other for other in launching(root, submission) if other in others.values() and other not in also
+    ]
     taken = _with_needed(root, package, [*also, *beside], others)
-    # What cannot be built here would keep colcon from what depends on it.
+    # What cannot be built here would keep colcon from building what depends on it.
     has_cmake = is_installed("ament_cmake", prefixes)
-    built = [one for one in taken if has_cmake or not _needs_cmake(one)]
-    shared = {str(one.name): Package(root / one.folder, root) for one in also}
-    modules = [replace(one, package=name) for name, other in shared.items() for one in modules_of(other)]
-    sources = [source for one in (package, *shared.values()) for source in one.own_sources]
-    launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
+    built = [other for other in taken if has_cmake or not _needs_cmake(other)]
+    shared = {str(other.name): Package(root / other.folder, root) for other in also}
+    modules = [
+        replace(module, package=name) for name, holder in shared.items() for module in modules_of(holder)
+    ]
+    sources = [source for holder in (package, *shared.values()) for source in holder.own_sources]
+    launched = [package, *(Package(root / other.folder, root) for other in taken), *around(package, root)]
     own = {*others, package.name}
-    unbuilt = {str(one.name) for one in taken} - {str(one.name) for one in built}
+    unbuilt = {str(other.name) for other in taken} - {str(other.name) for other in built}
     plan = Plan(
         found=found,
         name=package.name,
         folders=_laid_out(package.name, [found, *built]),
-        names=[package.name, *(str(one.name) for one in built)],
+        names=[package.name, *(str(other.name) for other in built)],
         modules=[*modules_of(package), *modules],
         points=_intended(package),
-        also={name: _intended(other) for name, other in shared.items()},
+        also={name: _intended(holder) for name, holder in shared.items()},
         workspace=workspace_of(root),
     )
     found_too, unread = read_all(
@@ -197,12 +204,12 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
 
 
 def _laid_out(name: str, packages: Iterable[FoundPackage]) -> dict[str, str]:
-    """Return where packages lie, by their folders in the new workspace; the one without a folder's name has `name`."""
+    """Return the folder of each package by its new one in the workspace, which is `name` for the root."""
     folders: dict[str, str] = {}
-    for one in packages:
-        # A name from setup.py may be anything, also a path.
-        folder = re.sub(r"[^\w-]", "_", PurePosixPath(one.folder).name or name)[:100]
-        folders[free_name(folder, folders)] = one.folder
+    for package in packages:
+        # A name from setup.py may be anything, even a path.
+        folder = re.sub(r"[^\w-]", "_", PurePosixPath(package.folder).name or name)[:100]
+        folders[free_name(folder, folders)] = package.folder
     return folders
 
 
@@ -213,7 +220,7 @@ def _configured(package: Package) -> list[str]:
 
 
 def plan_for_files(root: Path, submission: Submission) -> Plan:
-    """Plan how to start files that belong to no package: nothing is built, but what they lack is stood in for."""
+    """Plan how to start files outside a package: nothing is built, but absent modules get stand-ins."""
     sources = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     names = {source.name for source in sources}
     found, unread = read_all(
@@ -237,12 +244,12 @@ def plan_for_files(root: Path, submission: Submission) -> Plan:
 
 
 def workspace_of(root: Path) -> str:
-    """Return the folder of the new workspace beside what was received in `root`."""
+    """Return a name for the new workspace that nothing in `root` has."""
     return free_name(WORKSPACE, {path.name for path in root.iterdir()})
 
 
 def free_name(name: str, taken: Iterable[str]) -> str:
-    """Return a name that nobody has: this one, or with underscores after it."""
+    """Return a name that is not taken: this one, or this one with underscores after it."""
     names = {*taken}
     while name in names:
         name += "_"
@@ -252,14 +259,14 @@ def free_name(name: str, taken: Iterable[str]) -> str:
 def _with_needed(
     root: Path, package: Package, beside: Iterable[FoundPackage], others: Mapping[str, FoundPackage]
 ) -> list[FoundPackage]:
-    """Return some packages beside another one, and what any of them declares or imports, directly or not."""
-    found = {str(one.name): one for one in beside}
-    queue = [package, *(Package(root / one.folder, root) for one in found.values())]
+    """Return the packages `beside` another one, and all those that any of them needs, even indirectly."""
+    found = {str(other.name): other for other in beside}
+    queue = [package, *(Package(root / other.folder, root) for other in found.values())]
     while queue:
-        one = queue.pop()
-        manifest = one.manifest
+        needing = queue.pop()
+        manifest = needing.manifest
         wanted = {d.name for d in [*manifest.build_depends, *manifest.exec_depends]} if manifest else set()
-        wanted |= {i.target.partition(".")[0] for source in one.own_sources for i in source.imports}
+        wanted |= {i.target.partition(".")[0] for source in needing.own_sources for i in source.imports}
         for name in sorted(wanted & others.keys() - found.keys() - {package.name}):
             found[name] = others[name]
             queue.append(Package(root / others[name].folder, root))
@@ -267,13 +274,13 @@ def _with_needed(
 
 
 def _shares(root: Path, packages: Iterable[FoundPackage]) -> Iterator[tuple[str, str]]:
-    for one in packages:
-        if not _needs_cmake(one) or not re.fullmatch(r"[a-z]\w*", one.name or ""):
+    for package in packages:
+        if not _needs_cmake(package) or not re.fullmatch(r"[a-z]\w*", package.name or ""):
             continue
-        script = re.sub(r"#.*", "", read_text(root / one.folder / "CMakeLists.txt"))
-        for path in sorted((root / one.folder).iterdir()):
+        script = re.sub(r"#.*", "", read_text(root / package.folder / "CMakeLists.txt"))
+        for path in sorted((root / package.folder).iterdir()):
             if path.is_dir() and not path.is_symlink() and re.search(rf"\b{re.escape(path.name)}\b", script):
-                yield f"{one.name}/{path.name}", str(path.relative_to(root))
+                yield f"{package.name}/{path.name}", str(path.relative_to(root))
 
 
 def _shared_sources(root: Path, plan: Plan) -> Iterator[str]:
@@ -288,9 +295,9 @@ def _needs_cmake(found: FoundPackage) -> bool:
 
 
 def _link_tree(root: Path, folder: PurePosixPath, target: Path, left_out: str) -> None:
-    """Make a tree like `folder` below `root`, of hard links to its files, and links to its links.
+    """Copy the tree of `folder` below `root`, with hard links to its files and symbolic links to its links.
 
-    What would hide the package from colcon is left out, for the nodes are to be seen all the same.
+    Files that would hide the package from colcon are left out, because its nodes are graded all the same.
     """
     for parent, folders, files in os.walk(root / folder):
         inside = Path(parent).relative_to(root / folder)
@@ -311,7 +318,7 @@ def _intended(package: Package) -> list[Point]:
     """Return the executables that setup.py names, or seems to name where it cannot be read."""
     points = package.setup.entry_points if package.setup and not package.setup.source.fault else None
     if points:
-        return [Point(one.name, one.module, one.function) for one in points if one.function]
+        return [Point(point.name, point.module, point.function) for point in points if point.function]
     text = "\n".join(read_text(package.folder / name) for name in ("setup.py", "setup.cfg", "pyproject.toml"))
     return [
         Point(name, re.sub(r"\{\w*\}", package.name, module), function)
@@ -339,8 +346,8 @@ def _settings(root: Path, plan: Plan) -> list[str]:
             name for name in names if _is_setting(folder, name) and not (name == "conftest.py" and is_own)
         ]
         (inside if is_own else outside).extend(one_line(str(folder / name)) for name in found)
-    options = [one for one in plan.configured if _OF_BUILD.match(one) and not _EXPECTED.fullmatch(one)]
-    groups = [one for one in plan.configured if "entry_points.colcon" in one]
+    options = [key for key in plan.configured if _OF_BUILD.match(key) and not _EXPECTED.fullmatch(key)]
+    groups = [key for key in plan.configured if "entry_points.colcon" in key]
     notes = {
         "Without effect, because it lies outside the package: {}.": outside,
         "With effect on its own package only: {}.": inside,
@@ -351,7 +358,7 @@ def _settings(root: Path, plan: Plan) -> list[str]:
 
 
 def _is_setting(folder: PurePosixPath, name: str) -> bool:
-    """Return whether a file changes colcon, Python or pytest; what hides a package was noted when it was received."""
+    """Return whether a file configures colcon, Python or pytest; COLCON_IGNORE is noted elsewhere."""
     is_colcons = folder.name in (".colcon", "metadata") and name.endswith((".yaml", ".meta"))
     is_named = name in ("colcon.pkg", "conftest.py") or _ALL_IGNORED.fullmatch(name) is not None
     return name != "COLCON_IGNORE" and (is_named or is_colcons)
@@ -362,5 +369,5 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def one_line(text: str, longest: int = 400) -> str:
-    """Return a text on one line, shortened, without the box's folder and what a terminal would act upon."""
+    """Return a text on one line, shortened, without the box's folder and without terminal codes."""
     return shown(re.sub(rf"{FILES}/{WORKSPACE}_*/", "", " ".join(text.split())), longest)

@@ -1,4 +1,4 @@
-"""Which of several packages is graded, and which others may fill the parts that it leaves empty."""
+"""Which of several packages is graded, and which others may play the parts that it does not."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ros2lab.grading.notes import Kind
 from ros2lab.grading.running import running
 from ros2lab.rhythm import has_period
 
-# What a package is worth for being built by colcon, as much as a topic, and for lying in the src of a workspace.
+# What counts for a package: that colcon builds it, as much as a topic, and that it lies in a workspace's src.
 BUILDABLE, IN_SRC = 2, 4
 _LONGEST_TOPIC = 100  # characters
 
@@ -30,12 +30,12 @@ class Candidate:
     """A package that may be the assignment's.
 
     Attributes:
-        folder: in which it lies.
-        name: of the package.
-        is_built: whether colcon builds executables of it as was asked for.
-        workspace: the folder in whose src it lies; None if it lies in none.
+        folder: where it lies.
+        name: its name.
+        is_built: whether colcon builds its executables as the assignment asks.
+        workspace: the folder in whose src it lies; None if there is none.
         sources: its Python files that have to do with ROS or the assignment.
-        assignment: for which it may have been made.
+        assignment: the assignment that it may be for.
     """
 
     folder: PurePosixPath
@@ -47,12 +47,12 @@ class Candidate:
 
     @property
     def likeness(self) -> float:
-        """How much it looks like the assignment's: by what is in it, that colcon builds it, and where it lies."""
+        """How much it looks like the assignment's: by content, by whether colcon builds it, and by place."""
         return self.content + BUILDABLE * self.is_built + IN_SRC * (self.workspace is not None)
 
     @property
     def content(self) -> float:
-        """How much of the assignment is in it, and its name, which counts as much as 3."""
+        """How much of the assignment is in it; the name counts up to 3."""
         name = self.name[:_LONGEST_TOPIC].lower()
         return self.work + 3 * difflib.SequenceMatcher(None, name, self.assignment.package).ratio()
 
@@ -60,11 +60,11 @@ class Candidate:
     def work(self) -> int:
         """How much of the assignment is in its code.
 
-        A topic counts 2, or 1 if it is misspelt; a publisher or a subscription of the right type, and a command with
-        which something is compared, 1 each; rclpy counts 2.
+        A topic counts 2, or 1 if it is misspelt; a part with a publisher or subscription of the right type,
+        and a command that something is compared with, count 1 each; an import of rclpy counts 2.
         """
         imports_rclpy = any(
-            one.target.partition(".")[0] == "rclpy" for source in self.sources for one in source.imports
+            found.target.partition(".")[0] == "rclpy" for source in self.sources for found in source.imports
         )
         of_right_type = sum(any(self._ends_like(part)) for part in self.assignment.parts.values())
         compares = sum(len({*part.commands} & self._compared) for part in self.assignment.parts.values())
@@ -72,7 +72,7 @@ class Candidate:
 
     @cached_property
     def plays(self) -> frozenset[str]:
-        """The parts that its code plainly plays: by the topic, by a type that no other part has, or by the rhythm."""
+        """The parts that its code clearly plays: by topic, by a type that no other part has, or by period."""
         return frozenset(
             part.name
             for part in self.assignment.parts.values()
@@ -82,14 +82,16 @@ class Candidate:
 
     @cached_property
     def may_play(self) -> frozenset[str]:
-        """The parts that it plays, and those of which it has an end of the right type, on whatever topic."""
+        """The parts that it plays, and those for which it has an end of the right type, on whatever topic."""
         parts = self.assignment.parts.values()
         return self.plays | {part.name for part in parts if any(self._ends_like(part))}
 
     @cached_property
     def _topics(self) -> dict[str, int]:
-        """Which of the assignment's topics its texts hold: 2 for one that is right, 1 for one that is misspelt."""
-        strings = (node.value for one in self.sources for node in one.nodes if isinstance(node, ast.Constant))
+        """The assignment's topics in its strings: 2 for one that is right, 1 for one that is misspelt."""
+        strings = (
+            node.value for source in self.sources for node in source.nodes if isinstance(node, ast.Constant)
+        )
         words = {text.strip("/") for text in strings if isinstance(text, str) and len(text) < _LONGEST_TOPIC}
         found = {}
         for topic in (topic.lstrip("/") for topic in self.assignment.topics):
@@ -104,7 +106,7 @@ class Candidate:
         try:
             return ends_of(NodeSources({source.shown: source for source in self.sources}), unnamed=True)
         except Exception as error:
-            net.unjudged(error)  # its topics tell enough of a package
+            net.unjudged(error)  # its topics say enough about a package
             return []
 
     @cached_property
@@ -116,7 +118,7 @@ class Candidate:
             return set()
 
     def _ends_like(self, part: Part) -> Iterator[End]:
-        """Yield its publishers, or subscriptions, that have the type of a part."""
+        """Yield its publishers or subscriptions of a part's type."""
         kind = part.type_name.replace("/", ".")
         for end in self._ends if part.end != "service" else ():
             if end.is_publisher is part.is_publisher and end.type == kind:
@@ -124,18 +126,21 @@ class Candidate:
 
 
 def choose(candidates: Sequence[Candidate]) -> tuple[Candidate | None, list[Candidate]]:
-    """Return the package that looks most like the assignment's, and those that may play what it leaves empty.
+    """Return the package that looks most like the assignment's, and those that may play its missing parts.
 
-    Of equals the one in a workspace is taken, then the one that lies higher. Another one must be built, and may play a
-    part that neither the chosen one nor one before it plainly plays; one of the same name is a copy.
+    Of equals, the one higher up in the tree is taken. A further one must be built, must not have the name of
+    one that was taken, which makes it a copy, and may play a part that none of those clearly plays.
     """
-    if len(candidates) < 2:  # nothing is to be compared
+    if len(candidates) < 2:  # there is nothing to compare
         return next(iter(candidates), None), []
-    order = sorted(candidates, key=lambda one: (-one.likeness, len(one.folder.parts), one.folder))
+    order = sorted(
+        candidates,
+        key=lambda candidate: (-candidate.likeness, len(candidate.folder.parts), candidate.folder),
+    )
     chosen, *others = order
     played, also = {*chosen.plays}, list[Candidate]()
     for other in others:
-        is_copy = other.name in {one.name for one in (chosen, *also)}
+        is_copy = other.name in {taken.name for taken in (chosen, *also)}
         if other.is_built and not is_copy and other.may_play - played:
             also.append(other)
             played |= other.plays
@@ -143,7 +148,7 @@ def choose(candidates: Sequence[Candidate]) -> tuple[Candidate | None, list[Cand
 
 
 def why_not(other: Candidate, chosen: Candidate) -> Kind:
-    """Return why a package is not graded in which there are nodes, as a kind of note."""
+    """Return why a package that has nodes is not graded, as a kind of note."""
     if other.is_built < chosen.is_built:
         return "not built"
     if (other.workspace is None) > (chosen.workspace is None) and other.content > chosen.content:

@@ -1,7 +1,7 @@
-"""The clean copy of what was handed in, while it is written.
+"""The clean copy of a submission, while it is written.
 
-Bytes, files and paths are counted while they are written. Until then there are no links in the copy that could be
-followed; links come last, and stay only if they lead to something inside.
+Bytes, files and paths are counted as they are written. Links are made last, so that there are none to follow
+while files are written, and only if they lead to something inside the copy.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import BinaryIO, Literal
 
 from ros2lab.grading.notes import MOST_KEPT, Kind, Note
 
-# What a submission may hold. A file that is too large is left out; what is beyond the rest is not received.
+# What a submission may hold. Too long files and paths are left out; past any other limit, it is refused.
 MOST_BYTES = 500_000_000
 MOST_MEMBERS = 30_000  # files, folders and links
 MOST_LINKS = 1000
@@ -31,7 +31,7 @@ CHUNK = 1 << 16  # bytes
 _MOST_LINKS_IN_A_ROW = 20  # Linux follows 40
 
 
-# As in hand_in, which needs ROS and 0.5 s to be imported.
+# The same as in hand_in, which needs ROS and takes 0.5 s to import.
 _BUILT = ("build", "install", "log")
 TOOLS_NAMES = re.compile(
     r"\.git|\.hg|\.svn|\.venv|venv|node_modules|\.tox|\.(mypy|pytest|ruff)_cache|\.ipynb_checkpoints"
@@ -50,9 +50,9 @@ _COLCONS = frozenset(
     )
 ) | {"events.log", "logger_all.log", "build", "share"}
 _SETUPS = re.compile(r"(?:lib|bdist|temp|scripts)\b")  # what setup.py leaves in build
-# What nothing but a build leaves in a folder of one package, also where it has a copy of all sources.
+# Files that only a build leaves in a package's folder, even where that holds a copy of all sources.
 _COPIES = ({"colcon_build.rc"}, {"colcon_command_prefix_setup_py.sh"})
-# The same in any folder, files that are there together. COLCON_IGNORE is not among them: it is also made by hand.
+# Files that only a build leaves together in any folder. COLCON_IGNORE is not: people make it by hand, too.
 _MARKS = (
     *_COPIES,
     {".built_by"},
@@ -65,33 +65,33 @@ _MARKS = (
 
 
 def opened(path: Path | str, folder: int | None = None) -> BinaryIO:
-    """Open a file that somebody else may change meanwhile: a link in its place is not followed, a pipe not waited for.
+    """Open a file that somebody else may change meanwhile, without following a link or waiting for a pipe.
 
     Args:
-        path: of the file.
-        folder: a descriptor of the one in which it lies; None if the path says all.
+        path: the file's path.
+        folder: a descriptor of the folder that the path starts from; None for the working folder.
     """
     flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
     return os.fdopen(os.open(path, flags, dir_fd=folder), "rb")
 
 
 class SubmissionError(Exception):
-    """What was handed in cannot be received; the text says what was found, and what to hand in."""
+    """The submission cannot be received; the text says what was found, and what to hand in."""
 
 
 class BeyondLimitsError(SubmissionError):
-    """It holds more than a submission may."""
+    """The submission holds more than it may."""
 
 
 class Meter:
-    """Counts bytes, and the work that they make, as far as there may be."""
+    """Counts bytes, and the CPU time spent on them, up to a limit."""
 
     def __init__(self) -> None:
         self._bytes = 0
         self._start = time.process_time()
 
     def add(self, count: int) -> None:
-        """Count so many bytes more; BeyondLimitsError if that is too much."""
+        """Count this many more bytes; BeyondLimitsError if that is too much."""
         self._bytes += count
         if self._bytes > MOST_BYTES:
             raise BeyondLimitsError(
@@ -105,7 +105,7 @@ class Meter:
 
 @dataclass(frozen=True)
 class Member:
-    """One thing that was handed in: `data` of a file, `target` of a link."""
+    """A file, with its `data`, a link, with its `target`, or a folder of a submission."""
 
     name: str
     kind: Literal["file", "folder", "link", "hard link", "other"]
@@ -115,18 +115,18 @@ class Member:
 
 
 class Noted:
-    """What is noted of the members of a submission."""
+    """Notes on the members of a submission."""
 
     def __init__(self) -> None:
         self._noted: dict[tuple[Kind, str], dict[str, None]] = {}
 
     def note(self, kind: Kind, name: str, detail: object = "") -> None:
-        """Note what was done with a member and why."""
+        """Note what was done with a member, and why."""
         self._noted.setdefault((kind, str(detail)), {})[shown(name)] = None
 
     @property
     def notes(self) -> list[Note]:
-        """What was noted, one for each kind."""
+        """The notes, one for each kind and detail."""
         return [
             Note(kind, [*names][:MOST_KEPT], detail, len(names))
             for (kind, detail), names in self._noted.items()
@@ -145,7 +145,7 @@ class CleanCopy(Noted):
         self._links: dict[Path, str] = {}
 
     def take(self, members: Iterable[Member], below: tuple[str, ...] = ()) -> None:
-        """Write the members below a folder of the copy; of two with the same name the later one stays."""
+        """Write the members below a folder of the copy; of two with the same name, the later one stays."""
         for member in members:
             self._count()
             own = tuple(part for part in member.name.split("/") if part not in ("", "."))
@@ -201,7 +201,7 @@ class CleanCopy(Noted):
             self.note("too large", member.name, f"{LARGEST_FILE / 1e6:g} MB")
 
     def _make_folder(self, path: Path) -> bool:
-        """Make a folder and those above it; False if a file is in the way."""
+        """Make a folder and its parents; return False if a file is in the way."""
         if path.is_dir():
             return True
         if path.exists() or not self._make_folder(path.parent):
@@ -220,7 +220,7 @@ class CleanCopy(Noted):
             )
 
     def remove_built(self) -> None:
-        """Remove what colcon and setuptools have made, whatever it is called, and virtual environments."""
+        """Remove what colcon and setuptools made, whatever its name, and virtual environments."""
         for parent, folders, files in os.walk(self.root):
             beside = {*folders, *files}
             for name in sorted(folders):
@@ -232,7 +232,7 @@ class CleanCopy(Noted):
                     self.note("by a build" if is_built else "by a tool", str(path.relative_to(self.root)))
 
     def make_links(self) -> dict[Path, Path]:
-        """Make the links that lead to something in the copy without leaving it on their way.
+        """Make the links that lead to something in the copy without leaving it on the way.
 
         Returns:
             Where each link leads.
@@ -256,7 +256,7 @@ class CleanCopy(Noted):
 
 
 def _ends(root: Path, links: Mapping[Path, str]) -> dict[Path, Path | Kind]:
-    """Tell where links would lead if they were made: a path in the root, or the reason why one cannot stay."""
+    """Return where each link would lead: a path in the root, or the reason why it cannot be made."""
     ends: dict[Path, Path | Kind] = {}
 
     def follow(link: Path, depth: int) -> Path | Kind:
@@ -293,20 +293,20 @@ def _ends(root: Path, links: Mapping[Path, str]) -> dict[Path, Path | Kind]:
 
 
 def _path_fault(name: str, parts: tuple[str, ...]) -> Kind | None:
-    """Return why nothing can be written under this name; `parts` are all folders on the way."""
+    """Return why a member of this name cannot be written; `parts` is its whole path. None if it can."""
     if name.startswith("/") or ".." in name.split("/") or "\0" in name:
         return "outside"
     return "path too long" if is_too_long(parts) else None
 
 
 def is_too_long(parts: Sequence[str]) -> bool:
-    """Return whether a path, or a name in it, is longer than what is received."""
+    """Return whether a path, or a name in it, is too long to be received."""
     lengths = [len(os.fsencode(part)) for part in parts]
     return len(parts) > DEEPEST_FOLDER or sum(lengths) > LONGEST_PATH or max(lengths, default=0) > 255
 
 
 def _is_built(folder: Path, beside: set[str]) -> bool:
-    """Return whether colcon or setup.py has made a folder of this name: what is in it, or in a folder in it, tells."""
+    """Return whether colcon or setup.py made a folder, judged by the names in it and in its folders."""
     inside = {path.name for path in folder.iterdir()}
     if "package.xml" in inside:
         return False
@@ -316,7 +316,7 @@ def _is_built(folder: Path, beside: set[str]) -> bool:
 
 
 def _is_marked(folder: Path) -> bool:
-    """Return whether a folder, or each of those in it, has the marks of a build, and no package's sources lie there."""
+    """Return whether a folder, or each folder in it, has the marks of a build, and no sources lie there."""
     inside = {path.name: path.is_dir() for path in folder.iterdir()}
     folders = [folder / name for name, is_folder in inside.items() if is_folder]
     is_only = inside.keys() - {path.name for path in folders} <= {"COLCON_IGNORE"}
@@ -335,7 +335,7 @@ def _has_marks(folder: Path) -> bool:
 
 
 def is_of_a_build(names: set[str]) -> bool:
-    """Return whether only a build leaves files of these names in one folder."""
+    """Return whether only a build leaves files of these names in a folder."""
     return _holds(names, _MARKS)
 
 
@@ -344,12 +344,12 @@ def _holds(names: set[str], marks: Iterable[set[str]]) -> bool:
 
 
 def _is_source(names: set[str]) -> bool:
-    """Return whether these are files of a package as somebody has written it."""
+    """Return whether these are the names of a package's sources."""
     return "setup.py" in names or names >= {"package.xml", "CMakeLists.txt"}
 
 
 def shown(text: str, longest: int = 200) -> str:
-    """Return a text on one line, shortened, without anything that a terminal would take for a command."""
+    """Return a text on one line, shortened, with all that a terminal would act upon escaped."""
     text = text if len(text) <= longest else f"{text[: longest - 1]}…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 

@@ -1,4 +1,4 @@
-"""Build with colcon in the sandbox, and judge what it has left, which may be anything."""
+"""Build with colcon in the sandbox, and judge what the build left, which may be anything."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ READ_TIME = 30.0  # s
 EXTENSION = (
     PACKAGE / "__init__.py",
     PACKAGE / "colcon_extension.py",
-)  # that records it; it needs nothing else
+)  # that records what colcon does; it needs nothing else
 RECORD = "colcon.jsonl"  # what colcon did, in the workspace
 
-# Prints what a build has left. It runs in a box, where a link can lead to nothing of the grader's.
+# Prints what a build has left. It runs in a box, where no link can lead to the grader's files.
 _READER = """
 import json, os, stat, sys
 def text(path, most):
@@ -87,12 +87,12 @@ class Outcome:
 
 
 def run_colcon(world: World, plan: Plan, environ: Mapping[str, str]) -> Outcome:
-    """Run `colcon build` in the workspace of a plan that is laid out, and judge what it has left."""
+    """Run `colcon build` in the workspace of a plan, which is laid out, and judge what it has left."""
     folder = f"{FILES}/{plan.workspace}"
     bases = ["--build-base", "build", "--install-base", "install"]
     handlers = ["--event-handlers", "desktop_notification-"]
     box = world.run(
-        # That a package fails which is only built beside it must not end the build of this one.
+        # The failure of another package must not end the build of this one.
         ["colcon", "--log-base", "log", "build", *bases, *handlers, "--continue-on-error"],
         files="write",
         environ={**environ, VARIABLE: RECORD},
@@ -123,7 +123,7 @@ def run_colcon(world: World, plan: Plan, environ: Mapping[str, str]) -> Outcome:
 
 
 def read_left(printed: str) -> dict[str, Any]:
-    """Read what `_READER` has printed; of anything else, nothing."""
+    """Parse the output of `_READER`; the result is empty for anything else."""
     try:
         return dict(json.loads(printed))
     except ValueError:
@@ -133,17 +133,17 @@ def read_left(printed: str) -> dict[str, Any]:
 def judge(
     plan: Plan, result: BuildResult, kinds: Mapping[str, str], cut: str | None, left: Mapping[str, Any]
 ) -> Outcome:
-    """Judge what colcon has made of the package.
+    """Judge how the build of the package went.
 
     Args:
         plan: what was built.
-        result: of the build.
+        result: the result of the build.
         kinds: the packages that colcon listed, with their types, such as `ros.ament_python`.
         cut: which limit ended the build.
         left: from `read_left`.
     """
     name, found = plan.name, plan.found
-    mine = next((one for one in result.packages if one.name == name), None)
+    mine = next((package for package in result.packages if package.name == name), None)
     files = dict(left["files"])
     is_installed = f"{name}/{MARKERS}/{name}" in files and any(
         re.match(rf"{re.escape(name)}/(local/)?lib/python3[^/]*/[^/]*-packages/[^/]*-info/", path)
@@ -179,7 +179,7 @@ def judge(
 
 
 def points_in(texts: Mapping[str, str], name: str) -> Iterator[Point]:
-    """Yield the console scripts in the metadata that were installed for a package."""
+    """Yield the console scripts in a package's installed metadata."""
     for path, text in texts.items():
         if not path.startswith(f"{name}/"):
             continue
@@ -197,7 +197,7 @@ def points_in(texts: Mapping[str, str], name: str) -> Iterator[Point]:
 
 
 def _ask_setup(world: World, plan: Plan, environ: Mapping[str, str], jobs: Mapping[str, Job]) -> Box | None:
-    """Ask setup.py itself what is wrong, where colcon shows only its own traceback."""
+    """Run setup.py itself to see what is wrong, if colcon shows only its own traceback; else return None."""
     job = jobs.get(plan.name)
     if job is None or not job.is_colcon_traceback:
         return None
@@ -212,7 +212,7 @@ def _reason(asked: Box) -> str | None:
 
 
 def overlay_of(plan: Plan, files: Iterable[str], environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables after `source install/setup.bash`, as they are with no hooks but colcon's own."""
+    """Return the environment after `source install/setup.bash` if there are no hooks but colcon's own."""
     result = dict(environ)
     paths = [*files]
     if plan.not_installed(paths) or plan.absent:

@@ -1,7 +1,8 @@
-"""Compile the modules that programs in a box import, which those cannot write there themselves.
+"""Compile the modules that programs in a box import, because nothing in a box can save a compiled module.
 
-An installer need not compile what it installs: Python writes a compiled module when it first imports one. What only
-boxes import, such as colcon, would then be compiled for each submission anew, which takes as long as all else.
+An installer need not compile what it installs: Python saves a compiled module when it first imports one.
+Modules that only boxes import, such as colcon's, would be compiled again for each submission, which takes as
+long as all else.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ from pathlib import Path
 
 from ros2lab.grading.bubblewrap import PACKAGE
 
-# Whose programs are started in boxes, and whose modules nodes and tests import; docutils is imported by a setup.py
-# that is asked for its commands. What an installed ROS 2 brings was compiled by Debian's packages.
+# The distributions whose programs boxes start, or whose modules nodes and tests import; a setup.py that is
+# asked for its commands imports docutils. The modules of an installed ROS 2 were compiled by Debian's
+# packages.
 STARTED = (
     "colcon-common-extensions",
     "docutils",
@@ -31,13 +33,13 @@ _NAME = re.compile(r"[\w.-]+")
 
 
 def compile_modules(sources: Iterable[Path] | None = None) -> int:
-    """Compile what has not been compiled as it is now; what cannot be written is left as it is.
+    """Compile the files that are not compiled or have changed since; skip those that cannot be saved.
 
     Args:
-        sources: files; None takes what boxes import.
+        sources: the files; None takes those that boxes import.
 
     Returns:
-        How many files are compiled now.
+        How many of the files are compiled now.
     """
     return sum(
         compileall.compile_file(path, quiet=2) for path in (imported() if sources is None else sources)
@@ -45,7 +47,7 @@ def compile_modules(sources: Iterable[Path] | None = None) -> int:
 
 
 def imported() -> Iterator[Path]:
-    """Yield the sources of what boxes import: of `STARTED` and what these require, as far as it is installed."""
+    """Yield the sources that boxes import: of `STARTED` and of what these require, if it is installed."""
     yield from PACKAGE.rglob("*.py")
     waiting, known = [*STARTED], set[str]()
     while waiting:
@@ -69,7 +71,7 @@ def imported() -> Iterator[Path]:
         "launch",
         "launch_ros",
         "portable_ros2",
-    ):  # whose distribution lists no files where it is a checkout
+    ):  # in a checkout, their distributions list no files
         spec = importlib.util.find_spec(name)
         for folder in (spec and spec.submodule_search_locations) or ():
             yield from Path(folder).rglob("*.py")

@@ -1,4 +1,4 @@
-"""The package of a submission, as its files have it: read with care, never run or imported."""
+"""The package of a submission, whose files are read with care, never run or imported."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ def written_modules(package: Path) -> Iterator[Path]:
 class Package(SourcePackage):
     """A package whose author may mean harm.
 
-    It has no entities, nothing outside its folder, and no more Python than somebody writes by hand. What setup.cfg
-    and pyproject.toml say in the place of setup.py counts as setup.py's.
+    Entities in package.xml, files outside its folder, and more Python than a person writes are not read.
+    Settings in setup.cfg and pyproject.toml count as those of setup.py.
     """
 
     @property
     def notes(self) -> list[str]:
-        """What was not looked at."""
+        """Sentences on what was not looked at."""
         unread = [shown(str(path.relative_to(self.folder))) for path in self._unread]
         if unread:
             others = f" and {len(unread) - 1} others" if len(unread) > 1 else ""
@@ -53,7 +53,7 @@ class Package(SourcePackage):
 
     @cached_property
     def _unread(self) -> list[Path]:
-        """Its Python files that are more than is parsed of one package: the largest."""
+        """Its largest Python files, which exceed what is parsed of a package."""
         sizes = sorted((path.lstat().st_size, path) for path in self.folder.rglob("*.py"))
         totals = itertools.accumulate(size for size, _ in sizes)
         return [path for (_, path), total in zip(sizes, totals, strict=True) if total > MOST_SOURCE]
@@ -65,14 +65,14 @@ class Package(SourcePackage):
         return super()._parsed
 
     def read(self, path: Path, name: str) -> PythonSource:
-        """Return one of its Python files, as if it were empty where there is too much."""
+        """Return one of its Python files; one of those that exceed the limit counts as empty."""
         if path not in self._unread:
             return super().read(path, name)
         return PythonSource(name, self.shown(str(path.relative_to(self.folder))), "", False, path)
 
     @property
     def own_sources(self) -> list[PythonSource]:
-        """Its modules; all of its Python files where setup.py leads to none that has code."""
+        """Its modules; all of its Python files if setup.py leads to none that has code."""
         sources = [*self.sources.values()]
         if any(map(has_code, sources)):
             return sources
@@ -80,12 +80,12 @@ class Package(SourcePackage):
 
     @property
     def package_dirs(self) -> Mapping[str, str]:
-        """What is said in `package_dir`, as far as it does not lead out of the package."""
+        """The entries of `package_dir` that do not lead out of the package."""
         return {name: where for name, where in super().package_dirs.items() if _is_inside(where)}
 
     @cached_property
     def setup(self) -> SetupScript | None:
-        """Its setup.py, with what stands in setup.cfg and pyproject.toml instead."""
+        """Its setup.py, with arguments from setup.cfg and pyproject.toml if it does not have them itself."""
         script = super().setup
         if script is not None and script.is_called:
             for name, value in self._configured():
@@ -94,7 +94,7 @@ class Package(SourcePackage):
         return script
 
     def _configured(self) -> Iterator[tuple[str, Any]]:
-        """Yield what setup.cfg and pyproject.toml say, under the names of setup()'s arguments."""
+        """Yield the settings of setup.cfg and pyproject.toml by the names of setup()'s arguments."""
         if self.setup_cfg is not None:
             yield from self._in_cfg(self.setup_cfg)
         toml = read_toml(read_text(self.folder / "pyproject.toml"))
@@ -141,7 +141,7 @@ class Package(SourcePackage):
             is_looked_for = "*" in pattern and _is_inside(pattern)
             paths: list[Path] = []
             if is_looked_for:
-                with contextlib.suppress(ValueError):  # no pattern
+                with contextlib.suppress(ValueError):  # not a valid pattern
                     paths = sorted(self.folder.glob(pattern))
             found += [str(path.relative_to(self.folder)) for path in paths] or [pattern]
         return found
@@ -156,7 +156,7 @@ def _lines(text: str) -> list[str]:
 
 
 def _inner(table: Mapping[str, Any], *names: str) -> Any:
-    """Return what a table holds under names of tables in tables; None if it is not there."""
+    """Return the value in nested tables that a sequence of names leads to; None if it is not there."""
     value: Any = table
     for name in names:
         value = value.get(name) if isinstance(value, dict) else None

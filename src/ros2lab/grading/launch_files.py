@@ -12,8 +12,8 @@ from ros2lab.grading.documents import COMMENT
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.submission import FoundPackage, Submission
 
-MOST = 50  # names that are told
-# What a launch file may look up the share folder of a package with, in Python, XML or YAML.
+MOST = 50  # names or paths that are returned
+# How a launch file may look up the share folder of a package, in Python, XML or YAML.
 _SHARE_OF = re.compile(
     r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
 )
@@ -26,15 +26,15 @@ def launching(root: Path, submission: Submission) -> list[FoundPackage]:
     own = Package(root / submission.package.folder, root).name if submission.package else ""
     is_named = re.compile(rf"\b{re.escape(own)}\b").search
     return [
-        one
-        for one in submission.packages
-        if own and one.name not in (None, own)
-        if any(map(is_named, uncommented([Package(root / one.folder, root)]).values()))
+        other
+        for other in submission.packages
+        if own and other.name not in (None, own)
+        if any(map(is_named, uncommented([Package(root / other.folder, root)]).values()))
     ]
 
 
 def around(package: Package, root: Path) -> list[Package]:
-    """Return the folders around a package, such as the workspace, in which launch files may lie that nothing installs."""
+    """Return the folders around a package, such as the workspace, which may hold launch files, too."""
     around = [folder for folder in package.folder.parents if folder == root or root in folder.parents]
     return [Package(folder, root) for folder in around]
 
@@ -45,7 +45,7 @@ def launch_files(packages: Iterable[Package]) -> list[Path]:
 
 
 def packages_named(path: Path, text: str, own: Iterable[str]) -> set[str]:
-    """Return the packages that a launch file names: of a node, for a share folder, or, of one's own, anywhere."""
+    """Return the packages that a launch file names for nodes or share folders, or anywhere if in `own`."""
     nodes = read_launch_file(path, path.name).nodes
     return {
         *(node.package for node in nodes if isinstance(node.package, str)),
@@ -55,7 +55,7 @@ def packages_named(path: Path, text: str, own: Iterable[str]) -> set[str]:
 
 
 def shares_named(text: str) -> list[str]:
-    """Return the packages whose share folders a launch file asks for."""
+    """Return the packages whose share folders a launch file looks up."""
     return ["".join(names) for names in _SHARE_OF.findall(text)]
 
 
@@ -70,7 +70,7 @@ def without_comments(text: str) -> str:
 
 
 def lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, list[str]]:
-    """Return by launch file that includes no other one what a README gives by `name:=` and it does not name."""
+    """Return the names set by `name:=` in a README that each launch file lacks, if it includes no other."""
     given = sorted({*_GIVEN.findall(readme)})[:MOST]
     return {
         str(path.relative_to(root)): [name for name in given if not re.search(rf"\b{name}\b", text)]
@@ -80,6 +80,6 @@ def lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, li
 
 
 def hard_coded(packages: Iterable[Package]) -> list[str]:
-    """Return the paths of files that launch files give from the root on."""
+    """Return the absolute paths of files in launch files."""
     texts = uncommented(packages).values()
     return sorted({path for text in texts for path in _FROM_ROOT.findall(text)})[:MOST]

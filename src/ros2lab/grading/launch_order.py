@@ -9,12 +9,12 @@ from pathlib import Path
 
 from ros2lab.grading.graded_package import Package
 
-MOST = 100  # launch files of which the order is told; nobody writes more
-_DEEPEST = 5  # launch files through which one includes another
+MOST = 100  # launch files that are put in order; nobody writes more
+_DEEPEST = 5  # levels of launch files that include others
 
 
 def programs_of(packages: Iterable[Package]) -> set[str]:
-    """Return what launch files may start of packages: executables, and where these are not known, modules."""
+    """Return what launch files may start in packages: executables, or modules if these are not known."""
     found = set[str]()
     for package in packages:
         points = package.setup.entry_points if package.setup else None
@@ -24,14 +24,14 @@ def programs_of(packages: Iterable[Package]) -> set[str]:
 
 
 def programs_named(texts: Mapping[Path, str], programs: Collection[str]) -> dict[Path, list[str]]:
-    """Return which programs launch files name, themselves or by what they include.
+    """Return the programs that launch files name, themselves or through what they include.
 
     Args:
-        texts: without their comments.
+        texts: the launch files, without comments.
         programs: what they may start.
     """
     some = dict(itertools.islice(texts.items(), MOST))
-    own = {path: {one for one in programs if _names(text, one)} for path, text in some.items()}
+    own = {path: {program for program in programs if _names(text, program)} for path, text in some.items()}
     included = {path: [other for other in some if other.name in text] for path, text in some.items()}
     named = own
     for _ in range(_DEEPEST):
@@ -42,7 +42,7 @@ def programs_named(texts: Mapping[Path, str], programs: Collection[str]) -> dict
 def those_that_start_most_first(
     texts: Mapping[Path, str], named: Mapping[Path, Collection[str]]
 ) -> dict[Path, str]:
-    """Return launch files with their texts, first those that name most programs; of equals their order stays."""
+    """Return launch files with their texts, those that name most programs first; equals keep their order."""
     order = sorted(named, key=lambda path: -len(named[path]))
     return {path: texts[path] for path in (*order, *texts)}
 

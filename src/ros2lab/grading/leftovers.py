@@ -1,4 +1,4 @@
-"""Other packages of a hand-in that might have been part of the work, and are not, such as those of a tutorial."""
+"""Other packages in a submission that might have been part of the work but are not, such as a tutorial's."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from ros2lab.grading.submission import FoundPackage
 
 
 def case_of(evidence: Evidence, assignment: Assignment) -> Case:
-    """Return who plays which part in the evidence, less the packages that are no part of the work: nobody is to blame for them."""
+    """Return the case without packages that are no part of the work, so that these cost no points."""
     case = Case(evidence, assignment)
-    left = [one for one in evidence.submission.also if not _is_at_work(case, one)]
+    left = [package for package in evidence.submission.also if not _is_at_work(case, package)]
     return Case(_without(evidence, left), assignment) if left and evidence.build else case
 
 
 def _is_at_work(case: Case, package: FoundPackage) -> bool:
-    """Return whether a program of a package plays a part, or plainly would if it were seen."""
-    programs = [one for one in case.executables.values() if one.package == package.name]
-    names = {one.name for one in programs}
-    modules = {module for one in programs for module in (*one.modules, one.stem)} - {""}
+    """Return whether a program of a package plays a part, or clearly would if it were seen."""
+    programs = [program for program in case.executables.values() if program.package == package.name]
+    names = {program.name for program in programs}
+    modules = {module for program in programs for module in (*program.modules, program.stem)} - {""}
     for part in case.assignment.parts.values():
         if any(player.program in ("", *names) for player in _telling(case, part.name)):
             return True
@@ -39,29 +39,30 @@ def _is_at_work(case: Case, package: FoundPackage) -> bool:
 
 
 def _telling(case: Case, name: str) -> Iterator[Player]:
-    """Yield the players by which a part may be judged."""
+    """Yield the players that a part may be judged by."""
     part = case.assignment.parts[name]
     yield from filter(None, (case.main(part), case.at_once(part), case.whole(part)))
 
 
 def _without(evidence: Evidence, left: list[FoundPackage]) -> Evidence:
-    """Return evidence as if packages had not been handed in; what runs together with their programs stays as it was."""
-    names, folders = {one.name for one in left}, tuple(f"{one.folder}/" for one in left)
+    """Return evidence as if packages had not been handed in; runs with other programs in them stay."""
+    names, folders = {package.name for package in left}, tuple(f"{package.folder}/" for package in left)
     files, build, submission = evidence.files, evidence.build, evidence.submission
     assert build is not None
-    counts = [files.sources_beside.get(one.name or "", {}) for one in left]
+    counts = [files.sources_beside.get(package.name or "", {}) for package in left]
     said = f"Not graded, for none of its nodes plays a part: {', '.join(sorted(filter(None, names)))}."
-    kept = [one for one in build.executables if one.package not in names]
-    programs = {one.name for one in build.executables} - {one.name for one in kept}
+    kept = [program for program in build.executables if program.package not in names]
+    programs = {program.name for program in build.executables} - {program.name for program in kept}
     return replace(
         evidence,
-        submission=replace(submission, also=[one for one in submission.also if one not in left]),
+        submission=replace(submission, also=[package for package in submission.also if package not in left]),
         files=replace(
             files,
-            findings=[one for one in files.findings if not one[2].startswith(folders)],
+            findings=[finding for finding in files.findings if not finding[2].startswith(folders)],
             sources={
                 kind: [
-                    number - sum(one.get(kind, [0, 0])[n] for one in counts) for n, number in enumerate(pair)
+                    number - sum(count.get(kind, [0, 0])[n] for count in counts)
+                    for n, number in enumerate(pair)
                 ]
                 for kind, pair in files.sources.items()
             },
@@ -73,7 +74,7 @@ def _without(evidence: Evidence, left: list[FoundPackage]) -> Evidence:
 
 
 def _less(run: Run, programs: Collection[str]) -> Run:
-    """Return a run as if some programs had not ended in it; an empty one if there were no others."""
+    """Return a run as if some programs had not ended in it; an empty run if there were no others."""
     if {*run.programs} <= {*programs}:
         return Run(run.programs, run.setting, run.clock, [], {}, {}, {}, {}, {}, [], {}, {}, [])
     ended = {name: said for name, said in run.ended.items() if name not in programs}

@@ -1,4 +1,4 @@
-"""Files that Python or a build makes of what somebody has written, recognised by what is in them."""
+"""Files that Python or a build makes from what somebody wrote, recognised by their content."""
 
 from __future__ import annotations
 
@@ -14,14 +14,12 @@ from ros2lab.grading.unpacking import in_archive
 
 _NO_MODULES = frozenset(("__init__.py", "setup.py", "conftest.py"))
 _UNCHECKED = [number.to_bytes(4, "little") for number in (0, 1, 3)]  # PEP 552
-TIMES = (
-    10  # that an archive's bytes count: of all archives together no more is read than of one that is unpacked
-)
+TIMES = 10  # that an archive's size counts: reading all archives may cost no more than unpacking one
 _ELF, _ENTRY = b"\x7fELF", b"PyInit_"
 
 
 def note_made(copy: CleanCopy) -> None:
-    """Note the files beside a package that Python or a build has made, whatever they are called; they stay."""
+    """Note the files beside a package that Python or a build made, whatever their names; they stay."""
     paths = sorted(Path(parent, name) for parent, _, names in os.walk(copy.root) for name in names)
     modules = {path.name for path in paths if path.suffix == ".py"} - _NO_MODULES
     meter = Meter()
@@ -32,7 +30,7 @@ def note_made(copy: CleanCopy) -> None:
 
 
 def _is_compiled(path: Path) -> bool:
-    """Return whether a file is compiled Python, or a module that a compiler has made."""
+    """Return whether a file is compiled Python, or a module that a compiler made."""
     with opened(path) as file:
         start = file.read(CHUNK)
         if not start.startswith(_ELF):
@@ -41,7 +39,7 @@ def _is_compiled(path: Path) -> bool:
 
 
 def _is_packed(path: Path, modules: Set[str], meter: Meter) -> bool:
-    """Return whether an archive holds what a build has made of some modules, such as a wheel of them."""
+    """Return whether an archive, such as a wheel, holds what a build made of some modules."""
     with opened(path) as file:
         if not file.read(2).startswith((b"PK", b"\x1f\x8b", b"BZ", b"\xfd7")):
             return False
@@ -52,7 +50,7 @@ def _is_packed(path: Path, modules: Set[str], meter: Meter) -> bool:
 
 
 def _are_of_a_build(names: Iterable[PurePosixPath]) -> bool:
-    """Return whether some files lie together as only a build leaves them, or what Python packs."""
+    """Return whether some files lie together as only a build, or Python's packaging, leaves them."""
     folders = defaultdict[PurePosixPath, set[str]](set)
     for name in names:
         folders[name.parent].add(name.name)

@@ -1,4 +1,4 @@
-"""The Python files of a package, as far as starting them goes: by parsing, never by importing."""
+"""The Python files of a package and how they can be started, found by parsing, never by importing."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _LATE_IMPORTS = ("importlib", "runpy", "subprocess", "multiprocessing")
 
 @dataclass(frozen=True)
 class Module:
-    """A Python file of the package, as far as starting it goes.
+    """A Python file of the package, and how it can be started.
 
     Attributes:
-        name: how it is imported; empty for a file that is not in a Python package.
+        name: the name that it is imported by; empty for a file outside a Python package.
         file: its path below the package's folder.
-        base: the folder below the package's from which it is imported.
-        functions: those that can be called without arguments to start it; "" runs the file itself.
-        defined: all names that it binds at its top.
+        base: the folder below the package's that it is imported from.
+        functions: the functions without required arguments that start it; "" is the file itself.
+        defined: the names that it binds.
         imported: modules of the package that it imports.
-        outside: the top-level modules that it imports from elsewhere.
-        spins: whether anything in it spins something.
-        goes_on: whether anything in it may go on: it spins, or has a loop that ends with a condition.
-        asks_keyboard: whether anything in it reads what somebody types.
+        outside: the top-level modules that it imports.
+        spins: whether anything in it spins.
+        goes_on: whether anything in it may run for long: it spins, or has a `while` loop.
+        asks_keyboard: whether anything in it reads the keyboard.
         package: the name of the other package that it lies in; empty for the graded one.
     """
 
@@ -48,7 +48,7 @@ class Module:
 
     @property
     def stem(self) -> str:
-        """Its file, without folders and .py."""
+        """The name of its file, without .py."""
         return PurePosixPath(self.file).stem
 
 
@@ -77,16 +77,16 @@ def modules_of(package: Package) -> Iterator[Module]:
 
 
 def module_of(source: PythonSource, name: str, file: Path, base: str, own: Collection[str]) -> Module:
-    """Return what a source tells of a module.
+    """Return a module, as far as its source describes it.
 
     Args:
-        source: that was parsed.
-        name: how it is imported; empty if it lies in no Python package.
-        file: below the package's folder.
-        base: the folder below the package's from which it is imported.
+        source: the parsed file.
+        name: the name that it is imported by; empty if it lies in no Python package.
+        file: its path below the package's folder.
+        base: the folder below the package's that it is imported from.
         own: the names of the package's modules.
     """
-    targets = {one.target for one in source.imports}
+    targets = {found.target for found in source.imports}
     if any(target.startswith(_LATE_IMPORTS) for target in targets):
         targets |= _named_late(source, own)
     imported = sorted(m for m in own if any(t == m or t.startswith(f"{m}.") for t in targets))
@@ -108,7 +108,7 @@ def module_of(source: PythonSource, name: str, file: Path, base: str, own: Colle
 
 
 def _named_late(source: PythonSource, own: Collection[str]) -> set[str]:
-    """Return the modules of the package that texts name, where a module imports or starts others by their names."""
+    """Return the package's modules that are named in texts, for a module that imports others by name."""
     constants = (node.value for node in source.nodes if isinstance(node, ast.Constant))
     texts = {value.lstrip(".") for value in constants if isinstance(value, str)}
     return {name for name in own if {name, name.rpartition(".")[2]} & texts}
@@ -129,7 +129,7 @@ def _spins(node: ast.AST) -> bool:
 
 
 def _starts(source: PythonSource) -> Iterator[str]:
-    """Yield the functions by which a file can be started; "" stands for the file itself."""
+    """Yield the functions that a file can be started by; "" is the file itself."""
     functions = [node for node in source.tree.body if isinstance(node, ast.FunctionDef) and _is_free(node)]
     starting = {node.name for node in functions if node.name == "main" or _inits(source, node)}
     if starting:
@@ -145,7 +145,7 @@ def _is_free(function: ast.FunctionDef) -> bool:
 
 
 def _starts_itself(source: PythonSource, statement: ast.stmt) -> bool:
-    """Return whether a statement of a module starts a node, or what stands below it does where the file is run."""
+    """Return whether a statement of a module starts a node, or runs only under `__main__`."""
     if isinstance(statement, ast.If) and "__main__" in ast.dump(statement.test):
         return True
     is_definition = isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))

@@ -1,7 +1,8 @@
-"""Show a program, in the list of processes of its box, the others of its run, as a student's machine would.
+"""Show a program the other programs of its run in its list of processes, as a student's machine would.
 
-Each program has processes of its own, so that it cannot reach those of another one. What it is shown instead waits and does
-nothing, but has the other's command: those that were started before it are there when it starts, the rest once it is told.
+Each program has processes of its own, so that it cannot reach those of another. It is shown processes instead
+that have the others' commands and only wait: those of programs that were started before it are there when it
+starts, the rest once it is told to show them.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ from ros2lab.grading.keeper import FOLDER_OF_WAITING
 Command = Sequence[str | Path]
 
 _VARIABLE = "NEIGHBOURS"
-# Becomes the program when all that is to be there is. What shows the rest waits for the end of its standard input, and no
-# process is a child of the program's. The commands come by the environment: those of this one are read by nobody.
+# Becomes the program once the processes of those before it are there. Another process waits for the end of
+# its standard input and shows the rest; none is a child of the program. The commands come in the environment,
+# which nobody can read.
 _STARTER = f"""
 import json, os, signal, sys
 own, before, after = json.loads(os.environ.pop("{_VARIABLE}"))
@@ -52,15 +54,15 @@ class Neighbours:
     """The commands of the other programs of a run.
 
     Attributes:
-        before: of those that were started before.
-        after: of the others.
+        before: the commands of those that were started before.
+        after: the commands of the others.
     """
 
     before: Sequence[Command]
     after: Sequence[Command]
 
     def starting(self, command: Command) -> tuple[Command, dict[str, str]]:
-        """Return what starts a program among them, and what of its environment that needs."""
+        """Return the command that starts a program among them, and the environment variable that it needs."""
         lists = [
             [*map(str, command)],
             *([[*map(str, c)] for c in some] for some in (self.before, self.after)),

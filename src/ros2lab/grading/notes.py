@@ -1,4 +1,4 @@
-"""What was noted while a submission was received: of which kind, and about which paths."""
+"""The notes on a submission while it is received: their kinds, and the paths that they are about."""
 
 from __future__ import annotations
 
@@ -66,11 +66,11 @@ MOST_KEPT = 1000  # paths, of a kind
 
 @dataclass(frozen=True)
 class Note:
-    """What was done with some members of a submission, or seen of them.
+    """What was done with some members of a submission, or noticed about them.
 
     Attributes:
-        kind: what, and why.
-        paths: of the members, as they may be shown; `count` tells how many there are in all.
+        kind: what was done, and why.
+        paths: the members' paths, in a form that can be shown; there may be fewer than `count`.
         detail: what the kind leaves open, such as a limit.
         count: how many members it is about.
     """
@@ -86,7 +86,7 @@ class Note:
 
 
 def spoken(path: str) -> str:
-    """Return a path in a submission as a sentence has it."""
+    """Return a path in a submission as it is written in a sentence."""
     return "the top folder" if path == "." else path
 
 
