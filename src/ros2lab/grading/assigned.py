@@ -16,9 +16,9 @@ class Store:
     Attributes:
         target: a name or an attribute.
         node: what has to run for it.
-        value: that is assigned; None if it is not known.
-        path: which part of it, where it is unpacked.
-        change: what it does with the value before, if anything.
+        value: the assigned value; None if it is not known.
+        path: the indices of the part that is assigned, if the value is unpacked.
+        change: the operator of an augmented assignment; None for any other.
     """
 
     target: ast.expr
@@ -29,7 +29,7 @@ class Store:
 
     @property
     def is_change(self) -> bool:
-        """Whether what is assigned depends on what was there before."""
+        """Whether the new value depends on the old one."""
         own = text_of(self.target)
         return self.change is not None or any(
             text_of(leaf) == own for leaf in leaves(self.value or self.target)
@@ -37,10 +37,10 @@ class Store:
 
 
 def assigned(node: ast.AST) -> Iterator[Store]:
-    """Yield what a node assigns, as far as it tells to what."""
+    """Yield what a node assigns to names and attributes."""
     match node:
         case ast.Assign(targets=targets, value=value):
-            # A table runs where something names it.
+            # A dict counts as run where something looks it up.
             run = value if isinstance(value, ast.Dict) else node
             for target in targets:
                 yield from _bound(target, run, value, ())
@@ -59,7 +59,7 @@ def _bound(target: ast.expr, node: ast.AST, value: ast.expr, path: tuple[int, ..
         case ast.Name() | ast.Attribute():
             yield Store(target, node, value, path)
         case ast.Tuple(elts=parts) | ast.List(elts=parts) if not any(
-            isinstance(one, ast.Starred) for one in parts
+            isinstance(part, ast.Starred) for part in parts
         ):
             for number, part in enumerate(parts):
                 yield from _bound(part, node, value, (*path, number))

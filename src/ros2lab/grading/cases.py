@@ -1,4 +1,4 @@
-"""What an expression comes to in one case: where each name and attribute in it holds one value."""
+"""The value of an expression in a single case, in which each name and attribute in it has a known value."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.LtE: operator.le,
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
-    ast.In: lambda one, some: one in some,
-    ast.NotIn: lambda one, some: one not in some,
-    ast.Is: lambda one, other: type(one) is type(other) and one == other,
-    ast.IsNot: lambda one, other: type(one) is not type(other) or one != other,
+    ast.In: lambda member, container: member in container,
+    ast.NotIn: lambda member, container: member not in container,
+    ast.Is: lambda left, right: type(left) is type(right) and left == right,
+    ast.IsNot: lambda left, right: type(left) is not type(right) or left != right,
 }
 _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -34,7 +34,7 @@ _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Mod: operator.mod,
 }
 _CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {"float": float, "int": int, "bool": bool, "abs": abs}
-_LARGEST = 1e15  # number that is computed with
+_LARGEST = 1e15  # the largest number to compute with
 
 
 @dataclass(frozen=True)
@@ -50,27 +50,27 @@ class Given:
 
 @dataclass(frozen=True)
 class Member:
-    """A member of an enumeration, which is like no other."""
+    """A member of an enumeration, which differs from all others."""
 
     name: str
 
 
 class _FailsError(Exception):
-    """What is done with a value raises an error: neither of the branches behind it is taken."""
+    """The expression raises an error, so that no branch that depends on it is taken."""
 
 
-FAILS = _FailsError()  # what such an expression comes to
+FAILS = _FailsError()  # the value of such an expression
 
 
 class _Other:
-    """Something that is like nothing that the code names, and not empty."""
+    """A value that is not empty and differs from all that the code names."""
 
 
-Case = Mapping[str, Any]  # what each leaf of an expression is, by its text
+Case = Mapping[str, Any]  # the value of each leaf of an expression, by its source text
 
 
 def text_of(node: ast.AST) -> str:
-    """Return a piece of code as a text; one that says which it is, where a number in it is longer than Python writes."""
+    """Return the source text of a node; a unique label if Python cannot write it for a long number."""
     try:
         return ast.unparse(node)
     except ValueError:
@@ -78,7 +78,7 @@ def text_of(node: ast.AST) -> str:
 
 
 def leaves(expression: ast.AST) -> Iterator[ast.expr]:
-    """Yield the names, attributes and calls of which an expression is made."""
+    """Yield the names, attributes and calls that an expression is made of."""
     match expression:
         case ast.Name(ctx=ast.Load()) | ast.Attribute(ctx=ast.Load()):
             yield expression
@@ -94,11 +94,12 @@ def leaves(expression: ast.AST) -> Iterator[ast.expr]:
 
 
 def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:  # noqa: PLR0911 -- a table
-    """Return what stands for all that a value may be.
+    """Return samples of all that a value may be.
 
     Args:
-        value: known, or `Given`.
-        constants: with which alone it is compared; None if something else is done with it, of which nothing is known.
+        value: a known value, or `Given`.
+        constants: all that it is compared with; None if it is used in another way, too, so that nothing is
+            known.
     """
     if not isinstance(value, Given):
         return [value]
@@ -108,11 +109,16 @@ def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:  # noqa: 
         return [UNKNOWN]
     known = [*_flat(constants)]
     numbers = sorted(
-        {float(one) for one in known if isinstance(one, (int, float)) and abs(one) < _LARGEST} | {0.0}
+        {
+            float(constant)
+            for constant in known
+            if isinstance(constant, (int, float)) and abs(constant) < _LARGEST
+        }
+        | {0.0}
     )
     between = [(low + high) / 2 for low, high in itertools.pairwise(numbers)]
     numbers = [numbers[0] - 1, *numbers, *between, numbers[-1] + 1]
-    texts = ["", "\0", *(one for one in known if isinstance(one, str))]
+    texts = ["", "\0", *(constant for constant in known if isinstance(constant, str))]
     if value.kind.partition("<")[0] == "string":
         return [*texts]
     if value.kind in ("float", "double"):
@@ -126,17 +132,17 @@ def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:  # noqa: 
 
 
 def _flat(constants: Iterable[Any]) -> Iterator[Any]:
-    for one in constants:
-        yield from (_flat(one) if isinstance(one, (tuple, list, set, frozenset)) else [one])
+    for constant in constants:
+        yield from (_flat(constant) if isinstance(constant, (tuple, list, set, frozenset)) else [constant])
 
 
 def value_of(expression: ast.expr, case: Case) -> Any:
-    """Return what an expression is in a case; `UNKNOWN` or `Given` if that is not known."""
+    """Return the value of an expression; `UNKNOWN` or `Given` if not known, `FAILS` if it raises an error."""
     try:
         return _value(expression, case)
     except _FailsError:
         return FAILS
-    except Exception:  # whatever a wrong expression raises, it has no value that we know
+    except Exception:  # whatever a wrong expression raises, its value is not known
         return UNKNOWN
 
 
@@ -163,7 +169,7 @@ def _value(node: ast.expr, case: Case) -> Any:  # noqa: PLR0911 -- a table
             return Given("string")
         case ast.Tuple(elts=parts) | ast.List(elts=parts) | ast.Set(elts=parts):
             values = [value_of(part, case) for part in parts]
-            return tuple(Given() if one is UNKNOWN else one for one in values)
+            return tuple(Given() if value is UNKNOWN else value for value in values)
         case ast.IfExp(test=test, body=body, orelse=orelse):
             return _value(body if _sure(test, case) else orelse, case)
     return UNKNOWN
@@ -179,7 +185,7 @@ def _sure(node: ast.expr, case: Case) -> Any:
 
 
 def _joined(decides: bool, parts: Iterable[ast.expr], case: Case) -> Any:
-    """Return what `or` comes to, where True decides, or `and`."""
+    """Return the value of an `or`, which True `decides`, or of an `and`, which False does."""
     value: Any = not decides
     is_known = True
     for part in parts:
@@ -200,7 +206,7 @@ def _compared(node: ast.Compare, case: Case) -> Any:
         values = [value_of(side, case) for side in (left, right)]
         if FAILS in values:
             return FAILS
-        is_known = not any(one is UNKNOWN or isinstance(one, Given) for one in values)
+        is_known = not any(value is UNKNOWN or isinstance(value, Given) for value in values)
         try:
             results.append(bool(_COMPARISONS[type(sign)](*values)) if is_known else UNKNOWN)
         except TypeError:
@@ -210,12 +216,12 @@ def _compared(node: ast.Compare, case: Case) -> Any:
 
 def _computed(node: ast.BinOp, case: Case) -> Any:
     left, right = value_of(node.left, case), value_of(node.right, case)
-    if any(isinstance(one, str) or one == Given("string") for one in (left, right)):
+    if any(isinstance(side, str) or side == Given("string") for side in (left, right)):
         return Given("string")
     return changed(left, node.op, right)
 
 
 def changed(left: Any, sign: ast.operator, right: Any) -> Any:
-    """Return what two numbers come to; `UNKNOWN` for anything else."""
-    are_numbers = all(isinstance(one, (int, float)) and abs(one) < _LARGEST for one in (left, right))
+    """Return the result of an operation on two numbers; `UNKNOWN` for anything else."""
+    are_numbers = all(isinstance(side, (int, float)) and abs(side) < _LARGEST for side in (left, right))
     return _ARITHMETIC[type(sign)](left, right) if are_numbers and type(sign) in _ARITHMETIC else UNKNOWN

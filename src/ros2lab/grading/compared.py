@@ -1,4 +1,4 @@
-"""The texts with which a program compares what it gets: by `==`, by `case`, or as a key of a dictionary."""
+"""The texts that a program compares its input with: by `==`, by `case`, or as a key of a dictionary."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ LONGEST, MOST = 30, 100  # characters, texts
 
 
 def compared(code: Iterable[ast.AST]) -> list[str]:
-    """Return the short texts with which something is compared in code, such as all that runs."""
+    """Return the short texts that some code, such as all that runs, compares something with."""
     return sorted({text for node in code for text in _texts(node)})[:MOST]
 
 
@@ -17,13 +17,13 @@ def _texts(node: ast.AST) -> Iterator[str]:
     values: list[ast.expr | None] = []
     match node:
         case ast.Compare(left=left, ops=ops, comparators=others):
-            if all(isinstance(one, (ast.Eq, ast.NotEq)) for one in ops):
+            if all(isinstance(operator, (ast.Eq, ast.NotEq)) for operator in ops):
                 values = [left, *others]
         case ast.MatchValue(value=value):
             values = [value]
         case ast.Dict(keys=keys):
             values = keys
-    for one in values:
-        match one:
+    for expression in values:
+        match expression:
             case ast.Constant(value=str(text)) if len(text) <= LONGEST:
                 yield text

@@ -1,6 +1,6 @@
-"""What code that runs would do with an end of a topic, if nothing kept it from that: as far as reading tells.
+"""What running code would do with an end of a topic if nothing kept it from that, as far as reading tells.
 
-What could not be tried where it is graded is excused only as far as it stands in the code.
+What could not be tried during grading is excused only if the code would do it.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.publishing import Publishing
 
-# What an end's code does: publish on it, again and again, numbers that are finite, in time; read what comes, log something now and then, name all of the commands.
+# What code does with a publisher: publish, again and again, finite numbers, in time. With a subscription:
+# read the messages, log something now and then, name all of the commands.
 PUBLISHES, REPEATS, FINITE, PACED = "publishes", "repeats", "finite", "paced"
 READS, LOGS, COMPARES = "reads", "logs", "compares"
-# What a line of code would have to do, in a clause.
+# What a line of code would have to do, as a clause.
 CLAUSES = {
     PUBLISHES: "publishes there",
     REPEATS: "publishes there again and again",
@@ -32,16 +33,16 @@ CLAUSES = {
 }
 
 _SAYING = LOG_METHODS | {"log", "exception", "write"}
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Za-z][a-z]*")  # of a text or a name
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Za-z][a-z]*")  # in a text or a name
 
 
 class Deeds:
-    """What the code of some files does with the ends that it makes.
+    """What the code of some files does with the ends that it creates.
 
     Args:
         sources: the files.
-        code: that runs while a program lives.
-        words: the commands that a subscription may get.
+        code: the nodes that run while a program lives.
+        words: the commands that a subscription may receive.
     """
 
     def __init__(self, sources: NodeSources, code: frozenset[ast.AST], words: Collection[str]) -> None:
@@ -51,7 +52,7 @@ class Deeds:
         self._publishing = Publishing(sources, code)
 
     def entered(self, end: WrittenEnd, creation: Creation) -> WrittenEnd:
-        """Return an end with what is done with what a call makes, what that never is, and its timers' periods."""
+        """Return an end with what is done and never done with what a call creates, and timers' periods."""
         if self._publishing.is_destroyed(creation):
             return replace(end, does=[])
         if not end.is_publisher:
@@ -78,12 +79,16 @@ class Deeds:
         return [deed for deed, is_done in does.items() if is_done]
 
     def _is_read(self, creation: Creation) -> bool | None:
-        """Return whether a callback looks at what it is given; None if it is not known which one it is."""
+        """Return whether a subscription's callback reads its message; None if the callback is not known."""
         given = (creation.arguments or {}).get("callback")
         function = given if isinstance(given, ast.Lambda) else self._sources.function_of(creation, given)
         if function is None:
             return None
-        names = [one.arg for one in (*function.args.posonlyargs, *function.args.args) if one.arg != "self"]
+        names = [
+            parameter.arg
+            for parameter in (*function.args.posonlyargs, *function.args.args)
+            if parameter.arg != "self"
+        ]
         if not names:
             return function.args.vararg is not None
         kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type"))
@@ -101,7 +106,7 @@ class Deeds:
 
     @cached_property
     def _logs(self) -> bool:
-        """Return whether something is logged or printed more than once: by a callback, or in a loop."""
+        """Whether something is logged or printed more than once: by a callback, or in a loop."""
         return any(
             _says(node) and (node in loops or not self._is_once(source, function)) and node not in handlers
             for source in self._sources.sources.values()
@@ -112,7 +117,7 @@ class Deeds:
         )
 
     def _is_once(self, source: PythonSource, function: Function | None) -> bool:
-        """Return whether a function only begins or starts a node, or is none at all."""
+        """Return whether code runs only once: outside functions, in `__init__`, or beside `rclpy.init`."""
         return (
             function is None
             or function.name == "__init__"
@@ -125,9 +130,9 @@ class Deeds:
 
     @cached_property
     def _compares(self) -> bool:
-        """Return whether each of the commands stands in the code, as a text or in a name that it gives.
+        """Whether all of the commands are in the code, as a text or in the name of a variable or a function.
 
-        A text that is only logged, or describes the code, tells no words apart.
+        A text that is only logged, or describes the code, does not count.
         """
         told = set[ast.AST]()
         for node in self._code:
@@ -143,12 +148,12 @@ class Deeds:
 
 
 def _is_no_field(name: str, fields: Collection[str]) -> bool:
-    """Return whether a message of some fields has nothing of a name: neither a field nor what all messages have."""
+    """Return whether a message has no such attribute: neither a field nor one that all messages have."""
     return name not in fields and not name.startswith(("_", "get_", "SLOT"))
 
 
 def _names(node: ast.AST) -> str:
-    """Return the name by which something is used, or looked up."""
+    """Return the name of a variable or attribute that is read; empty for any other node."""
     match node:
         case ast.Name(id=name, ctx=ast.Load()) | ast.Attribute(attr=name, ctx=ast.Load()):
             return name
@@ -158,7 +163,7 @@ def _names(node: ast.AST) -> str:
 
 
 def _given(node: ast.AST) -> str:
-    """Return the text that a constant is, or the name that is given to something."""
+    """Return the text of a constant, or the name that is assigned or defined; empty for any other node."""
     match node:
         case ast.Constant(value=str(text)):
             return text
@@ -177,7 +182,7 @@ def _says(node: ast.AST) -> bool:
 
 
 def _within(source: PythonSource, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
-    """Yield everything in a file that stands in a statement of some kinds."""
+    """Yield the statements of some kinds in a file, and all nodes in them."""
     for node in source.nodes:
         if isinstance(node, kinds):
             yield from ast.walk(node)

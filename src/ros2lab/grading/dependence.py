@@ -1,7 +1,7 @@
-"""The texts on which something depends, of those with which code compares what a message may hold.
+"""The texts that code compares with values from messages, if something depends on the result.
 
-A comparison tells words apart only if what is compared may have come with a message, and if something is done, or may
-be done, by its result. What may come with a message is followed by names: through assignments, calls and attributes.
+A comparison tells words apart only if the value may come from a message, and if what is done may depend on
+the result. Values from messages are followed by name: through assignments, calls and attributes.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.compared import compared
 from ros2lab.grading.running import Code
 
-Name = tuple[ast.AST | None, str]  # the function whose name it is; None for a module's, and for an attribute
+Name = tuple[ast.AST | None, str]  # the function that a name is local to; None for a global or an attribute
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 _LOOKS_UP = frozenset(("get", "pop", "setdefault", "index", "count", "__getitem__", "__contains__"))
 
 
 def depended_on(sources: Collection[PythonSource], code: Code) -> list[str]:
-    """Return the texts with which code that runs compares what may come with a message, and on which something depends."""
+    """Return the texts that running code compares with values from messages, if something depends on it."""
     flow = _Flow(NodeSources({source.name: source for source in sources}), {node for _, node in code})
     return compared(node for node in flow.code if flow.tells_apart(node))
 
 
 class _Flow:
-    """Where what comes with a message goes.
+    """Where values from messages go.
 
     Attributes:
-        code: that runs.
+        code: the nodes that run.
     """
 
     def __init__(self, sources: NodeSources, code: set[ast.AST]) -> None:
@@ -48,13 +48,13 @@ class _Flow:
         )
         self._has_callbacks = "create_subscription" in self._called
         self._own_names = cache(_own_names)
-        self._named = defaultdict[str, list[ast.AST]](list)  # functions
+        self._named = defaultdict[str, list[ast.AST]](list)  # functions by name
         for node in code:
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
                 self._named[node.name].append(node)
 
     def tells_apart(self, node: ast.AST) -> bool:
-        """Return whether something depends on a comparison of what may come with a message, or on where it is looked up."""
+        """Return whether something depends on a comparison or look-up of a value from a message."""
         match node:
             case ast.Compare(left=left, comparators=others):
                 return any(map(self._comes, (left, *others))) and self._matters(node)
@@ -72,8 +72,8 @@ class _Flow:
         return False
 
     def _look_ups(self, table: ast.Dict) -> Iterator[ast.AST]:
-        """Yield where what may come with a message is looked up in a dictionary, or meets it."""
-        kept = {_name(one) for one in _targets(self._parents.get(table))}
+        """Yield the nodes in which a value from a message is looked up in a dictionary, or used beside it."""
+        kept = {_name(target) for target in _targets(self._parents.get(table))}
         for node in self.code:
             parts: list[ast.AST] = []
             match node:
@@ -82,18 +82,20 @@ class _Flow:
                 case ast.Compare(left=left, comparators=others):
                     parts = [left, *others]
                 case ast.Call(func=function, args=given, keywords=named):
-                    parts = [function, *given, *(one.value for one in named)]
-            is_there = any(one is table or _name(one) in kept for part in parts for one in ast.walk(part))
+                    parts = [function, *given, *(keyword.value for keyword in named)]
+            is_there = any(
+                inner is table or _name(inner) in kept for part in parts for inner in ast.walk(part)
+            )
             if is_there and any(map(self._comes, parts)):
                 yield node
 
     def _matters(self, node: ast.AST) -> bool:
-        """Return whether something is done, or may be done, by what an expression says."""
+        """Return whether what is done may depend on the value of an expression."""
         above = self._parents.get(node)
         matters = above is not None
         match above:
-            case ast.If(test=test, body=body, orelse=other) | ast.While(test=test, body=body, orelse=other):
-                matters = test is not node or any(map(_does_something, (*body, *other)))
+            case ast.If(test=test, body=body, orelse=orelse) | ast.While(test=test, body=body, orelse=orelse):
+                matters = test is not node or any(map(_does_something, (*body, *orelse)))
             case ast.Expr():
                 matters = isinstance(node, (ast.Call, ast.Await, ast.Yield)) and not _is_look_up(node)
             case ast.Assert():
@@ -113,17 +115,17 @@ class _Flow:
         return any(self._loaded[_name(target)] for target in _targets(assignment))
 
     def _comes(self, node: ast.AST) -> bool:
-        """Return whether an expression may hold what comes with a message."""
-        return any(self._key(one) in self._coming for one in ast.walk(node) if _name(one))
+        """Return whether an expression may hold a value from a message."""
+        return any(self._key(inner) in self._coming for inner in ast.walk(node) if _name(inner))
 
     @cached_property
     def _coming(self) -> set[Name]:
-        """The names of what may come with a message."""
+        """The names that may hold values from messages."""
         coming: set[Name] = set()
         for function in self.code:
             if isinstance(function, _FUNCTIONS) and not self._is_called(function):
                 coming |= {(function, name) for name in _given(function)}
-        self._coming = coming  # what is found until now, for what looks it up
+        self._coming = coming  # those found so far, which `_handed_on` looks up
         before = -1
         while before < len(coming):
             before = len(coming)
@@ -132,12 +134,12 @@ class _Flow:
         return coming
 
     def _is_called(self, function: ast.AST) -> bool:
-        """Return whether a function of the hand-in is only called by its name, so that its calls tell what it is given."""
+        """Return whether a function is only ever called by name, so that the calls show all its arguments."""
         name = getattr(function, "name", "")
         return bool(name) and self._called[name] > 0 and self._loaded[name] == self._called[name]
 
     def _handed_on(self, node: ast.AST) -> Iterator[Name]:
-        """Yield the names that get what may come with a message."""
+        """Yield the names to which a node gives a value from a message."""
         match node:
             case (
                 ast.Assign(value=value)
@@ -145,31 +147,31 @@ class _Flow:
                 | ast.AugAssign(value=value)
             ):
                 given = self._comes(value) or self._is_from_outside(value)
-                yield from (self._key(one) for one in _targets(node) if given)
+                yield from (self._key(name) for name in _targets(node) if given)
             case ast.NamedExpr(target=target, value=value):
                 yield from [self._key(target)] if self._comes(value) else []
             case ast.For(target=target, iter=values) | ast.comprehension(target=target, iter=values):
-                yield from (self._key(one) for one in _names(target) if self._comes(values))
+                yield from (self._key(name) for name in _names(target) if self._comes(values))
             case ast.Match(subject=subject) if self._comes(subject):
-                yield from (self._key(one) for case in node.cases for one in ast.walk(case.pattern))
+                yield from (self._key(part) for case in node.cases for part in ast.walk(case.pattern))
             case ast.Call(func=function, args=given, keywords=named):
-                if any(map(self._comes, (*given, *(one.value for one in named)))):
+                if any(map(self._comes, (*given, *(keyword.value for keyword in named)))):
                     yield from self._received(function)
 
     def _received(self, function: ast.expr) -> Iterator[Name]:
-        """Yield the names that get what a call is given: the parameters of what is called, or what keeps it."""
+        """Yield the names that may get a call's arguments: parameters, and the object of a method."""
         name = _name(function)
-        for one in (*self._named[name], *self._named["__init__"]):
-            yield from ((one, given) for given in _given(one))
+        for called in (*self._named[name], *self._named["__init__"]):
+            yield from ((called, given) for given in _given(called))
         if isinstance(function, ast.Attribute) and _name(function.value) not in ("", "self"):
             yield self._key(function.value)
 
     def _is_from_outside(self, value: ast.expr) -> bool:
-        """Return whether a value may come from outside, where no callback is given what comes."""
+        """Return whether a value may be input: it comes from a call, and no callback receives messages."""
         return not self._has_callbacks and any(isinstance(node, ast.Call) for node in ast.walk(value))
 
     def _key(self, node: ast.AST) -> Name:
-        """Return what a name stands for: a function's own, or a module's; an attribute is one wherever it is used."""
+        """Return what a name refers to: a local, a global, or an attribute, which is the same everywhere."""
         name = _name(node)
         if isinstance(node, ast.Attribute):
             return (None, f".{name}")
@@ -179,7 +181,7 @@ class _Flow:
         return (function, name)
 
     def _above(self, node: ast.AST, *kinds: type[ast.AST]) -> ast.AST | None:
-        """Return the innermost of some kinds in which something stands."""
+        """Return the innermost node of some kinds around another one; None if there is none."""
         above = self._parents.get(node)
         while above is not None and not isinstance(above, kinds):
             above = self._parents.get(above)
@@ -198,7 +200,7 @@ def _name(node: ast.AST | None) -> str:
 
 
 def _names(target: ast.AST) -> list[ast.AST]:
-    """Return what a target gives values to."""
+    """Return the names, attributes and containers that a target assigns to."""
     match target:
         case ast.Tuple(elts=parts) | ast.List(elts=parts):
             return [name for part in parts for name in _names(part)]
@@ -208,16 +210,16 @@ def _names(target: ast.AST) -> list[ast.AST]:
 
 
 def _given(function: ast.AST) -> list[str]:
-    """Return the names of what a function is given, but itself."""
+    """Return the names of a function's parameters except self."""
     args = (
         function.args if isinstance(function, _FUNCTIONS) else ast.arguments([], [], None, [], [], None, [])
     )
     every = [*args.posonlyargs, *args.args, *args.kwonlyargs, args.vararg, args.kwarg]
-    return [one.arg for one in every if one and one.arg != "self"]
+    return [parameter.arg for parameter in every if parameter and parameter.arg != "self"]
 
 
 def _targets(node: ast.AST | None) -> list[ast.AST]:
-    """Return what an assignment gives values to."""
+    """Return the names, attributes and containers that an assignment assigns to."""
     match node:
         case ast.Assign(targets=targets):
             return [name for target in targets for name in _names(target)]
@@ -227,7 +229,7 @@ def _targets(node: ast.AST | None) -> list[ast.AST]:
 
 
 def _own_names(function: ast.AST) -> frozenset[str]:
-    """Return the names that are a function's own: what it is given, and what it gives a value."""
+    """Return the names that are local to a function: its parameters, and what it assigns to."""
     names = {*_given(function)}
     inner: list[ast.AST] = [function]
     while inner:
@@ -245,7 +247,7 @@ def _is_look_up(node: ast.AST) -> bool:
 
 
 def _does_something(statement: ast.stmt) -> bool:
-    """Return whether a statement is more than a place for one."""
+    """Return whether a statement is more than `pass` or a constant."""
     match statement:
         case ast.Pass() | ast.Expr(value=ast.Constant()):
             return False

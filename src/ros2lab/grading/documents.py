@@ -1,4 +1,4 @@
-"""What was written to be read: the README, the words in the code, and recordings of nodes that run."""
+"""What was written for readers: the README, docstrings and comments, and recordings of running nodes."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
 LEAST_RECORDING = 40  # bytes, packed
 MOST_NAMES = 20
-MOST_NAMES_OF_ONE = 3  # definitions, of which one docstring may tell
+MOST_NAMES_OF_ONE = 3  # definitions that may share a docstring
 LONGEST_ARTICLE = 3  # letters
-MOST_FILES = 500  # in which names are looked for
+MOST_FILES = 500  # that are searched for names
 
 _README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
 _NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
@@ -47,7 +47,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
 _QUOTED = re.compile(r"`([A-Za-z_]\w*)(?:\(\))?`")
-_A_WORD = re.compile(r"[^\W\d_]{2}|[^\W\da-zA-Z_]")  # of letters; in some scripts one is a word
+_A_WORD = re.compile(r"[^\W\d_]{2}|[^\W\da-zA-Z_]")  # in some scripts, a single letter is a word
 _OF_LICENCE = re.compile(r"copyright|licen[sc]e", re.IGNORECASE)
 _OF_TOOLS = re.compile(r"#\s*(?:[!/]|(?:todo|fixme|xxx)\b)|#.*(?:coding[:=]|noqa|type:)", re.IGNORECASE)
 _NEVER_PROSE = (
@@ -68,14 +68,14 @@ _TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".asciidoc", ".org"))
 
 
 def recordings(root: Path, paths: Iterable[PurePosixPath]) -> list[str]:
-    """Return the pictures, films and logs, of which some may show the nodes running; not more than a few, and no empty ones."""
+    """Return the first few pictures, films and logs that are not empty; they may show the nodes running."""
     named = sorted(path for path in paths if _RECORDINGS.fullmatch(path.name))
     shown = (str(path) for path in named if _holds_something(root / path))
     return [*itertools.islice(shown, MOST_RECORDINGS)]
 
 
 def _holds_something(path: Path) -> bool:
-    """Return whether there is more in a file than a few bytes, or the same ones again and again."""
+    """Return whether a file has more content than a few bytes, or the same ones again and again."""
     with contextlib.suppress(OSError), opened(path) as file:
         return len(zlib.compress(file.read(CHUNK))) >= LEAST_RECORDING
     return False
@@ -84,26 +84,26 @@ def _holds_something(path: Path) -> bool:
 def readmes(
     root: Path, paths: Iterable[PurePosixPath], submission: Submission, launching: Iterable[FoundPackage] = ()
 ) -> str:
-    """Return what the README says: the package's, the workspace's, those around them; else other notes there.
+    """Return the text of the READMEs, the package's first; if there are none, of other notes near it.
 
     Args:
-        root: the folder into which it was received.
-        paths: of all its files, relative to that.
+        root: the folder that holds the submission.
+        paths: the paths of all its files, relative to `root`.
         submission: what was found there.
-        launching: other packages that count, too, for what they launch.
+        launching: other packages that count because they launch the assignment's.
 
     Returns:
         The text, at most `LONGEST_README` characters; empty if there is none.
     """
     package = submission.package.folder if submission.package else None
-    counting = [one.folder for one in (*submission.also, *launching)]
+    counting = [found.folder for found in (*submission.also, *launching)]
     own = {package, submission.workspace, *counting} - {None}
-    others = {one.folder for one in submission.packages} - own
+    others = {found.folder for found in submission.packages} - own
     files = [file for file in paths if _is_text(file) and not others & {*map(str, file.parents)} - {"."}]
     named = [file for file in files if _README.fullmatch(file.name)]
     if not named:
         around = {".", "docs", "doc"}.union(*({folder, f"{folder}/docs", f"{folder}/doc"} for folder in own))
-        # In whatever language it is named, and also without the ending of such a text if it is about ROS.
+        # Their names may be in any language; a .txt, or a file without an ending, must be about ROS.
         named = [
             file
             for file in files
@@ -116,7 +116,7 @@ def readmes(
 
 
 def is_prose(file: PurePosixPath) -> bool:
-    """Return whether a file is a text for people, as far as its ending tells."""
+    """Return whether a file is a text for people, judged by its ending."""
     return file.suffix.lower() in _TEXTS - {""}
 
 
@@ -134,7 +134,7 @@ def _shown(file: Path) -> str:
 
 
 def _any_text(path: Path) -> str:
-    """Return the beginning of a file, whatever its encoding; nothing if it is no text."""
+    """Return the beginning of a file in any encoding; empty if it is not text."""
     try:
         with path.open("rb") as file:
             data = file.read(4 * LONGEST_README)
@@ -150,7 +150,7 @@ def _any_text(path: Path) -> str:
 
 
 def named_in(text: str, sources: Iterable[PythonSource]) -> list[str]:
-    """Return the classes, functions and files that a text names, of those whose names are no plain words."""
+    """Return the classes, functions and files that a text names, unless their names are plain words."""
     kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     names = {node.name for source in sources for node in source.nodes if isinstance(node, kinds)}
     names |= {PurePosixPath(source.shown).name for source in sources}
@@ -159,9 +159,9 @@ def named_in(text: str, sources: Iterable[PythonSource]) -> list[str]:
 
 
 def foreign_names(text: str, root: Path, paths: Iterable[PurePosixPath]) -> list[str]:
-    """Return the names of code in a README that nothing handed in has, where they are more than those that it has.
+    """Return a README's names of code that the submission lacks, if they outnumber those that it has.
 
-    A name of code is that of a Python file, or stands in backticks and is a topic or no plain word.
+    A name of code is that of a Python file, or in backticks and either a topic or not a plain word.
     """
     named = {*_PYTHON_FILE.findall(text), *_TOPIC.findall(text)}
     named |= {name for name in _QUOTED.findall(text) if re.search(r"[a-z][A-Z]|\w_\w", name)}
@@ -177,15 +177,15 @@ def foreign_names(text: str, root: Path, paths: Iterable[PurePosixPath]) -> list
 
 
 def _code_of(text: str, suffix: str) -> str:
-    """Return what a file of code says, without what it says to people only: comments, docstrings and descriptions."""
+    """Return the text of a file of code without comments, docstrings and descriptions."""
     if suffix == ".py":
-        tokens = [one for one in _tokens(text) if one.type not in (tokenize.NL, tokenize.COMMENT)]
+        tokens = [token for token in _tokens(text) if token.type not in (tokenize.NL, tokenize.COMMENT)]
         begin = (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.STRING)
-        before = [tokenize.NEWLINE, *(one.type for one in tokens)]
+        before = [tokenize.NEWLINE, *(token.type for token in tokens)]
         text = " ".join(
-            one.string
-            for one, kind in zip(tokens, before, strict=False)
-            if one.type != tokenize.STRING or kind not in begin
+            token.string
+            for token, kind in zip(tokens, before, strict=False)
+            if token.type != tokenize.STRING or kind not in begin
         )
     return _DESCRIPTION.sub("", COMMENT.sub("", text))
 
@@ -195,19 +195,19 @@ def described(sources: Iterable[PythonSource], code: Code = ()) -> dict[str, lis
 
     Args:
         sources: the modules.
-        code: that runs. What never does, or does nothing, is left out where words stand in it.
+        code: the nodes that run. A described definition that never runs, or does nothing, is not counted.
     """
     running = {node for _, node in code}
-    found = [one for source in sources for one in _describable(source, running)]
+    found = [definition for source in sources for definition in _describable(source, running)]
     said = _said_of_many(found) | _generated(found)
     counts = {"modules": [0, 0], "classes": [0, 0], "functions": [0, 0]}
-    for one in found:
-        is_described = any(said.isdisjoint((text, one.rest(text))) for text in one.texts)
-        if is_described and one.is_vain:
+    for definition in found:
+        is_described = any(said.isdisjoint((text, definition.rest(text))) for text in definition.texts)
+        if is_described and definition.is_vain:
             continue
-        if is_described or not one.says_itself:
-            counts[one.kind][0] += is_described
-            counts[one.kind][1] += 1
+        if is_described or not definition.says_itself:
+            counts[definition.kind][0] += is_described
+            counts[definition.kind][1] += 1
     return counts
 
 
@@ -217,9 +217,9 @@ class _Describable:
 
     Attributes:
         kind: `modules`, `classes` or `functions`.
-        names: its own, which comes first, and those of what it is given; none of a module.
-        docstring: if it says more than the name.
-        comments: that are its own.
+        names: its own name, followed by those of its parameters; empty for a module.
+        docstring: its docstring; empty if that says no more than the name.
+        comments: its own comments.
         says_itself: whether it needs no words.
         is_vain: whether it never runs, or does nothing.
     """
@@ -233,36 +233,36 @@ class _Describable:
 
     @property
     def texts(self) -> list[str]:
-        """Return all that is said of it."""
+        """Its docstring, unless it is empty, and its comments."""
         return [*filter(None, [self.docstring]), *self.comments]
 
     def rest(self, text: str) -> str:
-        """Return what a text says besides the names, in small letters: what could be written without looking at more."""
+        """Return the words of a text in lower case, without those of the names."""
         own = {*_LETTERS.findall(" ".join(self.names).lower())}
         return " ".join(word for word in dict.fromkeys(_LETTERS.findall(text.lower())) if word not in own)
 
 
 def _said_of_many(found: Iterable[_Describable]) -> set[str]:
-    """Return the docstrings that definitions of several names share: they tell none of them from the others.
+    """Return the docstrings that definitions of too many names share, so that they describe none of them.
 
-    What a module's docstring says may be said of its class again.
+    Modules do not count: a class may repeat its module's docstring.
     """
     names: dict[str, set[str]] = {}
-    for one in found:
-        if one.names and one.docstring:
-            names.setdefault(one.docstring, set()).add(one.names[0])
+    for definition in found:
+        if definition.names and definition.docstring:
+            names.setdefault(definition.docstring, set()).add(definition.names[0])
     return {text for text, sharing in names.items() if len(sharing) > MOST_NAMES_OF_ONE}
 
 
 def _generated(found: Iterable[_Describable]) -> set[str]:
-    """Return what most of those of which something is said share, each with its own names: a program can write that.
+    """Return the texts that most described definitions share, apart from names: a program can write them.
 
-    Words as short as an article or a preposition alone may be what somebody has written.
+    A person may have written them if only words as short as an article or a preposition are left.
     """
     names: dict[str, set[str]] = {}
-    for one in found:
-        for text in one.texts if one.names else ():
-            names.setdefault(one.rest(text), set()).add(one.names[0])
+    for definition in found:
+        for text in definition.texts if definition.names else ():
+            names.setdefault(definition.rest(text), set()).add(definition.names[0])
     most = max(MOST_NAMES_OF_ONE, len({name for sharing in names.values() for name in sharing}) / 2)
     return {
         text
@@ -284,7 +284,7 @@ def _describable(source: PythonSource, running: Collection[ast.AST]) -> Iterator
         given = [] if isinstance(node, ast.ClassDef) else [*ast.walk(node.args)]
         yield _Describable(
             "classes" if is_class else "functions",
-            [node.name, *(one.arg for one in given if isinstance(one, ast.arg))],
+            [node.name, *(parameter.arg for parameter in given if isinstance(parameter, ast.arg))],
             _docstring(node),
             _own_comments(node, comments, lines),
             _says_itself(node, named),
@@ -295,42 +295,43 @@ def _describable(source: PythonSource, running: Collection[ast.AST]) -> Iterator
 def _own_comments(
     node: ast.ClassDef | Function, comments: Mapping[int, tokenize.TokenInfo], lines: Sequence[str]
 ) -> list[str]:
-    """Return the comments in a definition, and those above it."""
+    """Return the comments in a definition, and the one right above it."""
     start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-    # A class is not described by what stands in its methods.
+    # Comments in its methods do not describe a class.
     end = node.body[0].lineno if isinstance(node, ast.ClassDef) else node.end_lineno or node.lineno
     above = start - 1
     while above > 0 and not lines[above - 1].strip():
         above -= 1
     own = [token.string for line, token in comments.items() if start <= line <= end]
-    # What stands further to the right ends the function above.
+    # A comment further to the right is the end of the function above.
     if above in comments and comments[above].start[1] <= node.col_offset:
         own.append(comments[above].string)
     return own
 
 
 def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | Function]) -> bool:
-    """Return whether a function needs no words: `__init__`, `main` beside others, and what has one statement only."""
+    """Return whether a definition needs no words: `__init__`, `main` beside others, a single statement."""
     is_short = len(node.body) == 1 and not {"body", "cases"} & {*node.body[0]._fields}
     is_known = re.fullmatch(r"__\w+__|setUp|tearDown", node.name) or (node.name == "main" and len(named) > 1)
     return is_short or bool(is_known)
 
 
 def _does_nothing(node: ast.ClassDef | Function) -> bool:
-    """Return whether a function only passes, or gives back what it holds itself."""
+    """Return whether a function only passes, or returns a constant."""
     if isinstance(node, ast.ClassDef):
         return False
     return all(
-        isinstance(one, ast.Pass)
+        isinstance(statement, ast.Pass)
         or (
-            isinstance(one, (ast.Expr, ast.Return)) and (not one.value or isinstance(one.value, ast.Constant))
+            isinstance(statement, (ast.Expr, ast.Return))
+            and (not statement.value or isinstance(statement.value, ast.Constant))
         )
-        for one in node.body
+        for statement in node.body
     )
 
 
 def _docstring(node: ast.Module | ast.ClassDef | Function) -> str:
-    """Return a docstring that says something: more than a name, and not what is to do; empty if there is none."""
+    """Return a docstring if it is prose and more than the name or a to-do note; otherwise empty."""
     text = ast.get_docstring(node) or ""
     name = getattr(node, "name", "").replace("_", "").lower()
     is_name = bool(name) and re.sub(r"[\W_]", "", text).lower() == name
@@ -338,13 +339,13 @@ def _docstring(node: ast.Module | ast.ClassDef | Function) -> str:
 
 
 def _comments(text: str) -> dict[int, tokenize.TokenInfo]:
-    """Return the comments that somebody wrote to be read, by line.
+    """Return the comments that were written for readers, by line.
 
-    A licence, settings of tools, what is still to be done, paths and code that was taken out are none.
+    Licences, settings of tools, to-do notes, paths and commented-out code are not.
     """
     return {
         token.start[0]: token
-        for block in _blocks(one for one in _tokens(text) if one.type == tokenize.COMMENT)
+        for block in _blocks(found for found in _tokens(text) if found.type == tokenize.COMMENT)
         if not _is_code(textwrap.dedent("\n".join(token.string[1:] for token in block)))
         and not any(_OF_LICENCE.search(token.string) for token in block)
         for token in block
@@ -359,7 +360,7 @@ def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
 
 
 def _blocks(tokens: Iterable[tokenize.TokenInfo]) -> list[list[tokenize.TokenInfo]]:
-    """Return comments in blocks of lines that follow one another in one column."""
+    """Group comments on consecutive lines that start in the same column."""
     blocks: list[list[tokenize.TokenInfo]] = []
     for token in tokens:
         is_next = blocks and (blocks[-1][-1].start[0] + 1, blocks[-1][-1].start[1]) == token.start
@@ -378,13 +379,15 @@ def _is_prose(comment: str) -> bool:
 
 
 def _is_code(text: str) -> bool:
-    """Return whether a comment is Python in a form that prose never has."""
-    for end in ("", "\n    pass"):  # the first line of a block of code was taken out as well
+    """Return whether a comment is Python code that cannot be prose."""
+    for end in ("", "\n    pass"):  # it may be the first line of a block
         try:
             statements = ast.parse(text + end).body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             continue
-        values = [one.value if isinstance(one, ast.Expr) else one for one in statements]
-        # Prose of one line may be a name, a comparison (`the robot is ready`) or `import messages`.
-        return any(isinstance(one, _NEVER_PROSE) for one in values)
+        values = [
+            statement.value if isinstance(statement, ast.Expr) else statement for statement in statements
+        ]
+        # A line of prose may be a name, a comparison (`the robot is ready`) or `import messages`.
+        return any(isinstance(value, _NEVER_PROSE) for value in values)
     return False

@@ -1,4 +1,4 @@
-"""Why it could not be tried where it is graded what a node does, so that it costs nothing."""
+"""Why what a node does could not be tried during grading, so that it costs no points."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from ros2lab.rhythm import has_period
 
 
 def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, str]:
-    """Return why it could not be tried here what the node of a part does, and what no line of its code does.
+    """Return why what a part's node does could not be tried here, and what no line of its code does.
 
-    What no line of the code would do is done nowhere, and nothing excuses it.
+    Nothing excuses what no line of the code would do.
 
     Args:
         case: the evidence.
-        part: of the assignment.
-        deeds: what the code must do with the end of a topic, besides what every end is for.
+        part: the part of the assignment.
+        deeds: what the code must do with the topic, besides publishing on it or reading its messages.
 
     Returns:
-        Two clauses, each of which is empty if there is nothing to say.
+        Two clauses, either of which may be empty.
     """
     players = [player for player in case.players[part.name] if player.run.setting != GIVEN]
     if not players:
@@ -39,12 +39,12 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, st
 
 
 def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
-    """Return why it could not be tried what the players of a part do, in a clause; empty if it could.
+    """Return a clause that says why what the players of a part do could not be tried; empty if it could.
 
-    What the code itself shows comes first: a program in which nothing spins or loops would end wherever it runs,
-    and one in which nothing spins receives nothing, wherever it runs.
+    What the code itself shows comes first: a program in which nothing spins or loops would end anywhere, and
+    one in which nothing spins would receive nothing anywhere.
     """
-    # What ends with an error of its own, or is heard, does not wait for anything.
+    # A program that ends with an error of its own, or does something, is not waiting for anything.
     is_mute = not any(player.is_heard for player in players)
     is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
     needs = (_needs(case, part, player, is_mute=is_mute) for player in players)
@@ -60,26 +60,26 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
 
 
 def _needs(case: Case, part: Part, player: Player, *, is_mute: bool) -> str:
-    """Return what a player's program needs that is not there, in a clause; empty if that keeps it from nothing."""
+    """Return a clause that says what a player's program needs and lacks; empty if it can do without."""
     program, said = case.executables.get(player.program), player.end or ""
     is_called_back = part.end != "publisher"
     if program is None or program.is_brief or (is_called_back and program.never_spins):
         return ""
     absent = [*_absent(case, program), *lacked(said)]
-    if not absent or not (is_mute or is_for_want(said)):  # it may print whatever it likes
+    if not absent or not (is_mute or is_for_want(said)):  # a program may print anything
         return ""
     return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
 
 
 def _unwatched(case: Case, part: Part) -> str:
-    """Return why no node of a part was seen, in a clause, if its program was not watched for want of time."""
+    """Return a clause if there was no time to watch the program that may play a part; else empty."""
     unseen = [run for run in case.evidence.runs if run.unfinished and not run.nodes]
     names = (name for run in unseen for name in run.programs)
     return unseen[0].unfinished if any(case.may_be(name, part) for name in names) else ""
 
 
 def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | None:
-    """Return what of some deeds the code that may make a player's end does with it; None if nobody knows."""
+    """Return which of the deeds the code that may create a player's end does with it; None if not known."""
     program = case.executables.get(player.program)
     modules = {*program.modules, program.stem} - {""} if program else set()
     ends = [
@@ -95,7 +95,7 @@ def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | Non
 
 
 def _done_with(case: Case, player: Player, end: WrittenEnd, needed: Collection[str]) -> set[str]:
-    """Return what of some deeds code may do with an end: what was read of it, and what reading does not tell."""
+    """Return the deeds that code may do with an end: those that it does, and those needed that it may do."""
     does = {*(end.does or ())}
     if PUBLISHES not in does:
         return does
@@ -106,7 +106,7 @@ def _done_with(case: Case, player: Player, end: WrittenEnd, needed: Collection[s
 
 
 def _is_slow(case: Case, player: Player, end: WrittenEnd) -> bool:
-    """Return whether an end's timers fire less often than is asked for, and nothing gives them another period."""
+    """Return whether an end's timers are slower than the assignment asks, and no parameter changes that."""
     wanted = player.part.period
     if not (wanted and end.paces) or min(end.paces) < wanted or has_period(min(end.paces), wanted):
         return False
@@ -115,20 +115,20 @@ def _is_slow(case: Case, player: Player, end: WrittenEnd) -> bool:
         for run in case.evidence.runs
         if run.setting in PLAIN_SETTINGS and player.node in run.parameters
     ]
-    # Of a node that never was there nobody knows what a launch file would give it.
-    return all(one == held[0] for one in held) if held else not case.evidence.files.parameter_files
+    # If the node never appeared, nobody knows what a launch file would give it.
+    return all(values == held[0] for values in held) if held else not case.evidence.files.parameter_files
 
 
 def _absent(case: Case, program: Executable) -> list[str]:
-    """Return what a program lacks; no keyboard, if somebody has typed for it."""
+    """Return what a program lacks, except a keyboard if the grader typed for it."""
     is_typed = any(run.typed and program.name in run.programs for run in case.evidence.runs)
-    return [one for one in program.absent if one != KEYBOARD or not is_typed]
+    return [name for name in program.absent if name != KEYBOARD or not is_typed]
 
 
 def _given(case: Case, part: Part) -> list[str]:
-    """Return what was given because nobody brings it, but not of a type as the work has itself: that it should bring.
+    """Return the topics and services that were given values, except of types that the work should provide.
 
-    Nor flags, where they are all that was given and nothing came of the part: they were tried in each way that there is.
+    Empty, too, if every possible value was given and the part still did nothing.
     """
     own = {part.type_name for part in case.assignment.parts.values()}
     given: dict[str, set[str]] = {}

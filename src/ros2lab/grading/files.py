@@ -1,7 +1,7 @@
-"""What stands in a submission's files: facts by parsing, never by running or importing.
+"""The facts in a submission's files, found by parsing, never by running or importing.
 
-What is wrong with a package is found by `diagnose`, so that a lost point and the advice for it have one source.
-Where a value is known only to whoever runs setup.py, the fact counts as true; the build tells whether it is.
+`diagnose` finds what is wrong with a package, so that a lost point and the advice on it have the same source.
+If a value is known only when setup.py runs, the fact counts as true; the build shows whether it is.
 """
 
 from __future__ import annotations
@@ -51,20 +51,20 @@ from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
-_OF_CLOCKS = ("use_sim_time", "ros_time_is_active")  # by which rclpy tells which clock a node follows
+_OF_CLOCKS = ("use_sim_time", "ros_time_is_active")  # how rclpy sets and asks which clock a node follows
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
 def look(root: Path, submission: Submission, assignment: Assignment | None = None) -> Files:
-    """Collect the facts of a submission's files.
+    """Collect the facts in a submission's files.
 
     Args:
-        root: the folder into which it was received.
+        root: the folder that holds the submission.
         submission: what was found there.
-        assignment: for which it was handed in; None takes the course's own.
+        assignment: the submission's assignment; None takes the course's own.
 
     Returns:
-        The facts; those that a run must tell are left empty. Paths are relative to `root`.
+        The facts; those that only a run can show are left empty. Paths are relative to `root`.
     """
     found = submission.package
     assignment = assignment or assignments.load()
@@ -92,20 +92,22 @@ class _PackageReader:
         assert submission.package is not None
         self.root, self.submission, self.assignment, self.paths = root, submission, assignment, paths
         self.package = Package(root / submission.package.folder, root)
-        self.graded = [self.package, *(Package(root / one.folder, root) for one in submission.also)]
-        beside = [one for one in launching(root, submission) if one not in submission.also]
-        self.packages = [*self.graded, *(Package(root / one.folder, root) for one in beside)]
+        self.graded = [self.package, *(Package(root / other.folder, root) for other in submission.also)]
+        beside = [other for other in launching(root, submission) if other not in submission.also]
+        self.packages = [*self.graded, *(Package(root / other.folder, root) for other in beside)]
 
     def readers(self, texts: str) -> dict[str, Callable[[], Any]]:
-        """Return what reads each fact, by its name in `Files`; and the notes on tests that were left out."""
+        """Return a reader for each fact by its name in `Files`, and one for notes on omitted tests."""
         root, packages, graded = self.root, self.packages, self.graded
-        names = {one.name for one in self.submission.packages if one.name}
-        every = [Package(root / one.folder, root) for one in self.submission.packages]
+        names = {found.name for found in self.submission.packages if found.name}
+        every = [Package(root / found.folder, root) for found in self.submission.packages]
         return {
             "manifest": lambda: manifest_facts(self.package, names, self.assignment.dependencies),
             "setup": lambda: setup_facts(self.package),
             "sources": lambda: described(self.sources, self.code),
-            "sources_beside": lambda: {one.name: described(one.own_sources, self.code) for one in graded[1:]},
+            "sources_beside": lambda: {
+                package.name: described(package.own_sources, self.code) for package in graded[1:]
+            },
             "readme_names": lambda: named_in(texts, self.sources),
             "launch_files": lambda: self._shown(self.launches),
             "launch_lacks": lambda: lacks(root, texts, self.launches),
@@ -139,14 +141,14 @@ class _PackageReader:
             ),
             "simulated": lambda: _simulated(self.sources),
             "declared": lambda: {
-                name: value for one in reversed(graded) for name, value in _declared(one).items()
+                name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
             "findings": lambda: _findings(root, self.submission, graded),
         }
 
     @cached_property
     def sources(self) -> list[PythonSource]:
-        return [source for one in self.graded for source in one.own_sources]
+        return [source for package in self.graded for source in package.own_sources]
 
     @cached_property
     def launches(self) -> dict[Path, str]:
@@ -181,7 +183,7 @@ def _loose(
     texts: str,
     words: Collection[str],
 ) -> Files:
-    """Return the facts of files that lie in no package."""
+    """Return the facts in files outside a package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     readers: dict[str, Callable[[], Any]] = {
         "sources": lambda: described(loose, [*running(loose)]),
@@ -212,18 +214,20 @@ def _paths(root: Path) -> list[PurePosixPath]:
 
 
 def _of_nodes(sources: Collection[PythonSource]) -> list[PythonSource]:
-    """Return the modules of nodes: those that import rclpy, and what these import, directly or not."""
+    """Return the modules of nodes: those that import rclpy, and those that these import, even indirectly."""
     found = [source for source in sources if _imports(source, "rclpy")]
     for source in found:
         found += [
-            one for one in sources if one not in found and _imports(source, one.name.rpartition(".")[2])
+            other
+            for other in sources
+            if other not in found and _imports(source, other.name.rpartition(".")[2])
         ]
     return found
 
 
 def _imports(source: PythonSource, name: str) -> bool:
-    """Return whether a module imports one of this name, or something from it."""
-    return any(name in one.target.split(".") for one in source.imports)
+    """Return whether a module imports a module of this name, or something from it."""
+    return any(name in found.target.split(".") for found in source.imports)
 
 
 def _entrances(packages: Iterable[Package]) -> set[str] | None:
@@ -238,9 +242,13 @@ def _entrances(packages: Iterable[Package]) -> set[str] | None:
 
 
 def _simulated(sources: Iterable[PythonSource]) -> list[str]:
-    """Return the last parts of the names of the modules that may have their nodes follow `/clock`, or ask whether they do."""
+    """Return the modules, by the last parts of their names, that set or ask whether nodes follow `/clock`."""
     return sorted(
-        {one.name.rpartition(".")[2] for one in sources if any(name in one.text for name in _OF_CLOCKS)}
+        {
+            source.name.rpartition(".")[2]
+            for source in sources
+            if any(name in source.text for name in _OF_CLOCKS)
+        }
     )
 
 
@@ -264,10 +272,10 @@ def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[P
 
 
 def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
-    """Count the test functions in each file of tests but those that `ros2 pkg create` writes.
+    """Count the test functions in each test file, except those that `ros2 pkg create` writes.
 
     Returns:
-        The counts by file; and notes on files that cannot be run here, for ROS packages that they import, by file.
+        The counts by file; and by file, notes on those that import ROS packages that are not installed here.
     """
     found: dict[str, int] = {}
     left_out: dict[str, str] = {}
@@ -281,10 +289,10 @@ def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
             node for node in source.nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
         )
         count = sum(node.name.startswith("test") for node in functions)
-        tops = {one.target.partition(".")[0] for one in source.imports}
+        tops = {imported.target.partition(".")[0] for imported in source.imports}
         absent = sorted(top for top in tops & PACKAGES if not is_installed(top))
         if count and absent and not _is_about(source, package):
-            continue  # whatever it is of which it cannot be seen that it fails
+            continue  # it cannot be run, and need not be about this package
         if count and absent:
             left_out[source.shown] = (
                 f"{source.shown} was not run: {', '.join(absent)} cannot be imported here."
@@ -295,7 +303,7 @@ def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
 
 
 def _is_about(source: PythonSource, package: Package) -> bool:
-    """Return whether a test imports, or names in a text, something of a package."""
+    """Return whether a test imports something of a package, or names it in a text."""
     points = (package.setup.entry_points if package.setup else None) or ()
     stems = {name.rpartition(".")[2] for name in package.sources} - {"__init__"}
     names = {package.name, *(point.name for point in points), *stems}
@@ -305,12 +313,12 @@ def _is_about(source: PythonSource, package: Package) -> bool:
         for node in source.nodes
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in described
     ]
-    texts += [one.target for one in source.imports]
+    texts += [found.target for found in source.imports]
     return not names.isdisjoint(word for text in texts for word in re.findall(r"\w+", text))
 
 
 def _parameter_files(packages: Iterable[Package]) -> list[Path]:
-    """Return what sets parameters, or lies where such a file is expected and may be meant to."""
+    """Return the files that set parameters, or lie where such files are expected."""
     found: list[Path] = []
     for package in packages:
         paths = [path for path in package.folder.rglob("*.y*ml") if path.is_file()]
@@ -321,10 +329,10 @@ def _parameter_files(packages: Iterable[Package]) -> list[Path]:
 
 
 def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, list[str]]:
-    """Return for each parameter file the launch files that name it, and the modules that do and read YAML."""
+    """Return the launch files, and the modules that read YAML, that name each parameter file."""
     texts = {str(path.relative_to(root)): text for path, text in uncommented(packages).items()}
     for source in packages[0].own_sources:
-        if any(one.target.partition(".")[0] == "yaml" for one in source.imports):
+        if any(found.target.partition(".")[0] == "yaml" for found in source.imports):
             texts[source.shown] = without_comments(source.text)
     return {
         str(path.relative_to(root)): [name for name, text in texts.items() if path.name in text]
@@ -333,7 +341,7 @@ def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, 
 
 
 def _parameters(text: str) -> dict[str, dict[str, Any]]:
-    """Return the parameters in a file, by node; nothing of one that cannot be read, or that repeats itself."""
+    """Return the parameters in a file, by node; empty if the file cannot be read or repeats itself."""
     try:
         root = read_parameter_file(text)
     except ParameterFileError:
@@ -344,14 +352,14 @@ def _parameters(text: str) -> dict[str, dict[str, Any]]:
         name, value = queue.pop()
         for key, inner in value.items() if isinstance(value, dict) else ():
             if key == "ros__parameters":
-                found[name or "/"] = {str(one): each for one, each in _flat("", inner)}
+                found[name or "/"] = {str(parameter): held for parameter, held in _flat("", inner)}
             else:
                 queue.append((f"{name}/{str(key).strip('/')}", inner))
     return found
 
 
 def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield parameters with dots for their groups."""
+    """Yield parameters by their full names, with a dot after each group."""
     for key, inner in value.items() if isinstance(value, dict) else ():
         if isinstance(inner, dict):
             yield from _flat(f"{prefix}{key}.", inner)
@@ -365,38 +373,52 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
-    """Return findings as they stand in the evidence, without what could not be judged: a grade rests on none of them."""
+    """Return findings in the form of the evidence, without what could not be judged: it costs nothing."""
     try:
-        found = [one for one in find() if not isinstance(one, net.Unjudged)]
+        found = [finding for finding in find() if not isinstance(finding, net.Unjudged)]
     except RecursionError:
         return []
-    return [[one.code, one.cause, one.place, one.fix, *one.about] for one in found][:MOST_FINDINGS]
+    return [[finding.code, finding.cause, finding.place, finding.fix, *finding.about] for finding in found][
+        :MOST_FINDINGS
+    ]
 
 
 def _declared(package: Package) -> dict[str, bool | float | str | None]:
-    """Return the parameters that a package's nodes declare, as far as its code tells."""
+    """Return the parameters that a package's nodes declare, as far as they are known."""
     try:
         found = declared_in(NodeSources(package.sources)) or {}
     except RecursionError:
         return {}
-    plain = {name: one if isinstance(one, (bool, int, float, str)) else None for name, one in found.items()}
+    plain = {
+        name: value if isinstance(value, (bool, int, float, str)) else None for name, value in found.items()
+    }
     return dict(itertools.islice(plain.items(), MOST_DECLARED))
 
 
 def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[list[str]]:
-    """Return what the diagnosis says of the files of the packages that are graded, the assignment's first."""
+    """Return what `diagnose` finds in the files of the graded packages, the assignment's first."""
     look = Look(graded[0].folder)
-    look.packages = [*graded, *(Package(root / one.folder, root) for one in submission.packages if one.name)]
-    look.packages = list({one.folder: one for one in reversed(look.packages)}.values())[::-1]
-    # Nothing stands before the names of a package that was handed in alone.
-    prefixes = tuple(one.shown("setup.py").removesuffix("setup.py") for one in graded)
-    # Files to which setup.py does not lead.
+    look.packages = [
+        *graded,
+        *(Package(root / found.folder, root) for found in submission.packages if found.name),
+    ]
+    look.packages = list({package.folder: package for package in reversed(look.packages)}.values())[::-1]
+    # A prefix is empty for a package that was handed in alone.
+    prefixes = tuple(package.shown("setup.py").removesuffix("setup.py") for package in graded)
+    # Files that setup.py does not lead to.
     strays = [
-        source for one in graded if not any(map(has_code, one.sources.values())) for source in one.own_sources
+        source
+        for package in graded
+        if not any(map(has_code, package.sources.values()))
+        for source in package.own_sources
     ]
     return diagnosed(
         lambda: [
-            *(one for one in look.findings if not one.place or one.place.startswith(prefixes)),
-            *(one for source in strays for one in text_faults(source)),
+            *(
+                finding
+                for finding in look.findings
+                if not finding.place or finding.place.startswith(prefixes)
+            ),
+            *(finding for source in strays for finding in text_faults(source)),
         ]
     )

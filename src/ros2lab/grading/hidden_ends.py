@@ -1,7 +1,8 @@
-"""The publishers and subscriptions that code may make where reading does not see it.
+"""The publishers and subscriptions that code may create without being seen by reading.
 
-Whatever makes an end must be given its message's class. Where a hand-in gives that class to nobody but the plain calls
-that are read, and finds nothing by a name that it computes, it makes no other end of that type; else nobody can tell.
+Whatever creates an end must be given the message's class. If a submission gives that class only to the plain
+calls that are read, and looks up nothing by a computed name, it creates no other end of that type; else
+nobody can tell.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.grading.evidence import WrittenEnd
 
-# What finds something by a text, and which of its arguments that is.
+# What looks something up by a text, and the position of that argument.
 _BY_TEXT = {
     "getattr": 1,
     "attrgetter": 0,
@@ -23,12 +24,12 @@ _BY_TEXT = {
     "eval": 0,
     "exec": 0,
 }
-# What has nothing but what was looked up, whatever the text.
+# What always looks something up, whatever its arguments.
 _LOOKED_UP = frozenset(("import_module", "__import__", "get_message", "globals", "vars"))
 
 
 def hidden_ends(sources: Collection[PythonSource], ends: Iterable[WrittenEnd]) -> Iterator[WrittenEnd]:
-    """Yield an end of an unknown topic for each type and kind of which code may make more than `ends`."""
+    """Yield a publisher and a subscription on an unknown topic for each type that code uses beyond `ends`."""
     handed = Counter(name for source in sources for name in _handed(source))
     handed.subtract(end.type_name for end in ends)
     types = [name for name, count in handed.items() if count > 0]
@@ -39,7 +40,7 @@ def hidden_ends(sources: Collection[PythonSource], ends: Iterable[WrittenEnd]) -
 
 
 def _handed(source: PythonSource) -> Iterator[str]:
-    """Yield the type of a message wherever a module has its class, but to make a message of it or to annotate."""
+    """Yield a message's type wherever a module uses its class, except to create a message or to annotate."""
     own = {id(node) for part in source.nodes for node in _not_handed(part)}
     for node in source.nodes:
         if isinstance(node, (ast.Name, ast.Attribute)) and id(node) not in own:
@@ -49,7 +50,7 @@ def _handed(source: PythonSource) -> Iterator[str]:
 
 
 def _not_handed(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield what stands in a part of code and is handed to nobody by it."""
+    """Yield the nodes inside another one that it passes to nothing."""
     match node:
         case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[_, *kinds]):
             yield from (inner for kind in kinds for inner in walk(kind))
@@ -67,7 +68,7 @@ def _not_handed(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _is_looked_up(node: ast.AST) -> bool:
-    """Return whether code has something by a name that it computes."""
+    """Return whether a node looks something up by a computed name."""
     match node:
         case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), args=args):
             at = _BY_TEXT.get(name)

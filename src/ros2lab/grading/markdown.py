@@ -1,4 +1,4 @@
-"""What a page shows of a text in Markdown."""
+"""The part of a Markdown text that its page shows."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 # A tag without a value may be no tag: `ros2 run <package> <node>`.
 _TAG = re.compile(r"<[^<>]*[=\"'/:!?][^<>]*>")
 _ELEMENT = re.compile(r"<(/?)([a-zA-Z][\w-]*)(\s[^<>]*)?/?>")
-# Those with a text; https://html.spec.whatwg.org/multipage/rendering.html#hidden-elements
+# Hidden elements with text: https://html.spec.whatwg.org/multipage/rendering.html#hidden-elements
 _NEVER_SHOWN = frozenset(
     ("datalist", "head", "noembed", "noframes", "rp", "script", "style", "template", "title")
 )
-# The elements of which every page shows the text: those that GitHub leaves in one, and those that divide a page. What is
-# in others is shown in their own way, such as by a click, or where they are not supported.
+# The elements whose text every page shows: those that GitHub keeps, and those that divide a page. The text of
+# others is shown in other ways, such as after a click, or where they are not supported.
 _SHOWN = frozenset(
     [
         "a",
@@ -105,12 +105,12 @@ _PARSER = MarkdownIt("commonmark").enable("table")
 
 
 def shown(text: str) -> str:
-    """Return a text without what a page does not show.
+    """Return a text without what its page does not show.
 
-    These are comments, elements that are hidden, values of tags, addresses and titles of links.
-    Colours, sizes and positions hide nothing: GitHub shows a text without them, and leaves out styles and `<font>`.
+    These are comments, hidden elements, attributes of tags, and the addresses and titles of links. Colours,
+    sizes and positions hide nothing: GitHub shows a text without them, and leaves out styles and `<font>`.
 
-    Headlines, code and its fences stay marked as they are.
+    Headlines, code and code fences keep their marks.
     """
     return "".join(_blocks(_PARSER.parse(text))).strip()
 
@@ -141,13 +141,13 @@ def _blocks(tokens: Iterable[Token]) -> Iterator[str]:
 
 
 def _is_unused(line: str, notes: Counter[str]) -> bool:
-    """Return whether a line is a footnote to which nothing refers."""
+    """Return whether a line is a footnote that nothing refers to."""
     name = _FOOTNOTE.match(line)
     return name is not None and line[name.end() :].startswith(":") and notes[name[1]] < 2
 
 
 def _ended(texts: Iterable[str]) -> set[str]:
-    """Return the names of the elements that have an end in some HTML; what has none may be no tag at all."""
+    """Return the names of elements with an end tag in some HTML; others may not be elements at all."""
     return {tag[2].lower() for text in texts for tag in _ELEMENT.finditer(text) if tag[1]}
 
 
@@ -157,7 +157,7 @@ def _words(tokens: Iterable[Token]) -> Iterator[str]:
     for token in tokens:
         if token.type == "html_inline":
             tag = _ELEMENT.fullmatch(token.content)
-            # What has no end in its paragraph may be no tag: `--ros-args -r __node:=<title>`.
+            # Without an end in its paragraph, it may not be a tag: `--ros-args -r __node:=<title>`.
             is_tag = tag is not None and tag[2].lower() in ended
             yield _without_tags(_seen(token.content, hidden, ended) if is_tag else token.content)
         if hidden:
@@ -175,9 +175,10 @@ def _seen(text: str, hidden: list[str], ended: Collection[str]) -> str:
     """Return what some HTML shows.
 
     Args:
-        text: of the page, in order.
-        hidden: the names of the element that is open and not shown, and of those like it in it; is kept up to date.
-        ended: the names of the elements that have an end.
+        text: the next part of the page.
+        hidden: the name of the open element that is not shown, once per nested element of this name;
+            is updated.
+        ended: the names of the elements that have an end tag.
     """
     seen, start = "", 0
     for tag in _ELEMENT.finditer(text):
