@@ -1,4 +1,4 @@
-"""From what was handed in to `Evidence`: receive it, read it, build it, watch it, and run its own tests."""
+"""Turn a submission into `Evidence`: receive it, read it, build it, watch it, and run its own tests."""
 
 from __future__ import annotations
 
@@ -38,21 +38,21 @@ def collect(
     has_sandbox: bool = True,
     is_alone: bool = True,
 ) -> Evidence:
-    """Find out all that is to be known of a submission.
+    """Collect all evidence on a submission.
 
     Args:
-        path: what was handed in: a folder, a zip or a tar.
-        show: told what is being done.
-        keep: a folder, made if it is not there, in which a copy of what was received stays.
-        assignment: for which it was handed in; None takes the course's own.
-        has_sandbox: False lets it do whatever the user who grades can.
+        path: the submission: a folder, a zip or a tar.
+        show: called with a word for each step.
+        keep: a folder in which a copy of what was received stays; it is made if it does not exist.
+        assignment: the submission's assignment; None takes the course's own.
+        has_sandbox: False lets the submission do whatever the grading user can.
         is_alone: whether no other submission is graded at the same time on this machine.
 
     Returns:
-        The evidence; also of something in which there is nothing to grade.
+        The evidence, even if there is nothing to grade.
 
     Raises:
-        SubmissionError: if nothing can be received.
+        SubmissionError: if the submission cannot be received.
         SandboxMissing: if this machine cannot run it safely.
         RuntimeError: if colcon or ROS cannot be used.
     """
@@ -70,7 +70,7 @@ def collect(
             submission, facts = found.submission, found.files
             built, runs, tests, coined = None, list[Run](), dict[str, Any](), list[str]()
             if submission.form != "nothing":
-                # The observer starts while others work.
+                # The observer starts in the background.
                 told = repr((facts.readme, facts.sources, facts.ends, facts.compared))
                 asked = assignment.with_own_words(facts.compared).with_coined_words(told, facts.compared)
                 coined = _coined(asked, assignment)
@@ -92,7 +92,7 @@ def collect(
             texts = [text for text in dict.fromkeys(said) if text and not is_for_want(text)]
             folder = submission.package.folder if submission.package else ""
             if texts:
-                with _world(root, has_sandbox=has_sandbox) as untouched:  # by what has run
+                with _world(root, has_sandbox=has_sandbox) as untouched:  # by the programs that ran
                     explained = reading.explained(untouched, folder, texts)
                 facts = replace(facts, findings=[*facts.findings, *explained])
             wrong = readme.misgiven(commands, runs, facts)
@@ -115,7 +115,7 @@ def collect(
 
 
 def _coined(asked: Assignment, assignment: Assignment) -> list[str]:
-    """Return the unknown words that are asked besides an assignment's own."""
+    """Return the unknown commands that are sent besides the assignment's own."""
     own = assignment.commanded
     return (
         [word for word in asked.commanded.unknown if own and word not in own.unknown]
@@ -125,12 +125,12 @@ def _coined(asked: Assignment, assignment: Assignment) -> list[str]:
 
 
 def nothing(path: Path, note: str, assignment: Assignment | None = None) -> Evidence:
-    """Return the evidence of what could not be received.
+    """Return the evidence on a submission that could not be received.
 
     Args:
-        path: what was handed in.
-        note: why it could not.
-        assignment: for which it was handed in; None takes the course's own.
+        path: the submission.
+        note: why it could not be received.
+        assignment: the submission's assignment; None takes the course's own.
     """
     return Evidence(
         schema=SCHEMA,
@@ -182,6 +182,6 @@ def _versions() -> dict[str, str]:
     for name in ("colcon-core", "ros-rclpy"):
         try:
             found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:  # of an installed ROS
+        except importlib.metadata.PackageNotFoundError:  # as with an installed ROS
             continue
     return found

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 KEPT = 200  # messages of a topic, in a part of a run
 LARGEST = 64_000  # bytes of a message that is read
-MESSAGE_BYTES, TOPIC_BYTES, TOPIC_COUNT = 1_000_000, 20_000_000, 20_000  # with more, a topic is cut
+MESSAGE_BYTES, TOPIC_BYTES, TOPIC_COUNT = 1_000_000, 20_000_000, 20_000  # beyond these, a topic is cut
 TEXT, ITEMS, DEPTH = 500, 50, 8
-# By itself a subscription warns of publishers that do not fit, which makes each wait longer.
+# By default, a subscription warns of incompatible publishers, which makes each wait longer.
 UNHEARD = SubscriptionEventCallbacks(use_default_callbacks=False)
 
 
 class Ear:
-    """What is heard on one topic: bounded, and read only when it is asked for."""
+    """Receives the messages of a topic, up to a limit, and reads them only on request."""
 
     def __init__(self, watch: Watch, topic: str, type_name: str) -> None:
         self.topic, self.type_name = topic, type_name
@@ -56,7 +56,7 @@ class Ear:
             self._watch.excessive.add(self)
 
     def plain(self, raw: bytes) -> Any:
-        """Return a message as plain data; None if it is too long or none."""
+        """Return a message as plain data; None if it is too long or cannot be read."""
         if not raw or len(raw) > LARGEST:
             return None
         try:
@@ -65,15 +65,15 @@ class Ear:
             return None
 
     def gaps(self) -> list[float]:
-        """Return the times between messages of this part, the first one from 0, in s."""
+        """Return the times between the messages of this part, the first from 0, in s."""
         return gaps(self._times)
 
     def is_overdue(self) -> bool:
-        """Return whether two of its longest gaps have passed since the last message, of more than one in this part."""
+        """Return whether twice the longest gap has passed since the last message; this part needs two."""
         return self._watch.now() - self._times[-1] > 2 * max(self.gaps()[1:])
 
     def part(self) -> dict[str, Any]:
-        """Return what was heard since the last call, as `Heard`, and begin anew."""
+        """Return what was received since the last call, as the fields of `Heard`, and begin a new part."""
         nodes = sorted(self._watch.publishes.get(self.topic, {}))
         result = {
             "type_name": self.type_name,
@@ -86,30 +86,30 @@ class Ear:
         return result
 
     def forget(self, count: int) -> None:
-        """Forget what came in this part after the first `count` messages."""
+        """Forget all but the first `count` messages of this part."""
         self.count = count
         del self._times[count:], self._kept[count:]
 
     def set_aside(self) -> None:
-        """Put away what came in this part before the last message."""
+        """Set aside all but the last message of this part."""
         self._aside = max(0, self.count - 1), self._times[:-1], self._kept[:-1]
         self.count = min(self.count, 1)
         del self._times[:-1], self._kept[:-1]
 
     def take_back(self) -> None:
-        """Have in this part again what was put away."""
+        """Put the messages that were set aside back into this part."""
         count, times, kept = self._aside
         self.count += count
         self._times[:0], self._kept[:0] = times, kept
 
     def close(self) -> None:
-        """Hear no more."""
+        """Unsubscribe."""
         self.is_closed = True
         self._watch.node.destroy_subscription(self._subscription)
 
 
 def plain(value: Any, depth: int = DEPTH) -> Any:
-    """Return a ROS message, or a field of one, as what JSON can hold, shortened."""
+    """Return a ROS message, or a field of one, as JSON data, shortened."""
     result = value
     if isinstance(value, float) and not math.isfinite(value):
         result = str(value)
@@ -122,10 +122,10 @@ def plain(value: Any, depth: int = DEPTH) -> Any:
     elif hasattr(value, "tolist"):
         result = value.tolist()[:ITEMS]
     elif isinstance(value, Iterable):
-        result = [plain(one, depth - 1) for one in itertools.islice(value, ITEMS)]
+        result = [plain(item, depth - 1) for item in itertools.islice(value, ITEMS)]
     return result
 
 
 def gaps(times: list[float]) -> list[float]:
-    """Return the times between messages, the first one from 0, in s."""
+    """Return the times between messages, the first from 0, in s."""
     return [later - earlier for earlier, later in itertools.pairwise([0.0, *times])]

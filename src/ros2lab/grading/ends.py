@@ -1,4 +1,4 @@
-"""What the graph tells of a topic's ends: whose they are, and what they can receive."""
+"""What the graph says about the ends of a topic: the node of each, its type and its quality of service."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 
 def publishers(node: Node, topic: str) -> list[SimpleNamespace]:
-    """Return the publishers of a topic, as a node tells of them, but in a third of its time.
+    """Return the publishers of a topic, in a third of the time that the method of `Node` takes.
 
     Args:
-        node: that asks.
-        topic: in full.
+        node: the node that asks.
+        topic: the full name.
 
     Returns:
-        Of each what `TopicEndpointInfo` has, as rclpy's C++ tells it.
+        The fields of each `TopicEndpointInfo`, as rclpy's C++ returns them.
     """
     return _infos(node, topic, rclpy_get_publishers_info_by_topic)
 
 
 def subscriptions(node: Node, topic: str) -> list[SimpleNamespace]:
-    """Return the subscriptions of a topic, as `publishers` does its publishers."""
+    """Return the subscriptions of a topic, in the form of `publishers`."""
     return _infos(node, topic, rclpy_get_subscriptions_info_by_topic)
 
 
@@ -36,26 +36,27 @@ def _infos(node: Node, topic: str, ask: Callable[..., list[dict[str, Any]]]) -> 
 
 
 def participant(info: Any) -> bytes:
-    """Return what all ends of one process have in common: the participant's part of their 24 bytes."""
+    """Return what all ends of one process have in common: the participant's part of their identifiers."""
     return bytes(info.endpoint_gid[:12])
 
 
 def discovery_ports(domain: int) -> set[int]:
-    """Return the UDP ports on which participants of a domain listen for others (DDSI-RTPS 2.5, 9.6.2.3)."""
+    """Return the open UDP ports where a domain's participants find each other (DDSI-RTPS 2.5, 9.6.2.3)."""
     ports = range(7400 + 250 * domain + 10, 7400 + 250 * domain + 250, 2)
     lines = Path("/proc/net/udp").read_text().splitlines()[1:]
     return {int(line.split()[1].rpartition(":")[2], 16) for line in lines}.intersection(ports)
 
 
 def node_name(info: Any) -> str:
-    """Return the node whose end this is, with its namespace."""
+    """Return the full name of the node that an end belongs to."""
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
 def add_types(ends: dict[str, dict[str, list[str]]], topic: str, infos: Iterable[Any]) -> None:
-    """Add the types of a topic's ends to those of each node, as far as it is known whose they are.
+    """Add the types of a topic's ends to those of their nodes.
 
-    A hidden node, as each `ros2 topic` has one, is nobody's work; its name begins as that of an unknown one does.
+    Hidden nodes, such as those of `ros2 topic`, and unknown ones are left out; the names of both begin with
+    `_`.
     """
     for info in infos:
         if not info.node_name.startswith("_"):

@@ -1,7 +1,7 @@
-"""What was seen of a submission: plain data, from which alone the rubric gives points.
+"""What was seen of a submission, as plain data: the only source of the rubric's points.
 
-Everything here can be written as JSON and read back without a loss, so that a grade can be given again without
-another run. Times are in s; a run's times count from the moment its nodes were up, on the clock that it follows.
+All of it can be written as JSON and read back without loss, so that it can be graded again without another
+run. Times are in s; a run's times count from the moment its nodes were up, on the clock that it follows.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ SCHEMA = 3
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
-KEYBOARD = "a keyboard"  # at which nobody sits where it is graded
+KEYBOARD = "a keyboard"  # which nobody uses during grading
 NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 
 @dataclass(frozen=True)
 class Place:
-    """A line of a file of the submission; line 0 is the file as a whole."""
+    """A line in a file of the submission; line 0 is the whole file."""
 
     file: str
     line: int = 0
@@ -33,16 +33,17 @@ class Place:
 
 @dataclass(frozen=True)
 class WrittenEnd:
-    """A publisher or a subscription as the code makes it, whether or not it ever runs.
+    """A publisher or a subscription that the code creates, whether or not that ever runs.
 
     Attributes:
-        topic: with a slash at its beginning; empty if it is not known.
+        topic: its name, with a leading slash; empty if it is not known.
         type_name: such as `std_msgs/msg/String`; empty if it is not known.
-        periods: of the timers whose every call publishes on it, in s.
-        module: the last part of the name of the module that makes it; empty if it is not known.
-        does: what code that runs would do with it, as `deeds` calls it; None if that is not known.
-        never: what that code is known not to do with it, though it does something.
-        paces: of the timers that alone have something published on it, in s; empty if they are not known.
+        periods: the periods of the timers that publish on it in every call, in s.
+        module: the last part of the name of the module that creates it; empty if it is not known.
+        does: what running code would do with it, in the words of `deeds`; None if that is not known.
+        never: what that code never does with it, although it does something.
+        paces: the periods of timers that are the only ones to publish on it, in s; empty if they are not
+            known.
     """
 
     topic: str
@@ -57,44 +58,51 @@ class WrittenEnd:
 
 @dataclass(frozen=True)
 class Files:
-    """What stands in the files, without running anything.
+    """The facts in the files, without running anything.
 
     Attributes:
-        manifest: facts of package.xml, each True or False, by their names in `files`; empty without a package.
-        setup: the same of setup.py, setup.cfg and the marker.
-        sources: how much of the Python code is described: modules, classes and functions, with a docstring or a
-            comment each, by kind as [described, all].
-        sources_beside: the same of each of the other packages that are graded, which `sources` has, too.
+        manifest: facts of package.xml, each True or False, by their names in `files`; empty without a
+            package.
+        setup: the same for setup.py, setup.cfg and the marker.
+        sources: how many modules, classes and functions of the Python code have a docstring or a comment, by
+            kind as [described, all].
+        sources_beside: the same for each of the other graded packages, which `sources` includes.
         readme: the README's text, shortened; empty if there is none.
-        readme_names: classes, functions and files of the package that it names.
-        readme_foreign: names of code in it that nothing handed in has; empty where most of them are there.
-        readme_commands: commands in it that name this package's executables, launch files and topics, and whether
-            each is true of what was installed and seen; None where that cannot be known.
-        readme_misgiven: those of them that give a type, a parameter, an option or an argument that is not so.
-        recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
-        launch_files: those that start most first; of equals launch files of the package, then of others that launch
-            it, then of the folders around it. `Build.shared` tells which are installed.
-        launch_lacks: by launch file that includes no other one, what the README gives by `name:=` and it does not name.
+        readme_names: the package's classes, functions and files that it names.
+        readme_foreign: names of code in it that the submission does not have; empty if it has most of them.
+        readme_commands: commands in it that name this package's executables, launch files and topics, and
+            whether each is true of what was installed and seen; None if that cannot be known.
+        readme_misgiven: those of them with a wrong type, parameter, option or argument.
+        recordings: pictures, films and logs of the submission, some of which may show the nodes running.
+        launch_files: those that start most come first; among equals, those of the package, then those of
+            packages that launch it, then those in the folders around it. `Build.shared` says which are
+            installed.
+        launch_lacks: for each launch file that includes no other, the names that the README sets by `name:=`
+            and that are not in it.
         launched_packages: the packages that each launch file names, as far as they are known.
-        launched_programs: the executables that each launch file names, itself or by what it includes.
-        launch_files_elsewhere: launch files of the other packages of the hand-in.
+        launched_programs: the executables that each launch file names, itself or through what it includes.
+        launch_files_elsewhere: launch files of the other packages in the submission.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
-        parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
-            YAML; empty if that is not known.
-        hard_coded: paths of files in the launch files that begin at the root, and lie on one machine only.
-        tests: own tests, by file, with the number of test functions.
-        tests_left_out: files of own tests that were not run, for they import what is not installed here.
-        findings: what `diagnose` found in the files, as [code, cause, place, fix, *about], the most likely first.
-        handlers: places where exceptions are caught: `by name`, `wholesale`, or only `of an end`, such as by Ctrl-C.
-        compared: the short texts with which the code compares something.
-        depended_on: those with which it compares what may come with a message, and by which something is done.
-        idle: by file, in which lines functions begin that never run, and assignments that nothing that runs reads.
-        ends: the publishers and subscriptions that the code makes.
-        ends_elsewhere: what the rest of the hand-in may make besides them, of unknown topics; None if that is not known.
+        parameter_file_users: for each parameter file, the launch files that name it, and the modules that
+            name it and read YAML; empty if they are not known.
+        hard_coded: absolute paths of files in the launch files, which exist on one machine only.
+        tests: the submission's own tests: the number of test functions by file.
+        tests_left_out: files of own tests that were not run because they import what is not installed here.
+        findings: what `diagnose` found in the files, as [code, cause, place, fix, *about], the most likely
+            first.
+        handlers: places that catch exceptions: `by name`, `wholesale`, or only `of an end`, such as by
+            Ctrl-C.
+        compared: the short texts that the code compares something with.
+        depended_on: those that it compares with values from messages, and on which something depends.
+        idle: for each file, the lines of functions that never run and of assignments that no running code
+            reads.
+        ends: the publishers and subscriptions that the code creates.
+        ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not
+            known.
         simulated: the modules that say or ask whether time is simulated.
-        declared: the parameters that the code declares, with their defaults; None for one that is not known.
+        declared: the parameters that the code declares, with their defaults; None for an unknown default.
         notes: what was not looked at, and why.
-        unread: which of these facts a reader of ours has failed to read, and why; they are empty.
+        unread: the facts that are empty because our reader failed, and why it did.
     """
 
     manifest: dict[str, bool] = field(default_factory=dict)
@@ -130,7 +138,7 @@ class Files:
     unread: dict[str, str] = field(default_factory=dict)
 
     def told(self) -> list[Finding]:
-        """Return the findings as `diagnose` has told them."""
+        """Return the findings in the form of `diagnose`."""
         return [
             Finding(code, cause, place, fix, tuple(about))
             for code, cause, place, fix, *about in self.findings
@@ -145,16 +153,17 @@ class Executable:
     """A program of the package.
 
     Attributes:
-        name: of the entry point, or of the module or file where there is none.
+        name: the name of the entry point, or of the module or file if there is none.
         target: `package.module:function`; empty for a plain script.
         way: how it can be started.
-        command: the words that start it in a box, in the environment of `Build`; empty if nothing can start it.
-        fault: why it cannot be started as installed, in one sentence; empty if it can.
-        absent: the modules that it imports, directly or not, and that are not installed here; `KEYBOARD`, if it reads
-            one.
-        modules: the last parts of the names of all modules that it is made of; empty if they are not known.
-        is_brief: whether nothing in its code goes on: nothing spins, and no loop waits for a condition.
-        never_spins: whether nothing in its code spins, so that no callback of it is ever called.
+        command: the command that starts it in a box, in the environment of `Build`; empty if nothing can
+            start it.
+        fault: a sentence that says why it cannot be started as installed; empty if it can.
+        absent: the modules that it imports, directly or indirectly, and that are not installed here;
+            `KEYBOARD` if it reads one.
+        modules: the last parts of the names of all its modules; empty if they are not known.
+        is_brief: whether its code cannot run for long: nothing spins, and no loop waits for a condition.
+        never_spins: whether nothing in its code spins, so that none of its callbacks is ever called.
         package: the other package that it lies in; empty for the graded one.
     """
 
@@ -171,12 +180,12 @@ class Executable:
 
     @property
     def module(self) -> str:
-        """The whole name of its module; empty for a plain script."""
+        """The full name of its module; empty for a plain script."""
         return self.target.partition(":")[0]
 
     @property
     def stem(self) -> str:
-        """The last part of the name of its module: its file, without .py."""
+        """The last part of its module's name: the file without .py."""
         return self.module.rpartition(".")[2]
 
     @property
@@ -187,18 +196,18 @@ class Executable:
 
 @dataclass(frozen=True)
 class Build:
-    """What colcon made of it.
+    """The result of the build.
 
     Attributes:
         is_built: whether the package was found as ament_python, built and installed.
         error: the first real error; empty if there is none.
-        warnings: what it warned of.
+        warnings: the warnings of the build.
         notes: settings in the submission that had no effect, or only on its own package.
-        executables: the package's programs, also those that must be started in another way than installed.
-        shared: what lies in `share/<package>` of each package that was built, relative to that folder.
-        environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
-        seconds: of the build.
-        absent: the packages that launch files name and that are neither in the hand-in nor installed here.
+        executables: the package's programs, including those that cannot be started as installed.
+        shared: the files in `share/<package>` of each package that was built, relative to that folder.
+        environ: the environment in which a box runs what was built, as after `source install/setup.bash`.
+        seconds: how long the build took.
+        absent: the packages that launch files name and that are neither in the submission nor installed here.
         cut: which limit ended colcon; empty if it ended by itself.
     """
 
@@ -222,8 +231,8 @@ class Heard:
         type_name: such as `std_msgs/msg/String`.
         node: the full name of the node that published, as far as it is known.
         times: when messages came, at most 200.
-        values: their content as plain data, as many as `times`.
-        count: how many came in all.
+        values: their content as plain data, one for each of `times`.
+        count: how many messages came in all.
     """
 
     type_name: str
@@ -234,7 +243,7 @@ class Heard:
 
     @cached_property
     def sense(self) -> str:
-        """What its messages say last, without what changes by itself; empty if there are none."""
+        """What its messages say in the end, without what changes by itself; empty if there are none."""
         return sense(self.values) if self.values else ""
 
     @cached_property
@@ -251,8 +260,8 @@ class CommandSeen:
         text: the command.
         log: log lines of the node, as [level, text].
         topics: what was published meanwhile.
-        parameters: those that changed, as `/node:name`.
-        is_alive: whether all programs still ran.
+        parameters: the parameters that changed, as `/node:name`.
+        is_alive: whether all programs were still running.
     """
 
     text: str
@@ -268,11 +277,12 @@ class ServiceCall:
 
     Attributes:
         service: its name.
-        request: by field.
-        response: by field; None if none came.
-        seconds: from the request to the response, or how long was waited for it; less what any answer takes then.
-        is_repeated: whether the requests were all made before, and this one is made to see that it goes on.
-        is_alive: whether all programs still ran afterwards.
+        request: its values by field.
+        response: its values by field; None if none came.
+        seconds: from the request to the response, or the end of the wait for it; less what any answer takes
+            then.
+        is_repeated: whether it repeats a request, to see whether the service goes on answering.
+        is_alive: whether all programs were still running afterwards.
         topics: what was published from the request to the next one.
     """
 
@@ -287,40 +297,44 @@ class ServiceCall:
 
 @dataclass(frozen=True)
 class Run:
-    """A program, or several, while they were watched.
+    """What was seen while one or more programs were watched.
 
     Attributes:
         programs: what was started, by the names of `Executable`.
-        setting: why: `alone` (also what a program did among the others, where that tells it), `together`, `launched`,
+        setting: `alone` (or among others, if what the program did can be told apart), `together`, `launched`,
             `given`, or a parameter such as `period:=1.0`.
-        clock: whose time its timers follow.
-        nodes: full names of the nodes that came.
+        clock: the clock that timers follow.
+        nodes: full names of the nodes that appeared.
         publishes: types by topic and node.
         subscribes: types by topic and node.
         qos: reliability and durability by topic, as `publisher reliable volatile`.
-        parameters: values by node, but not of `changed`.
+        parameters: values by node, without those of `changed`.
         quiet: what was published before any command.
-        commands: what followed each command, in their order.
-        ended: of each program that ended by itself, what it said last.
-        early: of these, the ones that did so before any command was published.
-        stopped: how each ended at Ctrl-C: `last` (the last message by topic), `seconds`, `traceback` (whether there
-            was one), `killed` (whether it had to be), `said` (its last lines; where Ctrl-C meets a program is chance).
+        commands: what followed each command, in order.
+        ended: the last lines of each program that ended by itself.
+        early: those of them that ended before any command was published.
+        stopped: how each ended at Ctrl-C: `last` (the last message by topic), `seconds`, `traceback` (whether
+            there was one), `killed` (whether that was needed), `said` (its last lines; where Ctrl-C
+            interrupts a program is chance).
         notes: what was cut, and what could not be seen.
         log: what was logged or printed before any command, as [level, text].
         twins: full names that more than one node had.
-        stalled: topics on which messages came more than once, and then no more, though there was no command.
-        refused: what ended it at first, or kept it from publishing, because a field for floats was given something
-            else; it was then watched without this check, as outside the lab. Empty if nothing did.
-        services: types by service and node, where the assignment asks for a service.
-        calls: of services, in their order.
-        given: topics and services on which default values were given, for nobody of the hand-in is there.
-        tried: those of them on which there is nothing else to be given, in whatever way with the others.
-        commanded: the topic on which the commands were published; empty if nothing takes any.
-        typed: the lines that were typed for a program that reads a keyboard, in their order.
-        clocked: full names of the nodes that follow `/clock` though they were not told to, and nobody publishes it.
-        unfinished: for want of what time, in a clause; empty if it was watched to its end.
-        changed: the programs that had other parameters than by themselves, which another Run tells of: here only what
-            follows commands counts, and no rhythm of theirs.
+        stalled: topics on which several messages came, and then no more, although there was no command.
+        refused: the error that ended it or kept it from publishing at first, because something else was
+            assigned to a field for floats; it was watched again without this check, as outside the lab. Empty
+            if there is none.
+        services: types by service and node, if the assignment asks for a service.
+        calls: calls of services, in order.
+        given: topics and services that were given default values, because nothing in the submission provides
+            them.
+        tried: those of them on which every possible value was given, in every combination with the others.
+        commanded: the topic on which the commands were published; empty if nothing receives any.
+        typed: the lines that were typed for a program that reads a keyboard, in order.
+        clocked: full names of the nodes that follow `/clock` although they were not told to and nobody
+            publishes it.
+        unfinished: which time ran out, as a clause; empty if it was watched to its end.
+        changed: the programs that ran with other parameters than usual. Another Run is about their usual
+            behaviour; in this one, only what follows commands counts, and not their periods.
     """
 
     programs: list[str]
@@ -353,33 +367,33 @@ class Run:
 
     @property
     def stretches(self) -> list[dict[str, Heard]]:
-        """What was published before any request or command, and after each."""
+        """What was published before all requests and commands, and after each of them."""
         after = [*(call.topics for call in self.calls), *(command.topics for command in self.commands)]
         return [self.quiet, *after]
 
     @property
     def unasked(self) -> set[str]:
-        """The nodes that lived and did not answer what parameters they have: they do not spin."""
+        """The nodes that were alive and did not answer a request for their parameters: they do not spin."""
         return set() if self.ended or self.changed else {*self.nodes} - self.parameters.keys()
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """All that is known of a submission.
+    """All that is known about a submission.
 
     Attributes:
-        schema: the version of this form.
-        assignment: the name of that for which it was handed in.
-        name: of what was handed in.
+        schema: the version of this format.
+        assignment: the name of the assignment.
+        name: the name of the file or folder that was handed in.
         submission: what was found in it.
         files: see `Files`.
         build: see `Build`; None if there was nothing to build.
         runs: in the order in which they were made.
-        tests: what its own tests say, and whether they notice a broken package; see `own_tests`.
-        seconds: of each part of the work.
+        tests: the results of its own tests, and whether they notice a broken package; see `own_tests`.
+        seconds: how long each part of the work took.
         sandbox: how it was confined.
-        versions: of what graded.
-        coined: the words that nobody knows and that were said besides the assignment's unknown ones.
+        versions: the versions of the programs that graded it.
+        coined: made-up commands that were sent besides the assignment's unknown ones.
     """
 
     schema: int

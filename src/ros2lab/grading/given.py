@@ -1,7 +1,7 @@
-"""What nodes wait for and nobody in a hand-in brings: messages, requests and responses of default values.
+"""What nodes wait for and a submission does not provide: messages, requests and responses of default values.
 
-What is a flag in them is given both ways, one after the other: with one of them most gates open that have one. Where
-nothing but a few flags is waited for, they are given in all the ways in which they can be together.
+Flags in them are set one way and then the other, which opens most gates. If nodes wait for nothing but a few
+flags, these are given in all combinations.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from ros2lab.grading.watch import NODES, OF_EVERY_NODE, TOPICS, Watch
 from ros2lab.observed_domain import LATCHED, UNTOLD
 from ros2lab.topics import find_type
 
-MOST_FLAGS = 3  # that are given in all ways
-MANAGES = "lifecycle_msgs/srv/ChangeState"  # by which a managed node is told to begin
+MOST_FLAGS = 3  # that are given in all combinations
+MANAGES = "lifecycle_msgs/srv/ChangeState"  # makes a managed node begin
 BEGIN = (1, 3)  # configure, activate
 
 
@@ -27,14 +27,14 @@ class Given:
     """Gives the nodes of a run what they may wait for.
 
     Args:
-        watch: of the run.
+        watch: the observer's watch of the run.
         kept: topics and services of the assignment, which have their own stimuli.
-        flags: what the flags in messages and responses are at first.
+        flags: the first value of flags in messages and responses.
 
     Attributes:
         names: the topics and services on which something was given.
-        flags: those of them on which nothing but a flag can be given.
-        plain: those on which there is nothing to choose.
+        flags: those of them whose type is a single flag.
+        plain: those whose type leaves nothing to choose.
     """
 
     def __init__(self, watch: Watch, kept: Collection[str], *, flags: bool) -> None:
@@ -52,20 +52,20 @@ class Given:
 
     @property
     def turns(self) -> int:
-        """In how many ways flags are given."""
+        """The number of combinations in which flags are given."""
         return int(2 ** min(len(self.flags), MOST_FLAGS))
 
     @property
     def tried(self) -> list[str]:
-        """The topics and services on which all was given that can be, at once with what can be given on the others."""
+        """The topics and services that were given every possible value, in every combination with others."""
         is_all = len(self.flags) == 1 or self._turn == self.turns - 1
         return sorted([*self.plain, *(self.flags if is_all and len(self.flags) <= MOST_FLAGS else ())])
 
     def give(self, turn: int | None = None) -> None:
-        """Publish on each topic that is only subscribed to, call each service, and provide each that is called.
+        """Publish on each topic without a publisher, call each service, and provide each that is called.
 
         Args:
-            turn: the way in which flags are given; None leaves them.
+            turn: the number of the combination of flags; None leaves them as they are.
         """
         self._turn = self._turn if turn is None else min(turn, self.turns - 1)
         for do, name, type_name in [*self._wanted()]:
@@ -73,7 +73,7 @@ class Given:
                 do(name, find_type(type_name))
 
     def _wanted(self) -> Iterator[tuple[Callable[[str, Any], None], str, str]]:
-        """Yield what is to be done, with the name of a topic or a service and its type."""
+        """Yield what to do, each with the name of a topic or a service and its type."""
         kept = {*self._kept, self._watch.command_topic()}
         for topic, nodes in sorted(self._watch.subscribes.items())[:TOPICS]:
             if topic not in kept and topic not in self._watch.publishes:
@@ -104,7 +104,7 @@ class Given:
         self._publishers[topic].publish(self._flagged(topic, message()))
 
     def _call(self, service: str, kind: Any) -> None:
-        """Call a service once in each way, as soon as it is there; a flag is set at first, for false often means to stop."""
+        """Call an available service once with each request; flags start as true: false often means stop."""
         if service in self._services:
             return
         if service not in self._clients:
@@ -116,7 +116,7 @@ class Given:
                 self.names.add(service)
 
     def _made(self, service: str, kind: Any) -> list[Any]:
-        """Return the requests that are made to a service at once."""
+        """Return the requests that are sent to a service together."""
         if kind != find_type(MANAGES):
             return [self._flagged(service, kind.Request(), is_first=True)]
         requests = [kind.Request() for _ in BEGIN]
@@ -134,7 +134,7 @@ class Given:
             self.names.add(service)
 
     def _flagged(self, name: str, message: Any, *, is_first: bool | None = None) -> Any:
-        """Return a message, a request or a response with its flags set, or not."""
+        """Set the flags of a message, a request or a response to true or false, and return it."""
         fields = message.get_fields_and_field_types()
         if not fields:
             self.plain.add(name)

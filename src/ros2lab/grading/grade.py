@@ -1,4 +1,4 @@
-"""A grade: points, the reason for each, and what would fix what was lost; plain data that every report shows."""
+"""A grade: points, the reason for each, and how to fix what lost some; plain data that every report shows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SCHEMA = 1
 
 @dataclass(frozen=True)
 class Points:
-    """What was given, of what there was to get."""
+    """Points, and the most that can be reached."""
 
     points: float
     max: float
@@ -21,12 +21,12 @@ class Points:
 
 @dataclass(frozen=True)
 class Override:
-    """What an instructor says a criterion is worth, in place of the machine.
+    """An instructor's points for a criterion, instead of the machine's.
 
     Attributes:
-        points: what it is worth now.
-        comment: why.
-        by: who says so.
+        points: the points that count now.
+        comment: the reason.
+        by: the instructor.
         machine: the points that the machine gave.
     """
 
@@ -38,18 +38,18 @@ class Override:
 
 @dataclass(frozen=True)
 class Judgement:
-    """A criterion of the rubric, and what it was worth.
+    """A criterion of the rubric, and the points for it.
 
     Attributes:
         id: `component.name`.
-        component: the part of the assignment to which it belongs.
+        component: the part of the assignment that it belongs to.
         title: a few words.
-        points: those that count, also after an override.
-        max: the most that there was to get.
+        points: the points that count, after any override.
+        max: the most points that can be reached.
         reason: one sentence.
-        hint: what to change; empty if nothing was lost.
-        evidence: keys of the evidence on which it rests, such as `runs[0].commands[2]`.
-        override: None if no instructor has spoken.
+        hint: what to change; empty if no points were lost.
+        evidence: keys of the evidence that it rests on, such as `runs[0].commands[2]`.
+        override: None if no instructor has changed the points.
     """
 
     id: str
@@ -65,11 +65,11 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong, where, and how to fix it; found by `ros2lab.diagnose` wherever it can be.
+    """What is wrong, where, and how to fix it; found by `ros2lab.diagnose` if possible.
 
     Attributes:
-        code: of the finding, such as `entry-point-module`.
-        component: where its points are lost.
+        code: the code of the finding, such as `entry-point-module`.
+        component: the component that loses points by it.
         cause: one sentence.
         place: `file:line`, or a topic or a node; empty if there is none.
         fix: what to type or to change.
@@ -87,18 +87,18 @@ class Grade:
     """What a submission is worth, and why.
 
     Attributes:
-        schema: the version of this form.
+        schema: the version of this format.
         submission: the name of what was handed in.
-        total: all points, the bonus among them.
-        max: the most without the bonus.
+        total: all points, including the bonus.
+        max: the most points without the bonus.
         components: by name, in the order of the rubric.
         criteria: in the order of the rubric.
         faults: the most telling first.
-        notes: what was left out, or done in another way than usual.
+        notes: what was left out, or done differently than usual.
         clock: `stepped` if all programs that were watched follow the ROS clock, else `real`.
         sandbox: how the submission was confined.
         seconds: `unpack`, `build`, `observe` and `total`.
-        versions: of what graded.
+        versions: the versions of the programs that graded it.
     """
 
     schema: int
@@ -116,5 +116,5 @@ class Grade:
 
     @property
     def run(self) -> str:
-        """By what the reports of one grade are known to belong together: a digest of all that it holds."""
+        """A digest of the whole grade, which shows that its reports belong together."""
         return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()[:12]

@@ -1,4 +1,4 @@
-"""What is watched once: the programs that are started, and what was seen of them, as a `Run`."""
+"""A job: programs that are started and watched once, and what was seen of them, as a `Run`."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from ros2lab.grading.shares import shared_out
 
 DOMAINS = itertools.cycle(
     range(1, 102)
-)  # whose ports Linux does not hand out; each World has its own network
+)  # Linux assigns their ports to nothing else; each World has its own network
 STOP_TIMEOUT = 10.0  # s from Ctrl-C to the end, on a busy machine
 LINES, LINE = 200, 500
-# What rclpy warns of where the observer does not wait for an answer any more.
+# A warning of rclpy when the observer no longer waits for an answer.
 _OF_RCLPY = re.compile(
     r".*/rclpy/service\.py:\d+: RuntimeWarning: failed to send response|\s+self\.__service\.service_send_response\("
 )
@@ -32,17 +32,19 @@ _LOG_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
 
 @dataclass(frozen=True)
 class Program:
-    """What is started.
+    """A program to start.
 
     Attributes:
-        name: of the `Executable`.
-        command: how it is started in a box.
-        environ: its environment: the overlay. Settings of ROS are added.
-        parameters: such as `period:=1.0`; given by `--ros-args`.
+        name: the name of the `Executable`.
+        command: the command that starts it in a box.
+        environ: the environment of the overlay; settings of ROS are added.
+        parameters: such as `period:=1.0`, given by `--ros-args`.
         takes_arguments: whether it understands `--ros-args`; `ros2 launch` does not.
-        enclave: that its nodes tell, such as `/program_1`; empty if it does not matter whose they are.
+        enclave: the enclave that its nodes report, such as `/program_1`; empty if it does not matter whose
+            they are.
         keys: the lines that are typed for it, if it has a keyboard.
-        has_clock: whether its nodes follow `/clock` of their own accord, or ask for it: it is not stepped for them, for nobody would.
+        has_clock: whether its nodes follow `/clock` of their own accord, or ask for it; then no clock is
+            stepped, because nobody else would step one.
     """
 
     name: str
@@ -55,7 +57,7 @@ class Program:
     has_clock: bool = False
 
     def words(self, *, is_stepped: bool) -> list[str | Path]:
-        """Return what starts it, with the clock that is stepped if it is to follow that."""
+        """Return the command that starts it; its nodes follow `/clock` if that `is_stepped`."""
         given = [
             *(("--enclave", self.enclave) if self.enclave else ()),
             *(("-p", "use_sim_time:=true") if is_stepped else ()),
@@ -65,20 +67,20 @@ class Program:
 
 
 class Job:
-    """What is to be watched once: a Run in the making.
+    """Programs to watch once: a Run in the making.
 
     Args:
-        programs: that are started; they hear one another.
-        setting: of the Run.
+        programs: the programs to start; they receive each other's messages.
+        setting: the setting of the Run.
         has_commands: whether commands are published.
-        is_stepped: whether the programs are to follow a clock that is stepped.
-        is_brief: whether it is known already what they do alone.
-        is_given: whether they receive what they may wait for, in default values.
-        has_flags: whether the flags in that are set.
-        nodes: how many to wait for; 0 if each program has one at least.
-        is_shared: whether what each program does is told from what all do: where that cannot be, for one has ended
-            or does not follow the clock, the job is given up.
-        is_again: whether the commands are said again, while some of the programs have other parameters.
+        is_stepped: whether the programs follow a stepped clock.
+        is_brief: whether it is already known what they do alone.
+        is_given: whether they are given default values of what they may wait for.
+        has_flags: whether the flags in these are set.
+        nodes: how many nodes to wait for; 0 if each program has at least one.
+        is_shared: whether to tell apart what each program does. If that cannot be done, because a program has
+            ended or does not follow the clock, the job is given up.
+        is_again: whether the commands are sent again, while some of the programs have other parameters.
     """
 
     def __init__(
@@ -115,7 +117,7 @@ class Job:
             "has_keys": any(program.keys for program in self.programs),
         }
         self.notes: list[str] = []
-        self.seconds = math.inf  # that it has on one clock
+        self.seconds = math.inf  # that it may take on one clock
         self.unfinished = ""
         # What was seen before it was watched on the real clock.
         self.parameters: dict[str, dict[str, Any]] = {}
@@ -134,7 +136,7 @@ class Job:
 
     @classmethod
     def together(cls, programs: Sequence[Program]) -> Job:
-        """Watch programs that hear one another, briefly: what each does alone is known."""
+        """Watch programs together, briefly: what each does alone is known."""
         return cls(programs, "together", is_brief=True)
 
     @classmethod
@@ -144,23 +146,23 @@ class Job:
 
     @classmethod
     def shared(cls, programs: Sequence[Program], *, has_commands: bool = True) -> Job:
-        """Watch programs that hear one another, so that `shares` tells what each of them does."""
+        """Watch programs together, so that `shares` can tell what each of them does."""
         return cls(programs, "together", has_commands=has_commands, is_shared=True)
 
     @classmethod
     def again(cls, programs: Sequence[Program], changed: Sequence[Program]) -> Job:
-        """Watch programs that hear one another, some of them with other parameters, and say the commands again.
+        """Watch programs together, some of them with other parameters, and send the commands again.
 
-        It tells of each of these what `shared` tells, and of all of them what `together` does.
+        It shows what each of these does, as `shared` would, and what all of them do, as `together` would.
         """
         others = {
             (program.name, *program.command): program for program in changed
-        }  # a name may be there twice
+        }  # two programs may have the same name
         programs = [others.get((program.name, *program.command), program) for program in programs]
         return cls(programs, "together", is_shared=True, is_again=True)
 
     def apart(self) -> list[Job]:
-        """Return the jobs that tell what a shared one is to tell without commands, each of one thing."""
+        """Return the separate jobs that show what a shared job without commands is meant to show."""
         changed = [program for program in self.programs if program.parameters or not self.is_again]
         jobs = [Job.alone(program, has_commands=False) for program in changed]
         plain = [replace(program, parameters=()) for program in self.programs]
@@ -170,10 +172,10 @@ class Job:
     def launched(
         cls, program: Program, nodes: int, *, has_commands: bool = True, is_brief: bool = False
     ) -> Job:
-        """Watch what a launch command starts, such as `ros2 launch`, on the real clock."""
-        one = replace(program, takes_arguments=False)
+        """Watch what a launch command, such as `ros2 launch`, starts, on the real clock."""
+        launch = replace(program, takes_arguments=False)
         return cls(
-            [one], "launched", has_commands=has_commands, is_stepped=False, is_brief=is_brief, nodes=nodes
+            [launch], "launched", has_commands=has_commands, is_stepped=False, is_brief=is_brief, nodes=nodes
         )
 
     def begin(self, number: int) -> None:
@@ -184,41 +186,41 @@ class Job:
         self.since = time.monotonic()
         self.interrupted_at = 0.0
         self.is_released = False
-        self.killed: set[str] = set()  # by the grader, which is no end of their own
+        self.killed: set[str] = set()  # by the grader, not ended by themselves
         self.boxes: dict[str, Box] = {}
         self.keyboards: list[Keyboard] = []
         self.marks: dict[int, dict[str, int]] = {}
         self.ended: dict[str, str] = {}
-        self.early: set[str] = set()  # of these, before any command
+        self.early: set[str] = set()  # those that ended before any command
         self.stopped: dict[str, dict[str, Any]] = {}
         self.said: dict[str, int] = {}  # how much each had printed at Ctrl-C
 
     def keyboard(self, program: Program) -> int | None:
-        """Return what a program reads its keys from; None if it has no keyboard."""
+        """Return the file descriptor that a program reads its keys from; None if it has no keyboard."""
         if not program.keys:
             return None
         self.keyboards.append(Keyboard(program.keys))
         return self.keyboards[-1].stdin
 
     def neighbours(self, number: int) -> Neighbours | None:
-        """Return those of a program, by its number; None if it is alone, or has a keyboard."""
+        """Return the neighbours of a program, by its number; None if it is alone, or has a keyboard."""
         if len(self.programs) == 1 or self.programs[number].keys:
             return None
         commands = [program.command for program in self.programs]
         return Neighbours(commands[:number], commands[number + 1 :])
 
     def show_neighbours(self) -> None:
-        """Let each program's list of processes show all others."""
+        """Show each program all others in its list of processes."""
         for box in self.boxes.values():
             box.show_neighbours()
 
     def type(self) -> None:
-        """Type a line at each keyboard at which the last one was read."""
-        for one in self.keyboards:
-            one.type()
+        """Type a line at each keyboard whose last line was read."""
+        for keyboard in self.keyboards:
+            keyboard.type()
 
     def look(self) -> bool:
-        """See which programs run; whether one has ended since the last look."""
+        """Note which programs have ended; return whether one has ended since the last look."""
         for name, box in self.boxes.items():
             if box.code is None or name in self.ended or name in self.stopped:
                 continue
@@ -258,11 +260,11 @@ class Job:
         for box in self.boxes.values():
             with contextlib.suppress(TimeoutError):
                 box.wait(STOP_TIMEOUT)
-        for one in self.keyboards:
-            one.close()
+        for keyboard in self.keyboards:
+            keyboard.close()
 
     def run(self) -> Run:
-        """Return what was seen."""
+        """Return what was seen as a `Run`."""
         run = self._run(self.result, [program.name for program in self.programs], self.setting)
         if not self.is_again:
             return run
@@ -276,7 +278,7 @@ class Job:
         return replace(run, parameters=own, changed=sorted(changed.values()))
 
     def shares(self) -> list[Run]:
-        """Return what each program did, as if it had been alone; nothing where that cannot be told."""
+        """Return what each program did, as if it had been alone; empty if that cannot be told."""
         is_open = self.ended or self.notes or self.unfinished or not self.result
         if not self.is_shared or not self.is_stepped or is_open:
             return []
@@ -290,7 +292,7 @@ class Job:
         return [run for _, run in runs]
 
     def _run(self, seen: Mapping[str, Any], names: Sequence[str], setting: str) -> Run:
-        """Return what was seen, of the programs with some names."""
+        """Return what was seen of the programs with some names."""
         return Run(
             programs=list(names),
             setting=setting,
@@ -321,14 +323,14 @@ class Job:
             commanded=seen.get("commanded", ""),
             clocked=seen.get("clocked", []),
             unfinished=self.unfinished,
-            typed=[line for one in self.keyboards for line in one.typed],
+            typed=[line for keyboard in self.keyboards for line in keyboard.typed],
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
             ],
         )
 
     def _parameters(self, seen: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-        """Return the parameters by node; a node that sleeps may not answer now as it did while the clock stood."""
+        """Return the parameters by node; one that sleeps may have answered only while the clock stood."""
         before = {name: values for name, values in self.parameters.items() if not seen.get(name)}
         return dict(sorted({**seen, **before}.items()))
 
@@ -342,16 +344,16 @@ class Job:
         )
 
     def _log(self, lines: Sequence[Sequence[str]], mark: int, names: Sequence[str]) -> list[list[str]]:
-        """Return log lines, and what programs printed besides up to a mark."""
+        """Return log lines, and other lines that programs printed before a mark."""
         known = {(level, name, text) for level, name, whole in lines for text in whole.splitlines()}
         log = [[level, text[:LINE]] for level, _, text in lines]
         log += [["PRINT", line] for line in self._printed(mark, names) if not _is_known(line, known)]
-        if len(log) > LINES:  # what is said again and again leaves room for the rest
+        if len(log) > LINES:  # repeated lines leave room for the rest
             log = [[level, text] for level, text in dict.fromkeys((level, text) for level, text in log)]
         return log[:LINES]
 
     def _printed(self, mark: int, names: Sequence[str]) -> list[str]:
-        """Return the lines that programs have printed between the mark before and this one."""
+        """Return the lines that programs printed between the previous mark and this one."""
         before, after = self.marks.get(mark - 1, {}), self.marks.get(mark, {})
         return [
             line[:LINE]
@@ -367,7 +369,7 @@ def _setting(program: Program) -> str:
 
 
 def _whole_lines(output: str, begin: int, end: int) -> list[str]:
-    """Return the lines of a part of an output; one that goes on behind it is of the next part."""
+    """Return the lines of a part of an output; a line that goes on after it belongs to the next part."""
     begin = output.rfind("\n", 0, begin) + 1
     if end < len(output):
         end = output.rfind("\n", 0, end) + 1
@@ -375,7 +377,7 @@ def _whole_lines(output: str, begin: int, end: int) -> list[str]:
 
 
 def _is_known(line: str, known: set[tuple[str, str, str]]) -> bool:
-    """Return whether a printed line is a log line that was heard."""
+    """Return whether a printed line is a log line that was received."""
     match = _LOG_LINE.fullmatch(line)
     return (match.groups() if match else ("", "", line)) in known or any(line == text for *_, text in known)
 

@@ -1,4 +1,4 @@
-"""A keyboard for a program that asks at one: a terminal of its own, at which lines are typed, one after the other."""
+"""A keyboard for a program that reads one: a terminal of its own, where lines are typed in turn."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ import termios
 from collections.abc import Collection, Iterable, Sequence
 
 MOST_WORDS = 6  # of a program's own
-MOST_LINES = 1000  # that are typed in one run
+MOST_LINES = 1000  # typed in one run
 _USUAL = ("1", "y", "1,1", "1 1")  # a number, a yes, two numbers: whatever may be asked for
 
 
 def answers(words: Sequence[str], commands: Collection[str]) -> list[list[str]]:
-    """Return what may be typed, in several orders: what ends a program whichever comes first is not the answer's fault.
+    """Return lines to type, in several orders: if a program ends whichever comes first, none is to blame.
 
     Args:
-        words: with which the program compares something.
-        commands: that are published; what follows one that was typed would be taken for an answer to it.
+        words: the words that the program compares something with.
+        commands: the commands that are published; they are not typed, because a reaction to one that was
+            typed would be taken for a reaction to the published one.
     """
     said = {command.strip().lower() for command in commands}
     own = [
@@ -33,7 +34,7 @@ def answers(words: Sequence[str], commands: Collection[str]) -> list[list[str]]:
 
 
 def is_ended_by_one(places: Iterable[str | int]) -> bool:
-    """Return whether a program has ended without an error behind several numbers of answers: one ends it, and will again."""
+    """Return whether a program ended without an error after several numbers of answers: one ends it."""
     return sum(isinstance(place, int) for place in places) > 1
 
 
@@ -41,11 +42,11 @@ class Keyboard:
     """A terminal at which lines are typed, again and again in the same order.
 
     Args:
-        lines: that are typed.
+        lines: the lines to type.
 
     Attributes:
         stdin: the file descriptor that a program reads from.
-        typed: what was typed.
+        typed: the lines that were typed.
     """
 
     def __init__(self, lines: Sequence[str]) -> None:
@@ -53,12 +54,12 @@ class Keyboard:
         self._lines = itertools.cycle(lines)
         self.typed: list[str] = []
         settings = termios.tcgetattr(self.stdin)
-        settings[3] &= ~termios.ECHO  # what is typed is no output of the program
+        settings[3] &= ~termios.ECHO  # what is typed must not show up as output
         termios.tcsetattr(self.stdin, termios.TCSANOW, settings)
         os.set_blocking(self._ours, False)
 
     def type(self) -> None:
-        """Type a line, if all before it was read."""
+        """Type a line, if all lines before it were read."""
         if self.stdin < 0:
             return
         waiting = struct.unpack("i", fcntl.ioctl(self.stdin, termios.FIONREAD, b"\0" * 4))[0]
@@ -69,7 +70,7 @@ class Keyboard:
                 self.typed.append(line)
 
     def close(self) -> None:
-        """Give it back; closing it again does nothing."""
+        """Close the terminal; closing it again does nothing."""
         for number in (self._ours, self.stdin):
             if number >= 0:
                 os.close(number)
