@@ -1,4 +1,4 @@
-"""One running bubblewrap, and what is done with the processes in it."""
+"""A running bubblewrap, and the processes in it."""
 
 # pathlib takes as long to import as all of the others.
 # ruff: noqa: PTH110, PTH116
@@ -13,37 +13,35 @@ from collections.abc import Callable, Collection, Iterator
 
 from . import FILES, FOLDER, LIMITS, counted
 
-# As much can wait in a socket, and is not shown as anybody's: net.core.wmem_default, as Linux has it. No socket of a box
-# gets more, and a pipe never holds as much.
+# What a socket can buffer, which counts as no process's memory: the usual net.core.wmem_default. No socket of
+# a box gets more, and a pipe never holds as much.
 BYTES_PER_OPEN_FILE = 212_992
-# What Linux keeps of a map of memory, and besides for each process that has a copy of it: no page shows it.
+# What Linux needs for a map of memory, and for each process with a copy of it: it is in none of their pages.
 BYTES_PER_MAP, BYTES_PER_COPY = 448, 64
-COUNTING = 0.01  # s at a look in which maps are counted
-# They are the machine's, and whoever may write to one may set its times to now: another box could read when it was.
+COUNTING = 0.01  # s to count maps in each look
+# They are the machine's, and whoever may write to one may set its times to now, which another box could read.
 DEVICES = [f"/dev/{name}" for name in ("null", "zero", "full", "random", "urandom", "tty")]
 OWN_PROC = os.stat("/proc").st_dev
 
 
 class Box:
-    """One running bubblewrap."""
+    """A running bubblewrap."""
 
     def __init__(self, number: int, pid: int, status: int, limits: dict[str, float]) -> None:
         self.number = number
         self.pid = pid
         self.ended = os.pidfd_open(pid)
-        self.status = status  # the pipe on which bubblewrap tells the first process of the box, and its end
+        self.status = status  # the pipe on which bubblewrap reports the first process of the box, and its end
         self.told = b""
         self.init = 0  # process number of the box's first process
         self.init_handle = -1
         self.limits = limits
         self.start = time.monotonic()
-        # CPU seconds of each process, and of those that it has waited for, as last seen; by its number and its start.
+        # The last CPU seconds of each process, and of those that it has waited for, by number and start.
         self.cpu_of: dict[tuple[bytes, bytes], tuple[float, float]] = {}
         self.cpu_of_gone = 0.0
-        self.memory, self.slots = 0, 0  # bytes that its processes show, and the open files that they may have
-        self.maps: dict[
-            str, int
-        ] = {}  # of each process, as last counted; the one that was counted last comes last
+        self.memory, self.slots = 0, 0  # bytes of its processes, and the most open files that they may have
+        self.maps: dict[str, int] = {}  # the last count of each process; the latest one comes last
         self.cut: str | None = None
         self.fault = ""
         self.is_doomed = False
@@ -52,7 +50,7 @@ class Box:
 
     @property
     def root(self) -> str:
-        """The box's own root folder, as Linux shows it."""
+        """The box's own root folder, seen from outside."""
         return f"/proc/{self.init}/root"
 
     @property
@@ -61,7 +59,7 @@ class Box:
         return f"{self.root}/proc"
 
     def read_status(self) -> None:
-        """Take in what bubblewrap has written, as far as it has."""
+        """Read what bubblewrap has reported so far."""
         while select.select([self.status], [], [], 0)[0] and (part := os.read(self.status, 4096)):
             self.told += part
         if not self.init and b"\n" in self.told:
@@ -73,9 +71,9 @@ class Box:
         """Compare what the box uses with its limits.
 
         Args:
-            free: bytes of memory that this machine can still give.
-            sockets: how many there are in the World.
-            adrift: tells the bytes of memory in the World that no process of a box holds any more.
+            free: the bytes of memory that this machine can still give.
+            sockets: the number of sockets in the World.
+            adrift: returns the bytes of memory in the World that no process of a box holds any more.
         """
         if self.is_doomed:
             return
@@ -85,7 +83,7 @@ class Box:
         self.is_doomed = bool(self.cut or self.fault)
 
     def act(self) -> None:
-        """Carry out what was asked for, or what a limit asks for."""
+        """Carry out what was asked for, or what a limit requires."""
         if not self.init:
             self.read_status()
         if self.is_doomed and self.init_handle >= 0:
@@ -97,20 +95,20 @@ class Box:
                 os.killpg(self.init, signal.SIGINT)  # the first process of a process namespace ignores it
 
     def has_come_to_stand(self) -> bool:
-        """Stop all that runs in the box where it is, if that was asked for; return whether all of it stands by now."""
+        """Stop all processes in the box, if that was asked for; return whether all of them have stopped."""
         if self.is_to_stand and self._has_started() and not any([*self._signal_all(signal.SIGSTOP)]):
             self.is_to_stand = False
             return True
         return False
 
     def release(self) -> None:
-        """Let all that runs in the box go on."""
+        """Resume all processes in the box."""
         self.is_to_stand = False
         if self._has_started():
             _ = [*self._signal_all(signal.SIGCONT)]
 
     def _signal_all(self, number: int) -> Iterator[bool]:
-        """Send a signal to all processes but the first one; yield of each whether it was running until now."""
+        """Send a signal to all processes but the first; yield for each whether it was still running."""
         for name in counted.numbers(self.processes_folder):
             with contextlib.suppress(OSError):
                 process = os.open(f"{self.processes_folder}/{name}", os.O_RDONLY | os.O_DIRECTORY)
@@ -122,7 +120,7 @@ class Box:
                     os.close(process)
 
     def _reason(self, sockets: int, adrift: Callable[[], int]) -> str | None:
-        """Say which limit it is over."""
+        """Return a sentence on the limit that it exceeds; None if it keeps to all of them."""
         limit = self.limits
         if time.monotonic() - self.start > limit["wall_s"]:
             return LIMITS["time"].format(limit["wall_s"])
@@ -140,7 +138,7 @@ class Box:
         return None
 
     def _has_started(self) -> bool:
-        """Return whether the box has its own /proc, instead of the whole machine's, and the program is there."""
+        """Return whether the box has its own /proc, instead of the machine's, and its program has started."""
         try:
             is_own = bool(self.init) and os.stat(self.processes_folder).st_dev != OWN_PROC
             return is_own and os.path.exists(f"{self.processes_folder}/2")
@@ -150,8 +148,8 @@ class Box:
     def _cpu_s(self, processes: Collection[str]) -> float:
         """Return the CPU seconds of all its processes.
 
-        Those of one that has ended are its parent's if that has waited for it, which a parent may leave. Then they count
-        as they were last seen.
+        Those of a process that has ended are added to its parent's if the parent waits for it. If it does
+        not, they count as they were last seen.
         """
         seen = {key: seconds for process in processes for key, seconds in counted.cpu_s(process)}
         self.cpu_of_gone += sum(own for key, (own, _) in self.cpu_of.items() if key not in seen)
@@ -160,7 +158,7 @@ class Box:
         return own + max(waited_for, self.cpu_of_gone)
 
     def _is_over_memory(self, processes: Collection[str], sockets: int, adrift: Callable[[], int]) -> bool:
-        """Return whether all of its processes hold too much; what takes long is counted only where that may decide it."""
+        """Return whether its processes hold too much; what takes long is counted only if it may matter."""
         most = self.limits["memory_bytes"]
         held = {process: counted.memory(process) for process in processes}
         memory, slots, pages = map(sum, zip(*held.values(), strict=True)) if held else (0, 0, 0)
@@ -172,7 +170,7 @@ class Box:
         return memory + self.descriptors() * BYTES_PER_OPEN_FILE + adrift() > most
 
     def _count_maps(self, processes: Collection[str]) -> int:
-        """Return how many maps of memory processes have, of which some are counted anew, each in its turn."""
+        """Return how many maps of memory processes have; each call counts some processes anew, in turn."""
         waiting = [name for name in processes if name not in self.maps]
         waiting += [name for name in self.maps if name in processes]
         self.maps = {name: self.maps.get(name, 0) for name in waiting}
@@ -185,18 +183,18 @@ class Box:
         return sum(self.maps.values())
 
     def descriptors(self) -> int:
-        """Return how many open files all its processes have."""
+        """Return how many open files all its processes have together."""
         return sum(map(counted.descriptors, self._processes())) if self._has_started() else 0
 
     def _processes(self) -> list[str]:
-        """Return the folders of all its processes, once the program is there; none when it has ended."""
+        """Return the folders of all its processes once the program has started; empty when it has ended."""
         return [f"{self.processes_folder}/{name}" for name in counted.numbers(self.processes_folder)]
 
 
 def started(number: int, command: list[str], passed: list[int], limits: dict[str, float]) -> Box:
-    """Start bubblewrap with `command`; the open files in `passed` are where it writes, and what it reads if there is one."""
+    """Start bubblewrap with `command`; the open files in `passed` are its output and, if given, its input."""
     for device in DEVICES:
-        with contextlib.suppress(OSError):  # what this user may not mark, no box may
+        with contextlib.suppress(OSError):  # if this user may not, no box may
             os.utime(device)
     output, *given = passed
     status, its_status = os.pipe()

@@ -1,4 +1,4 @@
-"""What Linux tells in /proc of the memory, time and files that processes hold."""
+"""What /proc says about the memory, time and files of processes."""
 
 # pathlib takes as long to import as all of the others.
 # ruff: noqa: PTH123, PTH208
@@ -8,7 +8,7 @@ import os
 import signal
 from collections.abc import Iterator
 
-BYTES_PER_FILE = 4096  # what an empty file is counted as
+BYTES_PER_FILE = 4096  # what an empty file counts
 PAGE = os.sysconf("SC_PAGE_SIZE")
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
 with open("/proc/sys/vm/max_map_count", encoding="ascii") as most_maps:
@@ -16,7 +16,7 @@ with open("/proc/sys/vm/max_map_count", encoding="ascii") as most_maps:
 
 
 def numbers(folder: str) -> list[str]:
-    """Return the numbers of processes or threads that have a folder in one; none where that has gone."""
+    """Return the numbers of the processes or threads in a folder; empty if it is gone."""
     try:
         return [name for name in os.listdir(folder) if name.isdigit()]
     except OSError:
@@ -26,8 +26,8 @@ def numbers(folder: str) -> list[str]:
 def is_running(process: str) -> bool:
     """Return whether a thread of a process has neither ended nor stopped.
 
-    What waits in Linux itself, as who has begun a program by vfork() does until that runs, stops before anything else if
-    it has been sent the signal; if what it waits for stands, it may wait for ever.
+    One that waits inside the kernel, as after vfork() until the child runs, counts as stopped if it has been
+    sent the signal: it stops before anything else, and may wait for ever if what it waits for has stopped.
     """
     for thread in numbers(f"{process}/task"):
         with contextlib.suppress(OSError), open(f"{process}/task/{thread}/stat", "rb") as file:
@@ -44,7 +44,7 @@ def _is_to_stop(status: str) -> bool:
 
 
 def cpu_s(process: str) -> Iterator[tuple[tuple[bytes, bytes], tuple[float, float]]]:
-    """Yield the number and the start of a process, its CPU seconds, and those of its children that it has waited for."""
+    """Yield a process's number and start, its CPU seconds, and those of children that it has waited for."""
     with contextlib.suppress(OSError):
         number, _, rest = _read(f"{process}/stat").partition(b" ")
         fields = rest.rpartition(b")")[2].split()  # proc_pid_stat(5), from the third on
@@ -53,7 +53,7 @@ def cpu_s(process: str) -> Iterator[tuple[tuple[bytes, bytes], tuple[float, floa
 
 
 def memory(process: str) -> tuple[int, int, int]:
-    """Return the bytes of memory of a process, and how many open files and maps it has at most; 0 if it has gone."""
+    """Return a process's memory in bytes, and the most open files and maps it may have; 0 if it is gone."""
     with contextlib.suppress(OSError):
         status = _read(f"{process}/status")
         size, resident, tables = (_number(status, name) * 1024 for name in (b"VmSize", b"VmRSS", b"VmPTE"))
@@ -62,7 +62,7 @@ def memory(process: str) -> tuple[int, int, int]:
 
 
 def _read(path: str) -> bytes:
-    """Return what stands in a small file of /proc; a file object of Python's takes as long again."""
+    """Return the content of a small file in /proc; Python's file object would take twice as long."""
     file = os.open(path, os.O_RDONLY)
     try:
         return os.read(file, 65536)
@@ -71,27 +71,27 @@ def _read(path: str) -> bytes:
 
 
 def _number(status: bytes, name: bytes) -> int:
-    """Return the number in a line of proc_pid_status(5); 0 if there is no such line, as of a process that has ended."""
+    """Return the number in a line of proc_pid_status(5); 0 if there is none, as for an ended process."""
     _, is_there, rest = status.partition(b"\n%b:" % name)
     return int(rest.split(None, 1)[0]) if is_there else 0
 
 
 def maps(process: str) -> int:
-    """Return how many maps of memory a process has; 0 if it has gone."""
+    """Return how many maps of memory a process has; 0 if it is gone."""
     with contextlib.suppress(OSError), open(f"{process}/maps", "rb") as file:
         return file.read().count(b"\n")
     return 0
 
 
 def descriptors(process: str) -> int:
-    """Return how many open files a process has; 0 if it has gone."""
+    """Return how many open files a process has; 0 if it is gone."""
     with contextlib.suppress(OSError):
         return len(os.listdir(f"{process}/fd"))
     return 0
 
 
 def sockets() -> int:
-    """Return how many sockets there are in the World, also those that wait to be accepted or are on their way."""
+    """Return how many sockets the World has, with those that wait to be accepted or are being passed."""
     with open("/proc/net/sockstat", "rb") as file:
         return int(file.readline().split()[-1])
 
@@ -103,6 +103,6 @@ def available() -> int:
 
 
 def has_too_many_files(folder: str) -> bool:
-    """Return whether the files of a disk would fill it if each were as large as an empty one is counted."""
+    """Return whether the files of a disk would fill it if each took what an empty file counts."""
     disk = os.statvfs(folder)
     return (disk.f_files - disk.f_ffree) * BYTES_PER_FILE > disk.f_blocks * disk.f_frsize

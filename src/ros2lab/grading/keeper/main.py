@@ -1,4 +1,4 @@
-"""The keeper's program: what the grader asks for, and the boxes."""
+"""The keeper's program: it keeps the boxes, and does what the grader asks for."""
 
 # ruff: noqa: PTH103, PTH110, PTH123
 
@@ -15,8 +15,8 @@ from .box import BYTES_PER_OPEN_FILE, Box, started
 from .system_calls import system_call_filter
 
 TICK = 0.04  # s between two looks at the boxes
-MOMENT = 0.002  # s between two of them while the processes of a box are stopped
-LAST_WAIT = 5.0  # s until the last process of a box has gone, once bubblewrap has
+MOMENT = 0.002  # s between two looks while the processes of a box are being stopped
+LAST_WAIT = 5.0  # s for the last process of a box to end after bubblewrap
 
 
 class Keeper:
@@ -30,7 +30,7 @@ class Keeper:
         self.next_look = 0.0
 
     def run(self) -> None:
-        """Serve until the grader has gone, and leave nothing."""
+        """Serve until the grader is gone, and leave nothing running."""
         while not self.is_over or self.boxes:
             ready = self.wait()
             if not self.is_over and (
@@ -47,7 +47,7 @@ class Keeper:
                     self.bury(box)
 
     def wait(self) -> list[int]:
-        """Wait until a box or the grader has something to tell, or it is time to look; return who has."""
+        """Wait for a box or the grader, or until it is time to look; return the ready descriptors."""
         waiting = [box.ended for box in self.boxes.values()]
         waiting += [box.status for box in self.boxes.values() if not box.init]
         if not self.is_over:
@@ -56,7 +56,7 @@ class Keeper:
         return select.select(waiting, [], [], pause if self.boxes else None)[0]
 
     def look(self) -> None:
-        """Compare what boxes use with their limits, if it is time to."""
+        """Compare what the boxes use with their limits, if it is time."""
         if time.monotonic() < self.next_look:
             return
         free, sockets = counted.available(), counted.sockets()
@@ -66,7 +66,7 @@ class Keeper:
         self.next_look = time.monotonic() + TICK
 
     def look_at_all(self) -> None:
-        """Compare what all boxes hold with what they may together, and end the one that holds most where it is too much."""
+        """End the box that holds most if all boxes together hold too much."""
         boxes = [box for box in self.boxes.values() if not box.is_doomed]
         most = max((box.limits["together_bytes"] for box in boxes), default=0)
         if sum(box.memory + box.slots * BYTES_PER_OPEN_FILE for box in boxes) <= most:
@@ -83,7 +83,7 @@ class Keeper:
         return max(0, counted.sockets() - held) * BYTES_PER_OPEN_FILE
 
     def obey(self) -> bool:
-        """Do what one message asks for; False when there is no more to come."""
+        """Do what a message asks for; return False if no more will come."""
         try:
             data, passed, _, _ = socket.recv_fds(self.control, 1 << 20, 2)
         except OSError:
@@ -106,7 +106,7 @@ class Keeper:
         return True
 
     def start(self, number: int, command: list[str], passed: list[int], limits: dict[str, float]) -> None:
-        """Start a box; what no program can be given, such as a word with a zero byte, is said where it would write."""
+        """Start a box; if that fails, as with a zero byte in its command, write the reason to its output."""
         output, *_ = passed
         try:
             self.boxes[number] = started(number, command, passed, limits)
@@ -125,7 +125,7 @@ class Keeper:
             self.is_over = True
 
     def bury(self, box: Box) -> None:
-        """Tell the grader how the box ended."""
+        """Remove a box that has ended, and tell the grader how it ended."""
         _, wait_status = os.waitpid(box.pid, 0)
         code = os.waitstatus_to_exitcode(wait_status)
         box.read_status()
@@ -141,21 +141,21 @@ class Keeper:
             "cut": box.cut,
             "seconds": time.monotonic() - box.start,
             "fault": box.fault,
-            # bubblewrap tells an exit code only of a program that it has reached, which a signal may prevent.
+            # bubblewrap reports an exit code only for a program that it started, which a signal may prevent.
             "was_made": b"exit-code" in box.told or box.is_doomed or box.was_interrupted,
         }
         self.tell(end)
 
 
 def share(among: str, folders: list[str]) -> None:
-    """Make the folders that boxes have in common, before the first of them can have put anything in their place."""
+    """Make the folders that boxes share, before the first box can put anything in their place."""
     if among and not os.path.exists(f"{SHARED}/{among}"):
         for folder in folders:
             os.makedirs(f"{SHARED}/{among}{folder}", exist_ok=True)
 
 
 def main() -> None:
-    """Prepare what all boxes share, and keep them. `argv[1]` is the grader's process, standard input its socket."""
+    """Prepare what boxes share, and keep them; `argv[1]` is the grader's process, stdin its socket."""
     control = socket.socket(fileno=0)
     _prepare()
     keeper = Keeper(control, int(sys.argv[1]))
@@ -166,15 +166,15 @@ def main() -> None:
 
 
 def _prepare() -> None:
-    """Write what is bound into every box, and stop being root."""
-    os.umask(0o022)  # the boxes' programs, too, make files that are read
+    """Write the files that are bound into every box, and stop being root."""
+    os.umask(0o022)  # others read these files, and those that programs in boxes make
     for name, text in {**SETTINGS, **{name: text for name, (_, text) in SHOWN.items()}}.items():
         with open(f"{FOLDER}/{name}", "w", encoding="ascii") as file:
             file.write(text)
     with open(f"{FOLDER}/filter", "wb") as program:
         program.write(system_call_filter())
     if is_root():
-        # To Linux, the limit on processes does not hold for root.
+        # Linux does not apply the limit on processes to root.
         for folder in (FILES, SHARED):
             os.chown(folder, NOBODY, NOBODY)
         os.setgroups([])

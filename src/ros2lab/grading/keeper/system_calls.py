@@ -1,4 +1,4 @@
-"""Which calls of Linux no box may make, as the seccomp program that refuses them."""
+"""The system calls that no box may make, as the seccomp program that refuses them."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ X86_64, X32_BIT = 0xC000003E, 0x40000000
 LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 PRETEND, EPERM, EINVAL, ENOSYS, EPROTONOSUPPORT, EAFNOSUPPORT = 0, 1, 22, 38, 93, 97
 
-# asm/unistd_64.h. What looks into other processes, makes namespaces, holds memory that no process shows, or is counted
-# together with what the user who grades has, or with what the whole machine has.
+# asm/unistd_64.h. Calls that look into other processes, make namespaces, hold memory that counts as no
+# process's, or use up what the grading user or the whole machine has.
 REFUSED = {
     "shmget": 29,
     "semget": 64,
@@ -37,8 +37,9 @@ REFUSED = {
     "pidfd_getfd": 438,
     "memfd_secret": 447,
 }
-# Programs do without them where they are not there. A timer may let a process go on that is held. A pipe or a socket
-# that is given a page itself, for a byte of it, keeps the whole, up to 2 MB; rules of landlock and seccomp have no end.
+# Programs do without these if they are missing. A timer may resume a process that is held. A pipe or a socket
+# that is given a page for a byte of it keeps the whole, up to 2 MB; there is no limit to rules of landlock
+# and seccomp.
 HAVE_ANOTHER_WAY = {
     "sendfile": 40,
     "timer_create": 222,
@@ -50,21 +51,25 @@ HAVE_ANOTHER_WAY = {
     "clone3": 435,
     "landlock_create_ruleset": 444,
 }
-# What later Linuxes have brought could hold memory, too: to a program, this one is as old as these.
+# Calls of later kernels could hold memory, too: programs see a kernel that is no newer than these.
 LATER_CALL, LATER_OPTION = 450, 70  # cachestat and what follows; of prctl, what follows PR_SET_MEMORY_MERGE
 FAMILIES = (1, 2, 10, 16)  # unix, IPv4, IPv6, netlink; not vsock, which is no part of a network namespace
 INTERNET, PROTOCOLS = (2, 10), (0, 1, 6, 17)  # ICMP, TCP, UDP; one socket of SCTP has any number of peers
 
-# A test of an argument of a call: which argument, how it is compared and with what, and whether that must hold.
+# A test of a call's argument: which argument, how it is compared and with what, and whether that must hold.
 Test = tuple[int, int, int, bool]
-# Calls that are refused with some arguments only.
+# Calls that are refused only with some arguments.
 REFUSED_IF: list[tuple[int, int, list[Test]]] = [
     (56, EPERM, [(0, ANY_BIT, 0x7E020000, True)]),  # clone, CLONE_NEWUSER and its kin
     # mmap, MAP_SHARED and MAP_ANONYMOUS; multiprocessing takes /dev/shm
     (9, EPERM, [(3, ANY_BIT, 0x01, True), (3, ANY_BIT, 0x20, True)]),
     (41, EAFNOSUPPORT, [(0, EQUAL, family, False) for family in FAMILIES]),  # socket
     *(
-        (41, EPROTONOSUPPORT, [(0, EQUAL, family, True), *((2, EQUAL, one, False) for one in PROTOCOLS)])
+        (
+            41,
+            EPROTONOSUPPORT,
+            [(0, EQUAL, family, True), *((2, EQUAL, protocol, False) for protocol in PROTOCOLS)],
+        )
         for family in INTERNET
     ),
     # setsockopt, SO_SNDBUF and SO_RCVBUF: Linux, too, takes another size than it is asked for
@@ -73,7 +78,7 @@ REFUSED_IF: list[tuple[int, int, list[Test]]] = [
     (157, EINVAL, [(0, AT_LEAST, LATER_OPTION, True)]),  # prctl; a table of futexes takes 2 GB
     (157, EINVAL, [(0, EQUAL, 22, True)]),  # prctl, PR_SET_SECCOMP
     (72, EPERM, [(1, EQUAL, 1031, True)]),  # fcntl, F_SETPIPE_SZ
-    (72, EPERM, [(1, EQUAL, 10, True)]),  # fcntl, F_SETSIG: what comes may let a process go on that is held
+    (72, EPERM, [(1, EQUAL, 10, True)]),  # fcntl, F_SETSIG: the signal may resume a process that is held
 ]
 
 
@@ -93,7 +98,7 @@ def system_call_filter() -> bytes:
 
 
 def _answer(number: int, error: int, tests: list[Test]) -> list[tuple[int, int, int, int]]:
-    """Return the instructions by which a call is not made, and gives `error`, where all tests hold."""
+    """Return the instructions that refuse a call with `error` if all tests hold."""
     steps = [(LOAD, 0, True), (EQUAL, number, True)]
     for argument, operation, operand, must_hold in tests:
         steps += [(LOAD, 16 + 8 * argument, True), (operation, operand, must_hold)]
