@@ -36,6 +36,17 @@ _PLACES = {
     "pkg executables": ("package",),
 }
 _MAY_LACK = frozenset(("param list", "pkg executables"))
+# The options of colcon that the names of packages follow.
+_SELECTING = (
+    "--packages-select",
+    "--packages-up-to",
+    "--packages-skip",
+    "--packages-above",
+    "--packages-start",
+    "--packages-end",
+    "--packages-ignore",
+    "--allow-overriding",
+)
 _LEVELS = ("debug", "info", "warn", "error", "fatal")
 _VALUED = frozenset(
     ("-r", "--rate", "-t", "--times", "-w", "--qos-profile", "--keep-alive", "--log-level", "-p")
@@ -96,12 +107,20 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
 
 
 def _of_colcon(line: str, words: list[str], look: Look) -> Corrected | None:
-    names = {package.name for package in look.packages}
+    folders = {package.shown("").rstrip("/"): package.name for package in look.packages}
+    names = {*folders.values()}
+    bare = [*itertools.takewhile(lambda word: not word.startswith("-"), words[2:])]
+    meant = [folders.get(word.removeprefix("./").rstrip("/"), word) for word in bare]
+    if bare and (known := [name for name in meant if name in names]):
+        written, better = " ".join(bare), " ".join(known)
+        why = f"colcon {words[1]} accepts package names only after an option such as --packages-select."
+        return Corrected(line.replace(f" {written}", f" --packages-select {better}", 1), why)
     for before, word in itertools.pairwise(words[1:]):
-        if word in names and not before.startswith("-"):
-            why = f"colcon {words[1]} accepts package names only after an option."
-            return Corrected(line.replace(f" {word}", f" --packages-select {word}", 1), why)
-        if before.startswith("--packages") and word not in names and (near := nearest(word, names, 0.6)):
+        if before.startswith("--") and word in names and before not in _SELECTING:
+            option = nearest(before, _SELECTING, 0.5) or "--packages-select"
+            why = f"colcon {words[1]} has no option {before}; it is {option}."
+            return Corrected(line.replace(before, option, 1), why)
+        if before in _SELECTING and word not in names and (near := nearest(word, names, 0.6)):
             return Corrected(line.replace(word, near), f"No package here is called {word}; there is {near}.")
     return None
 
@@ -229,7 +248,10 @@ class _Command:
             names = set(look.executables.get(package.name) or ())
             if self.verb == "launch":
                 names = {path.name for path in package.launch_files}
-            if (
+            if others and others[0] == package.name and (right := _meant(first, [*names])):
+                why = f"The two names are swapped: after `ros2 {self.verb}` the package comes first, then {right}."
+                yield Corrected(self.line.replace(f" {first} {others[0]}", f" {others[0]} {right}", 1), why)
+            elif (
                 others
                 and others[0] in names
                 and (first in names or first in (look.executables.get(package.name) or ()))

@@ -29,6 +29,7 @@ from ros2lab.diagnose.explaining.said import launch_line, of_launch
 from ros2lab.diagnose.explaining.said_by_tools import lines_of, said_by_tools
 from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
+from ros2lab.diagnose.explaining.unbuilt import failed_build, no_prerequisite
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.explaining.usage import accepted_form
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
@@ -62,6 +63,10 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     look = Look(root, loads=loads and "launch" in text) if root is not None else None
     text = without_own_warnings(text, look) if "Warning: " in text else text
     error = read_error(text)
+    if built := failed_build(error.steps):
+        found = explain(built, workspace, sources, loads=loads)
+        if found and found[0].code != UNKNOWN:
+            return found
     if look is None:
         return _of_error(error, text, _beside(error, sources, look), look)
     if earlier := of_earlier(error, look):
@@ -206,6 +211,8 @@ def _with_command(
     meant = next((better for command in commands if (better := _as_meant(command, error, look))), None)
     if meant is None:
         return found
+    if first.code == "package-not-found":
+        first = replace(first, cause=meant.why)
     first = first if is_told and not is_refused else Finding("typed-wrong", meant.why)
     return [replace(first, fix=f"type `{meant.line}`"), *found[1:]]
 
@@ -390,6 +397,8 @@ def _asked_for(
     """Say why a command did not find a package, an executable or a file; None for other errors."""
     if meaning.codes[0] == "package-not-found":
         return no_package(groups["name"] or groups["name2"], look, error)
+    if meaning.codes[0] == "not-built":
+        return no_prerequisite(error, look)
     if meaning.codes[0] == "command-not-found" and look:
         reset = not_sourced(groups["name"], error.typed, error.text, look.root)
         return reset if "removes" in reset.cause else None
@@ -401,7 +410,7 @@ def _asked_for(
         ]
         return not_sourced(names[0], error.typed, error.text, look.root) if names else None
     if meaning.codes[0] == "executable-missing":
-        return no_executable(error.command, look)
+        return no_executable(error.command, look, error.typed)
     return no_file(groups["name"], groups["package"], look) if "file-not-found" in meaning.codes else None
 
 

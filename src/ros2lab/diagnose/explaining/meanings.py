@@ -34,6 +34,10 @@ MEANINGS: tuple[Meaning, ...] = (
         "remove one of them, or put an empty file COLCON_IGNORE into it",
     ),
     meaning(
+        r"Check that the following packages have been built",
+        "not-built",
+    ),
+    meaning(
         r"share an exact name",
         "name-twice",
         "Two running nodes have the same name, so their parameters and logs get mixed up.",

@@ -33,7 +33,7 @@ def of_needed(findings: Sequence[Finding], error: ErrorText, look: Look) -> list
         return findings
     new = set(needed)
     while new:
-        new = {name for user in new for name in _uses(by_name[user], look)} & by_name.keys() - needed
+        new = {name for user in new for name in uses(by_name[user], look)} & by_name.keys() - needed
         needed |= new
     passed_over = {by_name[name].shown("") for name in by_name.keys() - needed}
     return [
@@ -41,7 +41,7 @@ def of_needed(findings: Sequence[Finding], error: ErrorText, look: Look) -> list
     ]
 
 
-def _uses(package: SourcePackage, look: Look) -> Iterator[str]:
+def uses(package: SourcePackage, look: Look) -> Iterator[str]:
     """Yield the names of what a package depends on, imports, or starts in its launch files."""
     if package.manifest is not None:
         for kind in ("build_depends", "exec_depends", "buildtool_depends"):

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ros2lab.diagnose.code.imports import bare_import
-from ros2lab.diagnose.finding import Finding, stops_build
+from ros2lab.diagnose.explaining.unbuilt import not_yet_built
+from ros2lab.diagnose.finding import Finding, at, stops_build
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.entry_point_faults import meant_function
 from ros2lab.diagnose.packaging.installed import prefix_of
@@ -16,6 +17,7 @@ from ros2lab.diagnose.packaging.listed_packages import not_built
 from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, nearest_module
+from ros2lab.diagnose.sources.other_names import by_another_name
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
 
@@ -92,9 +94,7 @@ def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
     stops += [f for f in look.findings if f.code == "link-stale" and f"/{name}/" in f"{f.place}/"]
     stops += [f for f in look.findings if f.code in ("build-elsewhere", "build-type-unknown")]
-    cause = f"The package {name} is in src but has not been built."
-    fix = f"colcon build --packages-select {name}, then source install/setup.bash"
-    return next(iter(stops), None) or Finding("not-built", cause, package.shown(""), fix)
+    return next(iter(stops), None) or not_yet_built(package, look, error)
 
 
 def _unknown_package(name: str, look: Look | None) -> Finding:
@@ -114,23 +114,29 @@ def _unknown_package(name: str, look: Look | None) -> Finding:
     return Finding("package-not-found", cause, "", f"write {near} instead of {name}" if near else do)
 
 
-def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Finding:
+def no_executable(
+    command: tuple[str, str, str] | None, look: Look | None, typed: Sequence[str] = ()
+) -> Finding:
     """Say why `ros2 run` does not find an executable.
 
     Args:
         command: such as ("run", "my_bot", "talker"), if it is known.
         look: the workspace, if there is one.
+        typed: the commands that were typed.
     """
     package = _package(command[1], look) if command else None
     there = look.executables[package.name] if look and package else None
     stem = command[2].partition(".")[0] if command else ""
-    if command and package and there and stem in there and stem != command[2]:
-        return Finding(
-            "executable-missing",
-            f"An executable is named without the file extension: it is {stem}, as in setup.py.",
-            "",
-            f"ros2 run {package.name} {stem}",
-        )
+    if command and package and there and command[2] not in there and (meant := by_another_name(package, command[2])):
+        line = next((line for line in reversed(typed) if f"{command[1]} {command[2]}" in line), "")
+        line = line or f"ros2 run {command[1]} {command[2]}"
+        wrong, first = f"{command[1]} {command[2]}", f"{command[1]} "
+        run = ", or ".join(f"`{line.replace(wrong, first + point.name)}`" for point in meant)
+        what = meant[0].text if len(meant) == 1 else f"{meant[0].module} in setup.py"
+        cause = f"{command[2]} is not the name of an executable: ros2 run needs the name before the = in `{what}`."
+        if len(meant) > 1:
+            cause = f"{command[2]} is not the name of an executable; {len(meant)} executables in setup.py run it."
+        return Finding("executable-missing", cause, at(package.shown("setup.py"), meant[0].line), f"type {run}")
     if package and f"{package.name}.{stem}" in package.sources and stem not in (there or ()):
         return _fault_of(package, look, _LOSE_EXECUTABLES) or _no_entry_point(package, stem)
     if command and package and there and command[2] not in there:

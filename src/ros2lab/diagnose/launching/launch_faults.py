@@ -11,6 +11,7 @@ from ros2lab.diagnose.launching.logged import as_logged
 from ros2lab.diagnose.launching.unread_words import unread_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.lying import lies_elsewhere
+from ros2lab.diagnose.sources.other_names import by_another_name
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
 
@@ -45,12 +46,15 @@ def launch_faults(
         elif isinstance(node.package, str) and isinstance(node.executable, str):
             there = executables.get(node.package)
             if there is not None and node.executable not in there:
+                meant = by_another_name(packages[node.package], node.executable)
+                near = meant[0].name if meant else nearest(node.executable, there, 0.6)
+                said = "" if meant else did_you_mean(node.executable, there)
                 yield Finding(
                     "launch-executable",
-                    f"The launch file starts {node.executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{did_you_mean(node.executable, there)}",
+                    f"The launch file starts {node.executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}",
                     node.place,
                     f"write {near} instead of {node.executable}"
-                    if (near := nearest(node.executable, there, 0.6))
+                    if near
                     else "write the executable's name as it is in entry_points in setup.py",
                 )
             elif there is not None and node.output is None:

@@ -85,19 +85,19 @@ def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
         circle: list[str] = error.args[1]  # the next package needs each of them
         edges = [*itertools.pairwise(circle)]
         by_name = {package.name: package for package in packages}
-        wanted, user = next((edge for edge in edges if not _uses(by_name[edge[1]], edge[0])), edges[0])
+        wanted, user = next((edge for edge in edges if not mentions(by_name[edge[1]], edge[0])), edges[0])
         package = by_name[user]
         yield Finding(
             "dependency-circle",
             f"colcon cannot decide which package to build first, because each of these depends on the next: {' -> '.join(circle[::-1])}.",
             at(package.shown("package.xml"), manifest_line(package, wanted)),
             f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
-            if not _uses(package, wanted)
+            if not mentions(package, wanted)
             else f"move what {user} uses from {wanted} into a separate package that both depend on, and remove this dependency",
         )
 
 
-def _uses(package: SourcePackage, name: str) -> bool:
+def mentions(package: SourcePackage, name: str) -> bool:
     """Return whether a file of a package mentions another package."""
     texts = [source.text for source in package.sources.values()]
     texts += [read_text(path) for path in package.launch_files]
@@ -215,11 +215,38 @@ def _dependency_faults(
                 f"write {wanted} instead of {name}",
                 (name,),
             )
-    yield from _undeclared(package, set(declared), known - {*plain})
+    yield from _undeclared(package, set(declared), known - {*plain}, set(workspace_names) - {*plain})
 
 
-def _undeclared(package: SourcePackage, declared: set[str], known: Collection[str]) -> Iterator[Finding]:
+# How a launch file names another package, in Python, XML and YAML.
+_NAMED_BY_LAUNCH = re.compile(
+    r"(?:\bpackage=|\bpkg[=:] *|FindPackageShare\( *|get_package_share_\w+\( *|\$\(find-pkg-share )['\"]?(?P<name>[\w-]+)"
+)
+
+
+def launched_packages(package: SourcePackage) -> Iterator[tuple[str, str]]:
+    """Yield the packages that a package's launch files name, each with its place."""
+    for path in package.launch_files:
+        shown = package.shown(str(path.relative_to(package.folder)))
+        for number, line in enumerate(read_text(path).splitlines(), 1):
+            code = line.partition("#")[0] if path.suffix == ".py" else line
+            yield from ((match["name"], at(shown, number)) for match in _NAMED_BY_LAUNCH.finditer(code))
+
+
+def _undeclared(
+    package: SourcePackage, declared: set[str], known: Collection[str], own: Collection[str]
+) -> Iterator[Finding]:
     told: set[str] = set()
+    for name, place in launched_packages(package):
+        if name in own and name not in told | declared | {package.name}:
+            told.add(name)
+            yield Finding(
+                "dependency-undeclared",
+                f"{place.partition(':')[0]} uses the package {name}, but package.xml does not declare it, so `colcon build --packages-up-to {package.name}` leaves it out.",
+                place,
+                f"add <exec_depend>{name}</exec_depend> to {package.shown('package.xml')}",
+                (name,),
+            )
     for source in package.sources.values():
         if re.search(r"(^|/)tests?/", source.shown):
             continue

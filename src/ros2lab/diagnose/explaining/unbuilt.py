@@ -1,0 +1,103 @@
+"""Says why a package of the workspace is not built: by how it was asked for, and by who declares it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ros2lab.diagnose.explaining.needed import uses
+from ros2lab.diagnose.finding import Finding, stops_build
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.packaging.installed import prefix_of
+from ros2lab.diagnose.packaging.manifest_faults import mentions
+from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.transcript import Step
+from ros2lab.diagnose.sources.package import SourcePackage
+
+_COLCON = re.compile(r"(?:^|[;&|] *)colcon\b")
+_BUILD = re.compile(r"\bcolcon build\b")
+_FAILED = re.compile(
+    r"^(?:Failed +<<< |usage: colcon|colcon(?: [\w-]+)?: error: |(?:\[[\d.]+s\] )?ERROR:colcon)|^\S*(?:: \S+)*: (?:colcon: )?command not found|^Summary: .*\n.*packages? failed",
+    re.M,
+)
+# What is not found afterwards because a build has failed.
+_CONSEQUENCE = re.compile(
+    r"[Pp]ackage '[^']+' not found|No executable found|was not found in the share directory|install/(?:local_)?setup\.\w*sh'?: No such file|no such file or directory: \S*install/"
+)
+_SELECTED = re.compile(r"--packages-select((?: +[\w.-]+)+)")
+_UP_TO = re.compile(r"--packages-up-to((?: +[\w.-]+)+)")
+
+
+def failed_build(steps: Sequence[Step]) -> str:
+    """Return what was printed up to a failed build if all that failed after it follows from it; else empty."""
+    builds = [number for number, step in enumerate(steps) if _COLCON.search(step.command)]
+    last = builds[-1] if builds else -1
+    if last < 0 or not _FAILED.search(steps[last].text):
+        return ""
+    after = [step for step in steps[last + 1 :] if any(line.strip() for line in step.lines)]
+    said = [line for step in after for line in step.lines if line.strip()]
+    if not after or not all(_CONSEQUENCE.search(line) for line in said):
+        return ""
+    shown = [f"$ {step.command}\n{step.text}" if step.command else step.text for step in steps[: last + 1]]
+    return "\n".join(shown)
+
+
+def not_yet_built(package: SourcePackage, look: Look, error: ErrorText) -> Finding:
+    """Say why a package in src is not built, judging by the last build that was typed."""
+    name = package.name
+    typed = next((line for line in reversed(error.typed) if _BUILD.search(line)), "")
+    place = package.shown("")
+    asked = {word for pattern in (_SELECTED, _UP_TO) for match in pattern.findall(typed) for word in match.split()}
+    users = [user for user in look.packages if user.name in asked and (name in uses(user, look) or mentions(user, name))]
+    for user in users if name not in asked else ():
+        if name not in _declared(user):
+            cause = f"{user.name} uses {name}, but its package.xml does not declare it, so colcon does not build {name} with it."
+            again = typed if _UP_TO.search(typed) else _up_to(typed, [user.name])
+            fix = f"add <exec_depend>{name}</exec_depend> to {user.shown('package.xml')}, then {again}, and source install/setup.bash"
+            return Finding("dependency-undeclared", cause, user.shown("package.xml"), fix, (name,))
+        if _SELECTED.search(typed):
+            cause = f"{user.name} needs {name}, and --packages-select builds only the packages that it names."
+            fix = f"{_up_to(typed, [user.name])}, then source install/setup.bash"
+            return Finding("not-built", cause, place, fix, (name,))
+    cause = f"The package {name} is in src but has not been built."
+    fix = f"colcon build --packages-select {name}, then source install/setup.bash"
+    return Finding("not-built", cause, place, fix)
+
+
+def no_prerequisite(error: ErrorText, look: Look | None) -> Finding | None:
+    """Say why colcon lacks what another package should have installed; None if it does not say that."""
+    listed = re.search(r"packages have been built:\n((?:- .+\n?)+)", error.text)
+    names = re.findall(r"- +([\w.-]+)", listed[1]) if listed else []
+    builds = [step for step in error.steps if "packages have been built:" in step.text]
+    typed = builds[-1].command if builds else ""
+    failed = re.findall(r"Failed +<<< ([\w.-]+)", error.text)
+    if not names:
+        return None
+    missing, by_name = " and ".join(names), {package.name: package for package in look.packages} if look else {}
+    user = failed[0] if failed else "The package"
+    if look is None or not set(names) <= by_name.keys():
+        cause = f"{user} needs {missing}, which is neither in this workspace nor in one that this terminal has sourced."
+        fix = f"source the install/setup.bash of the workspace in which {missing} is built, and build again"
+        return Finding("not-built", cause, "", fix, (*names,))
+    for name in names:
+        own = by_name[name].shown("-").removesuffix("-")
+        if stops := [found for found in look.findings if found.place.startswith(own) and stops_build(found)]:
+            return stops[0]
+    selected = [word for match in _SELECTED.findall(typed) for word in match.split()]
+    again = _up_to(typed, selected or failed or names)
+    by = "--packages-select builds only the packages that it names" if selected else "this build leaves it out"
+    is_gone = not selected and any(prefix_of(look.root, name) is None for name in names)
+    if is_gone and "--packages-skip" not in typed:
+        by = f"{missing} is not in install"
+    return Finding("not-built", f"{user} needs {missing}, and {by}.", by_name[names[0]].shown(""), again, (*names,))
+
+
+def _declared(package: SourcePackage) -> set[str]:
+    kinds = ("buildtool_depends", "build_depends", "build_export_depends", "exec_depends")
+    return {tag.name for kind in kinds for tag in getattr(package.manifest, kind, ())}
+
+
+def _up_to(typed: str, names: Sequence[str]) -> str:
+    """Return the command that builds packages with all that they need, with the other options as typed."""
+    kept = re.sub(r" +--packages-\S+(?: +[\w.-]+)*", "", typed) if _BUILD.search(typed) else "colcon build"
+    return f"{kept} --packages-up-to {' '.join(names)}"

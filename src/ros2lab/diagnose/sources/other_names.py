@@ -1,0 +1,33 @@
+"""The executables that a word may mean that is none: the name of a file, a module, a function, a class or a node."""
+
+from __future__ import annotations
+
+import ast
+
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.setup_script import EntryPoint
+
+
+def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
+    """Return the entry points whose file, module, function, class or node has the name that was typed.
+
+    Those of the file come first; a name that all of the executables share says nothing.
+    """
+    points = [point for point in (package.setup.entry_points if package.setup else None) or () if point.module]
+    path = word.removesuffix(".py").strip("/").replace("/", ".").partition(":")[0]
+    of_file = [
+        point
+        for point in points
+        if f".{point.module}".endswith(f".{path}") or path in (point.name, f"{package.name}.{point.name}")
+    ]
+    if of_file:
+        return of_file
+    inner = []
+    for point in points:
+        source = package.sources.get(point.module)
+        classes = [node.name for node in source.tree.body if isinstance(node, ast.ClassDef)] if source else []
+        nodes = NodeSources({point.module: source}).node_names() if source else {}
+        if word in (point.function, *classes, *nodes):
+            inner.append(point)
+    return inner if len(inner) == 1 else []
