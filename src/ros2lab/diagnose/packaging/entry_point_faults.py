@@ -254,16 +254,20 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
             f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
             (shown[0],),
         )
-    close = nearest(point.module, known or installed)
+    close = nearest(point.module, known or installed) or nearest(point.name, known or installed)
+    function = point.function or point.module.rpartition(".")[2]
+    right = f"{known[0]}:{point.function or 'main'}" if len(known) == 1 else ""
+    if not right and close:
+        right = f"{close}:{_function_of(package, close, [function]) or meant_function(package, close)}"
     return Finding(
         "entry-point-module",
         f"The entry point {point.name} names the module {point.module}, but "
         + ("there is no such file." if is_own else "there is no such package in this folder.")
         + (f" Did you mean {close}?" if close else ""),
         place,
-        f"write '{point.name} = {known[0]}:{point.function or 'main'}', and build again"
-        if len(known) == 1
-        else "use the file's name as the module, or rename the file to match, and build again",
+        f"write '{point.name} = {right}', and build again"
+        if right
+        else f"create {package.shown('')}{'/'.join(point.module.split('.'))}.py with the function {function}, or remove this entry point",
         (close,) if close else (),
     )
 
@@ -307,16 +311,6 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
         )
     if meant := _of_its_parts(package, point):
         return _put_in_order(package, point, meant, place)
-    if "/" in point.text:
-        why = "has a slash where a dot should be"
-    elif "(" in point.text:
-        why = "has parentheses after the function, but only its name belongs there"
-    elif not rest:
-        why = "has no `=` between the executable and the module"
-    elif point.text.count(":") > 1:
-        why = "has two colons"
-    else:
-        why = "is not of the form `name = package.module:function`"
     module = re.sub(r"[^\w.]", "", rest.replace("/", ".").partition(":")[0]).removesuffix(".py")
     if not rest:
         name, _, module = point.text.partition(":")
@@ -325,17 +319,35 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
     written = point.text.rpartition(":")[2] if ":" in point.text else ""
     return Finding(
         "entry-point-spec",
-        f"The entry point {point.text!r} {why}.",
+        f"The entry point {point.text!r} {_why(point.text)}.",
         place,
         f"write '{name.strip()} = {module}:{meant_function(package, module, written)}'",
     )
+
+
+def _why(text: str, meant: str = "") -> str:
+    """Say what is wrong with the form of an entry point, from its signs and, if it is known, the right one."""
+    function = meant.rpartition(":")[2]
+    if "/" in text:
+        return "has a slash where a dot should be"
+    if "(" in text:
+        return "has parentheses after the function, but only its name belongs there"
+    if "=" not in text:
+        return "has no `=` between the executable and the module"
+    if text.count(":") > 1:
+        return "has two colons"
+    if function and text.endswith(f".{function}") and ":" not in text:
+        return f"has a dot before {function} where a colon should be"
+    if meant and set(re.findall(r"\w+", text)) == set(re.findall(r"\w+", meant)):
+        return "has its parts not in the form `name = package.module:function`"
+    return "is not of the form `name = package.module:function`"
 
 
 def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: str) -> Finding:
     """Return a finding with an entry point in the right order; a module with a hyphen is renamed first."""
     module = meant.rpartition(" = ")[2].partition(":")[0]
     if "-" not in module:
-        cause = f"The parts of the entry point {point.text!r} are not in the order `name = package.module:function`."
+        cause = f"The entry point {point.text!r} {_why(point.text, meant)}."
         return Finding("entry-point-spec", cause, place, f"write {meant!r}")
     shown = package.sources[module].shown
     folder, _, file = shown.rpartition("/")
@@ -346,18 +358,40 @@ def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: 
 
 
 def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
-    """Return an entry point with its parts in order if its module and function exist; empty otherwise."""
+    """Return an entry point in the right form if its parts name a module and a function that exist; else empty."""
     parts = re.findall(r"[\w.-]+", point.text)
     for part in parts:
         modules = (module for module in (part, f"{package.name}.{part}") if module in package.sources)
         for module in modules:
-            functions = [n.name for n in package.sources[module].tree.body if isinstance(n, ast.FunctionDef)]
+            functions = _functions(package, module)
             rest = [word for word in parts if word != part]
             function = next((word for word in rest if word in functions), "")
             names = [word for word in rest if word != function and "." not in word]
             if function and len(names) == 1:
                 return f"{names[0]} = {module}:{function}"
+    name, _, target = point.text.partition("=")
+    words = re.findall(r"[\w-]+", re.sub(r"\.py\b", "", target))
+    for end in range(len(words), 0, -1):
+        for module in (".".join(words[:end]), ".".join([package.name, *words[:end]])):
+            if module in package.sources and (function := _function_of(package, module, words[end:])):
+                return f"{name.strip()} = {module}:{function}"
     return ""
+
+
+def _functions(package: SourcePackage, module: str) -> list[str]:
+    body = package.sources[module].tree.body
+    return [node.name for node in body if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+
+
+def _function_of(package: SourcePackage, module: str, words: list[str]) -> str:
+    """Return the function of a module that the words after it mean; empty if they mean none."""
+    functions = _functions(package, module)
+    if not words or len(words) > 1:
+        return meant_function(package, module) if not words and functions else ""
+    is_class = any(isinstance(n, ast.ClassDef) and n.name == words[0] for n in package.sources[module].tree.body)
+    if words[0] in functions:
+        return words[0]
+    return "main" if is_class and "main" in functions else nearest(words[0], functions, 0.6) or ""
 
 
 def meant_function(package: SourcePackage, module: str, written: str = "") -> str:

@@ -13,6 +13,7 @@ from ros2lab.diagnose.code.imports import undefined_names
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
+from ros2lab.diagnose.packaging.file_patterns import dead_pattern
 from ros2lab.diagnose.packaging.installed import INDEX
 from ros2lab.diagnose.packaging.listed_packages import folder_of, needed_packages, not_listed
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
@@ -21,7 +22,7 @@ from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text, read_toml
 from ros2lab.diagnose.sources.setup_cfg import read_cfg
 from ros2lab.diagnose.sources.setup_script import SetupScript
-from ros2lab.diagnose.sources.spelling import is_near_miss
+from ros2lab.diagnose.sources.spelling import alike, differs
 
 
 def packaging_faults(
@@ -110,6 +111,14 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
     for name in names:
         if folder_of(package, name).is_dir():
             continue
+        if called := alike(package.folder, name.replace(".", "/")):
+            yield Finding(
+                "package-folder-missing",
+                f"The folder is called {called}, but setup.py installs the Python package {name}: {differs(called, name)}.",
+                place,
+                f"mv {package.shown(called)} {package.shown(name.replace('.', '/'))}, and build again",
+            )
+            continue
         if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
             line = setup.line("package_dir") or _line_with(setup.source, "package_dir", 1)
             yield Finding(
@@ -141,7 +150,9 @@ def _missing_files(package: SourcePackage, setup: SetupScript) -> Iterator[Findi
     for file in (file for _, files in setup.data_files for file in files):
         path = package.folder / file
         # A file that only has a slightly different name is reported by `shape_faults`.
-        if not path.exists() and (lies_elsewhere(package, file) or not like(path)):
+        if path.exists() or alike(package.folder, file):
+            continue
+        if lies_elsewhere(package, file) or not like(path):
             yield _missing_file(package, setup, file)
 
 
@@ -199,14 +210,9 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
 
 def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
     """Return why a file is not installed: a pattern is misspelt, or no line of setup.py names it."""
-    relative, meant = path.relative_to(package.folder).as_posix(), f"*{''.join(path.suffixes)}"
-    for pattern in _patterns(setup.source):
-        # If only the case differs, the name of the file is wrong.
-        if pattern.lower() != meant.lower() and is_near_miss(pattern, meant):
-            cause = f"The pattern {pattern!r} in setup.py matches no file, so {relative} is not installed."
-            place = at(setup.source.shown, _line_with(setup.source, pattern, 1))
-            fix = f"write {meant!r} instead of {pattern!r}, and build again"
-            return Finding("not-in-data-files", cause, place, fix, (path.name,))
+    if dead := dead_pattern(package, setup, path):
+        return dead
+    relative = path.relative_to(package.folder).as_posix()
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
     only = f" (which matches {' and '.join(patterns)})" if patterns else ""
     return Finding(
@@ -216,13 +222,6 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
         f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
         (path.name,),
     )
-
-
-def _patterns(source: PythonSource) -> Iterator[str]:
-    """Yield the last path component of each string with a star."""
-    for node in source.nodes:
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and "*" in node.value:
-            yield node.value.rpartition("/")[2]
 
 
 def _line_with(source: PythonSource, word: str, start: int | None) -> int | None:

@@ -14,11 +14,12 @@ from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging import setup_child
+from ros2lab.diagnose.packaging.file_patterns import folder_taken
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import alike, differs, nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN, is_known
 
 _LONGEST = 60.0  # s that setuptools may take on a busy machine; usually it takes less than 1 s
@@ -229,13 +230,11 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
     for file in (item for item in files if isinstance(item, str) and item):
         path = package.folder / file
         if path.is_dir():
-            cause = f"data_files names the folder {file}, but only files can be installed"
-            yield _value(
-                setup,
-                "data_files",
-                cause,
-                f"write glob('{file.rstrip('/')}/*') instead of ['{file}'], with `from glob import glob` at the top",
-            )
+            yield folder_taken(package, setup, file)
+        elif not path.exists() and (called := alike(package.folder, file)):
+            shown, wanted = package.shown(called), package.shown(file)
+            cause = f"setup.py installs {file}, but there is {called} instead: {differs(called, file)}."
+            yield Finding("data-file-missing", cause, at(setup.source.shown, setup.line("data_files")), f"mv {shown} {wanted}")
         elif not path.exists() and (close := like(path)) and not lies_elsewhere(package, file):
             shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
             yield Finding(

@@ -17,6 +17,7 @@ from ros2lab.diagnose.sources.setup_cfg import read_cfg
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate, is_known
 
 _LARGEST_PACKAGE = 2000  # Python packages to find
+_GLOBS = ("glob.glob", "glob.iglob")
 _KEYWORDS = ("name", "packages", "entry_points", "data_files")  # that another file may set
 
 
@@ -31,6 +32,23 @@ class EntryPoint:
     function: str = ""
 
 
+@dataclass(frozen=True)
+class Pattern:
+    """A call of glob.
+
+    Attributes:
+        call: the call.
+        text: its pattern.
+        files: what it finds; empty if that is not known.
+        is_dead: whether it is known to find nothing.
+    """
+
+    call: ast.Call
+    text: str
+    files: tuple[str, ...]
+    is_dead: bool
+
+
 @dataclass
 class SetupScript:
     """A setup.py.
@@ -41,6 +59,7 @@ class SetupScript:
         lines: the line of each keyword argument.
         is_called: whether `setup()` is called at all.
         targets: the expression of each folder in data_files.
+        patterns: the calls of glob whose patterns are known.
     """
 
     source: PythonSource
@@ -48,6 +67,7 @@ class SetupScript:
     lines: dict[str, int] = field(default_factory=dict)
     is_called: bool = False
     targets: dict[str, ast.expr] = field(default_factory=dict)
+    patterns: list[Pattern] = field(default_factory=list)
 
     @property
     def groups(self) -> dict[str, Any] | None:
@@ -230,6 +250,11 @@ def _take_keywords(script: SetupScript, call: ast.Call, names: dict[str, Any], c
             target = evaluate(node.elts[0], names, calls)
             if isinstance(target, str):
                 script.targets.setdefault(target.rstrip("/"), node.elts[0])
+        if isinstance(node, ast.Call) and script.source.resolve(node.func) in _GLOBS and node.args:
+            text, files = evaluate(node.args[0], names, calls), evaluate(node, names, calls)
+            if isinstance(text, str):
+                found = tuple(files) if isinstance(files, list) and is_known(files) else ()
+                script.patterns.append(Pattern(node, text, found, is_dead=files == []))
     for keyword in call.keywords:
         value = evaluate(keyword.value, names, calls)
         if keyword.arg is not None:
@@ -288,7 +313,9 @@ def _calls(folder: Path) -> dict[str, Any]:
 
     def found(pattern: str, **_: Any) -> Any:
         if pattern.startswith("/") or ".." in pattern:
-            return UNKNOWN  # do not search outside the package
+            # Do not search outside the package.
+            fixed = pattern.partition("*")[0].rpartition("/")[0]
+            return UNKNOWN if (folder / fixed).exists() else []
         pattern = os.path.join(folder, pattern)  # noqa: PTH118 -- the pattern may be absolute
         return [os.path.relpath(path, folder) for path in glob.glob(pattern, recursive=True)]  # noqa: PTH207
 

@@ -7,6 +7,7 @@ import functools
 import re
 import unicodedata
 from collections.abc import Iterable
+from pathlib import Path, PurePosixPath
 
 
 def nearest(name: object, known: Iterable[object], cutoff: float = 0.7) -> str | None:
@@ -88,3 +89,33 @@ def plain_signs(text: str) -> str:
         signs.get(letter, letter if letter.isalpha() else unicodedata.normalize("NFKC", letter))
         for letter in text
     )
+
+
+def alike(folder: Path, wanted: str) -> str:
+    """Return the path below a folder that differs from a wanted one only in case, separators or a plural's s.
+
+    Empty if there is none, or if the wanted one exists.
+    """
+    here = folder
+    for part in PurePosixPath(wanted).parts:
+        names = [path.name for path in here.iterdir()] if here.is_dir() else []
+        same = [part] if part in names else [name for name in names if _plain(name) == _plain(part)]
+        if len(same) != 1:
+            return ""
+        here /= same[0]
+    found = here.relative_to(folder).as_posix()
+    return "" if found == wanted else found
+
+
+def _plain(name: str) -> str:
+    stem, dot, ending = name.partition(".")
+    return f"{_letters(stem).removesuffix('s')}{dot}{ending.lower()}"
+
+
+def differs(found: str, wanted: str) -> str:
+    """Say what tells two names apart that are `alike`."""
+    if found.lower() == wanted.lower():
+        return "upper and lower case count"
+    if _letters(found) == _letters(wanted):
+        return "hyphens and underscores count"
+    return "every letter counts"
