@@ -88,7 +88,7 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
         return None
     match words:
         case ["colcon", "build" | "test", *_]:
-            return _of_colcon(line, words, look)
+            return _of_colcon(line, words, look, said)
         case ["export", setting, *_]:
             return _of_variable(setting)
         case ["ros2", "pkg", "create", *rest] if "already exists" in said and (
@@ -106,10 +106,13 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
     return next(command.faults(), None)
 
 
-def _of_colcon(line: str, words: list[str], look: Look) -> Corrected | None:
+def _of_colcon(line: str, words: list[str], look: Look, said: str) -> Corrected | None:
     folders = {package.shown("").rstrip("/"): package.name for package in look.packages}
     names = {*folders.values()}
+    refused = re.search(r"unrecognized arguments:(.*)", said)
     bare = [*itertools.takewhile(lambda word: not word.startswith("-"), words[2:])]
+    if refused and not refused[1].lstrip().startswith("-"):
+        bare = bare or refused[1].split()
     meant = [folders.get(word.removeprefix("./").rstrip("/"), word) for word in bare]
     if bare and (known := [name for name in meant if name in names]):
         written, better = " ".join(bare), " ".join(known)
@@ -117,7 +120,8 @@ def _of_colcon(line: str, words: list[str], look: Look) -> Corrected | None:
         return Corrected(line.replace(f" {written}", f" --packages-select {better}", 1), why)
     for before, word in itertools.pairwise(words[1:]):
         if before.startswith("--") and word in names and before not in _SELECTING:
-            option = nearest(before, _SELECTING, 0.5) or "--packages-select"
+            begun = [option for option in _SELECTING if option.startswith(before)]
+            option = begun[0] if begun else nearest(before, _SELECTING, 0.5) or "--packages-select"
             why = f"colcon {words[1]} has no option {before}; it is {option}."
             return Corrected(line.replace(before, option, 1), why)
         if before in _SELECTING and word not in names and (near := nearest(word, names, 0.6)):

@@ -35,6 +35,7 @@ from ros2lab.diagnose.explaining.usage import accepted_form
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.mending.repairs import tried, worth_typing
+from ros2lab.diagnose.packaging.file_patterns import folder_copied
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.printed.jobs import frozen_faults
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of
@@ -397,6 +398,9 @@ def _asked_for(
     """Say why a command did not find a package, an executable or a file; None for other errors."""
     if meaning.codes[0] == "package-not-found":
         return no_package(groups["name"] or groups["name2"], look, error)
+    if meaning.codes[0] == "data-file-missing":
+        copied = (folder_copied(groups["name"], package) for package in (look.packages if look else ()))
+        return next(filter(None, copied), None)
     if meaning.codes[0] == "not-built":
         return no_prerequisite(error, look)
     if meaning.codes[0] == "command-not-found" and look:

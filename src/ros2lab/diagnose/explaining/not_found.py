@@ -130,8 +130,9 @@ def no_executable(
     if command and package and there and command[2] not in there and (meant := by_another_name(package, command[2])):
         line = next((line for line in reversed(typed) if f"{command[1]} {command[2]}" in line), "")
         line = line or f"ros2 run {command[1]} {command[2]}"
-        wrong, first = f"{command[1]} {command[2]}", f"{command[1]} "
-        run = ", or ".join(f"`{line.replace(wrong, first + point.name)}`" for point in meant)
+        wrong = re.compile(rf"\b{re.escape(command[1])} +{re.escape(command[2])}\S*")
+        lines = (wrong.sub(f"{command[1]} {point.name}", line) for point in meant)
+        run = ", or ".join(f"`{better}`" for better in lines)
         what = meant[0].text if len(meant) == 1 else f"{meant[0].module} in setup.py"
         cause = f"{command[2]} is not the name of an executable: ros2 run needs the name before the = in `{what}`."
         if len(meant) > 1:
@@ -145,7 +146,7 @@ def no_executable(
             f"The package {package.name} has no executable {command[2]}; it has {', '.join(sorted(there))}."
             f"{did_you_mean(command[2], there)}",
             package.shown("setup.py"),
-            "write its name as it is in entry_points in setup.py, or add an entry point and build again",
+            f"type {', or '.join(f'`ros2 run {package.name} {name}`' for name in sorted(there))}",
         )
     what = f" {command[2]} in {command[1]}" if command else ""
     return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from ros2lab.diagnose.explaining.commands import corrected
 from ros2lab.diagnose.explaining.needed import uses
 from ros2lab.diagnose.finding import Finding, stops_build
 from ros2lab.diagnose.look import Look
@@ -47,6 +48,8 @@ def not_yet_built(package: SourcePackage, look: Look, error: ErrorText) -> Findi
     name = package.name
     typed = next((line for line in reversed(error.typed) if _BUILD.search(line)), "")
     place = package.shown("")
+    if typed and (better := corrected(typed, look)):
+        return Finding("typed-wrong", better.why, "", f"type `{better.line}`, then source install/setup.bash")
     asked = {word for pattern in (_SELECTED, _UP_TO) for match in pattern.findall(typed) for word in match.split()}
     users = [user for user in look.packages if user.name in asked and (name in uses(user, look) or mentions(user, name))]
     for user in users if name not in asked else ():

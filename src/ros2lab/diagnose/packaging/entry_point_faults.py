@@ -15,7 +15,7 @@ from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
-from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
+from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, nearest
 
 
 def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
@@ -86,13 +86,19 @@ def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
 
 def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryPoint) -> Iterator[Finding]:
     place = at(setup.source.shown, point.line)
-    if not point.module:
+    if not point.module or point.function.endswith("."):
         yield _wrong_form(package, point, place)
         return
     if point.module.partition(".")[0] in sys.stdlib_module_names | {"rclpy", "launch"}:
         return
     sources = package.sources
     source = sources.get(point.module)
+    top = point.module.partition(".")[0]
+    if source is None and (called := alike(package.folder, top)) and (package.folder / called).is_dir():
+        cause = f"The entry point {point.name} names the package {top}, but the folder is called {called}: {differs(called, top)}."
+        fix = f"mv {package.shown(called)} {package.shown(top)}, and build again"
+        yield Finding("entry-point-module", cause, place, fix, (package.shown(called),))
+        return
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
         yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)
@@ -223,6 +229,10 @@ def _missing_function(
         what = "there is no such function." if source.text.strip() else "the file is empty."
         fix = f"{define} in {source.shown}, or write the correct function name in setup.py"
         return Finding("entry-point-function", f"{calls} {what}", source.at(1), fix)
+    if point.name in functions:
+        cause = f"{calls} the function is called {point.name}: the executable's name comes first."
+        fix = f"write '{point.function} = {point.module}:{point.name}', and build again"
+        return Finding("entry-point-function", cause, place, fix)
     return Finding(
         "entry-point-function",
         f"{calls} there is no such function.{did_you_mean(point.function, functions)}",
@@ -359,6 +369,14 @@ def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: 
 
 def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
     """Return an entry point in the right form if its parts name a module and a function that exist; else empty."""
+    name, _, target = point.text.partition("=")
+    words = re.findall(r"\w+(?:-\w+)*", re.sub(r"\.py\b", "", target))
+    for end in range(len(words), 0, -1) if re.fullmatch(r"\s*[\w-]+\s*", name) else ():
+        written = ".".join(words[:end])
+        spelt = (written, written.replace("-", "_"), f"{package.name}.{written}")
+        for module in spelt:
+            if module in package.sources and (function := _function_of(package, module, words[end:])):
+                return f"{name.strip()} = {module}:{function}"
     parts = re.findall(r"[\w.-]+", point.text)
     for part in parts:
         modules = (module for module in (part, f"{package.name}.{part}") if module in package.sources)
@@ -369,12 +387,6 @@ def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
             names = [word for word in rest if word != function and "." not in word]
             if function and len(names) == 1:
                 return f"{names[0]} = {module}:{function}"
-    name, _, target = point.text.partition("=")
-    words = re.findall(r"[\w-]+", re.sub(r"\.py\b", "", target))
-    for end in range(len(words), 0, -1):
-        for module in (".".join(words[:end]), ".".join([package.name, *words[:end]])):
-            if module in package.sources and (function := _function_of(package, module, words[end:])):
-                return f"{name.strip()} = {module}:{function}"
     return ""
 
 

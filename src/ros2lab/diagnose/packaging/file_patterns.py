@@ -19,7 +19,14 @@ _ALIKE = 0.45  # how similar a pattern and the path of the file that it should m
 def folder_taken(package: SourcePackage, setup: SetupScript, folder: str) -> Finding:
     """Say that data_files holds a folder, where only files may be, and how to leave it out."""
     pattern = next((pattern for pattern in setup.patterns if folder in pattern.files), None)
-    made = next((node for node in _made(setup) if pattern is None or pattern.call in ast.walk(node)), None)
+    made = next(
+        (
+            node
+            for node in _made(setup)
+            if (pattern.call in ast.walk(node) if pattern else f"'{folder.partition('/')[0]}" in ast.unparse(node))
+        ),
+        None,
+    )
     whole = _called(ast.Name("glob"), f"{folder}/*")
     if pattern is None and made is None:
         literal = (node for node in setup.source.nodes if isinstance(node, ast.Constant))
@@ -38,10 +45,10 @@ def folder_taken(package: SourcePackage, setup: SetupScript, folder: str) -> Fin
     if not narrower and "import os" not in setup.source.text:
         fix += ", with `import os` at the top"
     inner = any(path.is_file() for path in (package.folder / folder).glob("*"))
+    inner &= not any(file.startswith(f"{folder}/") for file in (pattern.files if pattern else ()))
     if inner and not folder.endswith("__pycache__"):
-        target = next((where for where, files in setup.data_files if folder in files), f"share/{package.name}")
         function = pattern.call.func if pattern else ast.Name("glob")
-        row = f"({f'{target}/{PurePosixPath(folder).name}'!r}, {_called(function, f'{folder}/*')})"
+        row = f"({f'share/{package.name}/{folder}'!r}, {_called(function, f'{folder}/*')})"
         fix += f"; if the files in {folder} are needed, add {row}"
     cause = f"`{written}` in setup.py also finds the folder {folder}, but only files can be installed."
     return Finding("setup-value", cause, at(setup.source.shown, node.lineno), fix, ("data_files",))
@@ -101,4 +108,14 @@ def dead_pattern(package: SourcePackage, setup: SetupScript, path: Path) -> Find
 
 
 def _likeness(pattern: str, relative: str) -> float:
-    return SequenceMatcher(None, pattern.replace("\\", "/").lower(), relative.lower()).ratio()
+    """Return how similar a pattern and a path are, from 0 to 1; where the name matches, only the folders count."""
+    (wanted, _, last), (folder, _, name) = (text.rpartition("/") for text in (pattern.replace("\\", "/"), relative))
+    pairs = [(f"{wanted}/{last}", relative), *([(wanted, folder)] if fnmatchcase(name, last) else [])]
+    return max(SequenceMatcher(None, first.lower(), second.lower()).ratio() for first, second in pairs)
+
+
+def folder_copied(name: str, package: SourcePackage) -> Finding | None:
+    """Say that what setuptools cannot copy is a folder; None if it is none."""
+    setup = package.setup
+    is_folder = name and not name.startswith("/") and (package.folder / name).is_dir()
+    return folder_taken(package, setup, name) if setup and is_folder else None

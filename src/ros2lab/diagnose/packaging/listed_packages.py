@@ -11,6 +11,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
+from ros2lab.diagnose.sources.spelling import alike
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 
@@ -56,7 +57,9 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
             "init-file-missing",
             f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed.",
             package.shown(f"{folder}/__init__.py"),
-            f"touch {package.shown(folder)}/__init__.py, and build again",
+            f"mv {package.shown(called)} {package.shown(folder)}/__init__.py, and build again"
+            if (called := alike(package.folder, f"{folder}/__init__.py"))
+            else f"touch {package.shown(folder)}/__init__.py, and build again",
         )
     inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
     below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}

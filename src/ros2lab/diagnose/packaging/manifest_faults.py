@@ -17,7 +17,7 @@ from ros2lab.diagnose.packaging.xml_repairs import repaired
 from ros2lab.diagnose.sources.interfaces import PACKAGES, meant
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss
+from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
 _PYTHON_LINE = "write <export><build_type>ament_python</build_type></export> in package.xml"
@@ -113,7 +113,13 @@ def _needed(package: SourcePackage) -> list[Any]:
 def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
     kind, has_cmake = package.build_type, package.has("CMakeLists.txt")
     if not package.has("setup.py") and not package.has("CMakeLists.txt") and kind == "ament_python":
+        called = alike(package.folder, "setup.py")
         yield Finding(
+            "setup-missing",
+            f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}.",
+            package.shown(called),
+            f"mv {package.shown(called)} {package.shown('setup.py')}, and build again",
+        ) if called else Finding(
             "setup-missing",
             f"The package {package.name} is an ament_python package but has no setup.py, which says what to install.",
             package.shown("setup.py"),

@@ -231,6 +231,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
         path = package.folder / file
         if path.is_dir():
             yield folder_taken(package, setup, file)
+            return  # the other folders that a pattern finds are left out with it
         elif not path.exists() and (called := alike(package.folder, file)):
             shown, wanted = package.shown(called), package.shown(file)
             cause = f"setup.py installs {file}, but there is {called} instead: {differs(called, file)}."
