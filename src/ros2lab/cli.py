@@ -49,6 +49,15 @@ def main() -> None:
         app()
     except KeyboardInterrupt:  # while typer puts the verbs together; from then on it does the same itself
         sys.exit(130)
+    except FileNotFoundError:
+        if not _is_folder_gone():
+            raise
+        where = os.environ.get("PWD", "")
+        typer.echo(
+            f"The folder of this terminal {where} no longer exists; type `cd`, or `cd {where}` if it was made again.",
+            err=True,
+        )
+        sys.exit(2)
 
 
 def __getattr__(name: str) -> Any:
@@ -73,6 +82,15 @@ def _app_of(names: Iterable[str]) -> typer.Typer:
         else:
             app.command(name)(verb)
     return app
+
+
+def _is_folder_gone() -> bool:
+    """Return whether the folder in which the command was typed has been deleted."""
+    try:
+        os.getcwd()  # noqa: PTH109 -- asks no more than that
+    except FileNotFoundError:
+        return True
+    return False
 
 
 def _open_standard_streams() -> None:

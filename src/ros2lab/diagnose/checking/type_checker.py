@@ -45,7 +45,8 @@ def type_faults(
         named: the places that an error names; there, doubtful types are reported, too.
         message: the error message; of several objections to a line, the one whose types it names is reported.
     """
-    lines = set(named)
+    lines, known = set(named), [*known]
+    unread = {finding.place.partition(":")[0] for finding in known if finding.code.endswith("-syntax")}
     # A fault that does not stop the node is not why a named line failed.
     told = {
         finding.place
@@ -62,7 +63,7 @@ def type_faults(
         source = sources.get(f"/{row['file']}")
         shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
         place = f"{shown}:{row['line']}"
-        if said is None or place in told or _is_told_elsewhere(row, said, source):
+        if said is None or place in told or shown in unread or _is_told_elsewhere(row, said, source):
             continue
         if source in owners and is_of_construction(owners[source], source, int(row["line"]), said[0]):
             continue

@@ -73,7 +73,12 @@ def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterat
         ):
             text = ast.unparse(before)
             cause = f"A comma is missing after `{text[:60]}`, so Python takes what follows as {_NEXT[type(node)]} it."
-            fix = f"write a comma after `{text[:60]}`"
+            line = source.text.splitlines()[(before.end_lineno or 1) - 1]
+            begun, rest = (
+                line.encode()[: before.end_col_offset].decode(),
+                line.encode()[before.end_col_offset :],
+            )
+            fix = f"write a comma after `{text[:60]}`" if rest.strip() else f"write `{begun.strip()},`"
             yield Finding(missing, cause, source.at(before.end_lineno), fix)
     yield from _tuple_faults(source)
 

@@ -5,38 +5,25 @@ from __future__ import annotations
 import ast
 import io
 import itertools
-import keyword
 import re
 import tokenize
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from ros2lab.diagnose.code.other_languages import in_pythons_words
+from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.diagnose.sources.spelling import plain_signs, with_article
+from ros2lab.diagnose.sources.spelling import with_article
 
 _LONGEST = 500  # characters that a line may have for changes to be tried
 _MOST_REPAIRS = 4  # lines that are changed, one after the other
 _MOST_READ = 60_000  # lines that are parsed in all, about half a second
 _SHOWN = 100  # characters of a line
 _END = 10**9  # stands for the line of the error in a file that has none
+_MOST_OF_ELEMENT = 40  # lines of an element of a list
 _CLOSERS = {"(": ")", "[": "]", "{": "}"}
-
-
-@dataclass(frozen=True)
-class Repair:
-    """A change of one line after which Python reads on.
-
-    Attributes:
-        line: the number of the line.
-        new: its new text; empty if it is removed.
-        why: what is wrong with it, as a clause.
-    """
-
-    line: int
-    new: str
-    why: str
+_OPENERS = {closer: opener for opener, closer in _CLOSERS.items()}
 
 
 def syntax_finding(code: str, source: PythonSource) -> Finding:
@@ -121,11 +108,14 @@ def _repair(lines: list[str], number: int, reader: _Reader) -> Repair | None:
     above = next((n for n in range(place - 1, 0, -1) if lines[n - 1].strip()), 0)
     ways = itertools.chain(
         _reindented(lines, place, above, said),
-        _in_pythons_words(place, lines[place - 1]),
-        _in_pythons_words(above, lines[above - 1]) if above else (),
+        in_pythons_words(place, lines[place - 1]),
+        in_pythons_words(above, lines[above - 1]) if above else (),
         _completed(lines, place, above, said),
         _left_out(place, lines[place - 1]),
     )
+    for repair in _after_element(lines, place) if "forgot a comma" in said else ():
+        if reader.stops_at([*lines[: repair.line - 1], repair.new, *lines[repair.line :]]) > repair.line:
+            return repair
     best, reached = None, max(place, 1)
     for repair in ways:
         if repair.new == lines[repair.line - 1]:
@@ -168,107 +158,6 @@ def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator
         yield Repair(place, " " * depth + code, why)
 
 
-def _rule(pattern: str, new: str, why: str) -> tuple[re.Pattern[str], str, str]:
-    return re.compile(pattern), new, why
-
-
-# Syntax of other languages; a change is reported only if Python can read on after it.
-_FOREIGN = (
-    _rule(r"(?<!=)(?<![\w)\]])(\+\+|--)([\w.]+)\s*;?\s*$", r"\2 \1= 1", "Python has no `++` or `--`"),
-    _rule(r"([\w.\]]+)\s*\+\+\s*;?\s*$", r"\1 += 1", "Python has no `++`"),
-    _rule(r"([\w.\]]+)\s*--\s*;?\s*$", r"\1 -= 1", "Python has no `--`"),
-    _rule(r"\s*&&\s*", " and ", "Python writes `and` where other languages write `&&`"),
-    _rule(r"\s*\|\|\s*", " or ", "Python writes `or` where other languages write `||`"),
-    _rule(r"!(?!=)\s*", "not ", "Python writes `not` where other languages write `!`"),
-    _rule(r"([=!])==", r"\1=", "Python compares with == and !="),
-    _rule(r"\(([\w, ]*)\)\s*=>\s*", r"lambda \1: ", "Python writes a short function with `lambda`"),
-    _rule(
-        r"(\w)\s*==\s*(?=[^()]*\)\s*(?:->.*)?:?\s*$)",
-        r"\1=",
-        "a default or a keyword argument is given with a single =",
-    ),
-    _rule(r"=([<>])(?!=)", r"\1=", "in a comparison the = comes last, as in >= and <="),
-    _rule(r"<>", "!=", "Python writes != where other languages write <>"),
-    _rule(r"^(\s*)\}?\s*(?:else\s+if|elseif|elsif)\b", r"\1elif", "Python writes `elif` for `else if`"),
-    _rule(r"^(\s*)\}\s*(else|elif|except|finally)\b", r"\1\2", "Python has no braces around blocks"),
-    _rule(r"\s*\{\s*$", ":", "Python begins a block with a colon, not with a brace"),
-    _rule(r"^\s*[}]\s*;?\s*$", "", "Python ends a block by its indentation, not with a brace"),
-    _rule(r"^\s*end\s*$", "", "Python ends a block by its indentation, not with `end`"),
-    _rule(r"\s+(?:then|do)\s*:?\s*$", ":", "Python begins a block with a colon"),
-    _rule(r"^(\s*)(?://|/\*|<!--)\s?(.*?)\s*(?:\*/|-->)?$", r"\1# \2", "a comment in Python begins with #"),
-    _rule(r"\s*//\s*(?=[A-Za-z]).*$", "", "a comment in Python begins with #, not with //"),
-    _rule(r"->|::", ".", "Python writes a dot where other languages write -> or ::"),
-    _rule(r"\bnew\s+(?=[A-Z])", "", "Python creates an object without `new`"),
-    _rule(
-        r"^(\s*)catch\s*\(?\s*(\w+)(?:\s+(\w+))?\s*\)?\s*:?",
-        r"\1except \2 as \3:",
-        "Python writes `except` for `catch`",
-    ),
-    _rule(r"^(\s*)except\s+(\w+)\s*,\s*(\w+)\s*:", r"\1except \2 as \3:", "Python writes `as` here"),
-    _rule(r"^(\s*)throw\s+(?:new\s+)?", r"\1raise ", "Python writes `raise` for `throw`"),
-    _rule(
-        r"^(\s*)(?:for|foreach)\s*\(\s*(?:\w+\s+)?(\w+)\s*=\s*(\w+)\s*;\s*\w+\s*<\s*([^;]+);.*?\)\s*[:{]?",
-        r"\1for \2 in range(\3, \4):",
-        "Python counts with `for ... in range(...)`",
-    ),
-    _rule(
-        r"^(\s*)import\s+([\w, ]+?)\s+from\s+([\w.]+)\s*$",
-        r"\1from \3 import \2",
-        "the module is named first, and then what is imported from it",
-    ),
-    _rule(r"^(\s*)from\s+([\w.]+)\s+(?!import\b)(\w+)\s*$", r"\1from \2 import \3", "`import` is missing"),
-    _rule(r"^(\s*)(print|exec)\s+([^=].*?);?\s*$", r"\1\2(\3)", "Python 3 calls a function with parentheses"),
-    _rule(
-        r"^(\s*)(?!def\b|class\b|async\b|if\b|elif\b|while\b|for\b|with\b|return\b)(?:[\w<>]+\s+)+(\w+)\s*(\(.*\))\s*[:{]?\s*$",
-        r"\1def \2\3:",
-        "a function begins with `def`, without a type in front of it",
-    ),
-    _rule(
-        r"^(\s*)(?!if\b|elif\b|while\b|return\b|del\b)[A-Za-z_][\w.:<>]*[&*]?\s+(?:\w+\s+)?((?:self\.)?\w+\s*=(?!=).*?);?\s*$",
-        r"\1\2",
-        "a variable is created by giving it a value, without a type or a keyword in front of it",
-    ),
-    _rule(
-        r"^(\s*(?:if|elif|while)\b[^=]*[^=!<>:])=(?!=)\s*",
-        r"\1== ",
-        "a single = assigns a value; == compares",
-    ),
-    _rule(r"\b0+(?=[1-9]\d*\b)", "", "an integer may not begin with 0"),
-    _rule(r"^(\s*(?:def|class)\s+)(\d+)(\w+)", r"\1\3\2", "a name may not begin with a digit"),
-    _rule(r"(?<!\w)(\d+)([A-Za-z_]\w+)(?=\s*[=.(])", r"\2\1", "a name may not begin with a digit"),
-)
-
-
-def _in_pythons_words(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with typographic characters and the syntax of other languages replaced by Python's."""
-    plain = plain_signs(line)
-    if plain != line:
-        strange = next(letter for letter in line if plain_signs(letter) != letter)
-        why = f"the letter {strange!r} (U+{ord(strange):04X}) was copied from a web page or a document"
-        yield Repair(number, plain, why)
-    yield from _names(number, plain)
-    versions = [(plain, "")]
-    for _ in range(3):
-        versions = [
-            (changed, why or said)
-            for text, why in versions
-            for pattern, new, said in _FOREIGN
-            if (changed := pattern.sub(new, text)) != text
-        ][:30]
-        yield from (Repair(number, text, why) for text, why in versions)
-
-
-def _names(number: int, line: str) -> Iterator[Repair]:
-    """Yield a line with an invalid name replaced by a valid one."""
-    for word in {*re.findall(r"(?<=\.)[a-z]+\b|\b[a-z]+(?=\s*=[^=])|(?<=def )[a-z]+\b", line)}:
-        if keyword.iskeyword(word):
-            new = re.sub(rf"(?<![\w]){word}(?!\w)(?=\s*[=.(\[,)]|\s*$)", f"{word}_", line)
-            yield Repair(number, new, f"{word} is a Python keyword and cannot be used as a name")
-    for name in re.findall(r"[A-Za-z_]\w*(?:-[A-Za-z_]\w*)+", line):
-        new = line.replace(name, name.replace("-", "_"))
-        yield Repair(number, new, f"{name} contains a minus sign, which a name may not")
-
-
 def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[Repair]:
     """Yield a line, or the one above, with a character added, removed or replaced."""
     for number in (place, above):
@@ -282,6 +171,8 @@ def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[
             yield from _exchanged(number, lines[number - 1])
     if wrong := re.search(r"does not match opening parenthesis '(.)'", said):
         closer = _CLOSERS[wrong[1]]
+        if above_it := re.search(r"on line (\d+)", said):
+            yield from _closed_below(lines, int(above_it[1]), place, closer)
         why = f"a closing {closer} is missing before this line"
         yield Repair(place, re.sub(r"(?=[)\]}])", closer, lines[place - 1], count=1), why)
         if above_it := re.search(r"on line (\d+)", said):
@@ -302,6 +193,37 @@ def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[
                 yield Repair(last, f"{lines[last - 1]}{closer},", why)
                 yield Repair(number, f"{line[:depth]}{closer}{line.lstrip()}", why)
                 yield Repair(number, f"{line}{closer}", why)
+
+
+def _after_element(lines: list[str], place: int) -> Iterator[Repair]:
+    """Yield each line on which an element that begins on a line may end, with a comma added."""
+    for (number, line), (_, following) in _pairs(lines, place, place + _MOST_OF_ELEMENT):
+        text, comment = _split(line)
+        if re.search(r"[\w)\]}'\"]$", text) and re.match(r"\s*[\w(\[{'\"*]", following):
+            begun = following.strip()[:_SHOWN]
+            yield Repair(
+                number, f"{text},{comment}", f"a comma is missing between two elements, before `{begun}`"
+            )
+
+
+def _closed_below(lines: list[str], opened_at: int, place: int, closer: str) -> Iterator[Repair]:
+    """Yield each line after which the code is no longer indented below an open bracket, with that closed."""
+    depth = _depth(lines[opened_at - 1])
+    for (number, line), (_, following) in _pairs(lines, opened_at, place + 1):
+        if _depth(following) <= depth:
+            text, comment = _split(line)
+            why = f"the {_OPENERS[closer]} on line {opened_at} is never closed"
+            yield Repair(number, f"{text.rstrip(',')}{closer}{',' * text.endswith(',')}{comment}", why)
+
+
+def _pairs(lines: list[str], start: int, end: int) -> Iterator[tuple[tuple[int, str], tuple[int, str]]]:
+    """Yield each line of code from one number to before another, with its number and with the next such line."""
+    code = enumerate(lines[start - 1 : end - 1], start)
+    return itertools.pairwise((n, line) for n, line in code if line.strip() and line.strip()[0] != "#")
+
+
+def _depth(line: str) -> int:
+    return len(line) - len(line.lstrip())
 
 
 def _ended(number: int, line: str) -> Iterator[Repair]:

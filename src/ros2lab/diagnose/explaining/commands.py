@@ -112,7 +112,8 @@ def _of_colcon(line: str, words: list[str], look: Look, said: str) -> Corrected 
     refused = re.search(r"unrecognized arguments:(.*)", said)
     bare = [*itertools.takewhile(lambda word: not word.startswith("-"), words[2:])]
     if refused and not refused[1].lstrip().startswith("-"):
-        bare = bare or refused[1].split()
+        taken = {word for before, word in itertools.pairwise(words) if before in _SELECTING}
+        bare = bare or [word for word in refused[1].split() if word not in taken]
     meant = [folders.get(word.removeprefix("./").rstrip("/"), word) for word in bare]
     if bare and (known := [name for name in meant if name in names]):
         written, better = " ".join(bare), " ".join(known)

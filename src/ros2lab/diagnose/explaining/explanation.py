@@ -13,14 +13,13 @@ from ros2lab.diagnose.causes.where_made import where_made
 from ros2lab.diagnose.checking.called_at_once import called_at_once
 from ros2lab.diagnose.checking.checked_copies import stands_trial
 from ros2lab.diagnose.checking.type_checker import type_faults
+from ros2lab.diagnose.explaining.asked_for import asked_for
 from ros2lab.diagnose.explaining.assertions import of_assertion, of_test_without_init, results_of_tests
 from ros2lab.diagnose.explaining.commands import Corrected, corrected
 from ros2lab.diagnose.explaining.in_words import said_of
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
 from ros2lab.diagnose.explaining.needed import of_needed
-from ros2lab.diagnose.explaining.not_found import no_executable, no_file, no_package, not_sourced
-from ros2lab.diagnose.explaining.older_nodes import of_older_node
 from ros2lab.diagnose.explaining.outdated import of_earlier
 from ros2lab.diagnose.explaining.own_words import own_words, without_own_warnings
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
@@ -29,13 +28,12 @@ from ros2lab.diagnose.explaining.said import launch_line, of_launch
 from ros2lab.diagnose.explaining.said_by_tools import lines_of, said_by_tools
 from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
-from ros2lab.diagnose.explaining.unbuilt import failed_build, no_prerequisite
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
+from ros2lab.diagnose.explaining.unbuilt import failed_build
 from ros2lab.diagnose.explaining.usage import accepted_form
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.mending.repairs import tried, worth_typing
-from ros2lab.diagnose.packaging.file_patterns import folder_copied
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.printed.jobs import frozen_faults
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of
@@ -354,7 +352,7 @@ def _meant(
     match = meaning.pattern.search(line)
     assert match is not None
     groups = match.groupdict(default="")
-    if asked := _asked_for(meaning, groups, error, look):
+    if asked := asked_for(meaning, groups, error, look):
         return [asked]
     near = {finding: _nearness(finding, error, line) for finding in known}
     has_place = bool(own_frames(error.frames))
@@ -390,32 +388,6 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
     words |= {word.rpartition(".")[2] for word in words if quoted}
     return int(not words.isdisjoint(_WORD.findall(f"{finding.cause} {finding.place} {finding.fix}")))
-
-
-def _asked_for(
-    meaning: Meaning, groups: Mapping[str, str], error: ErrorText, look: Look | None
-) -> Finding | None:
-    """Say why a command did not find a package, an executable or a file; None for other errors."""
-    if meaning.codes[0] == "package-not-found":
-        return no_package(groups["name"] or groups["name2"], look, error)
-    if meaning.codes[0] == "data-file-missing":
-        copied = (folder_copied(groups["name"], package) for package in (look.packages if look else ()))
-        return next(filter(None, copied), None)
-    if meaning.codes[0] == "not-built":
-        return no_prerequisite(error, look)
-    if meaning.codes[0] == "command-not-found" and look:
-        reset = not_sourced(groups["name"], error.typed, error.text, look.root)
-        return reset if "removes" in reset.cause else None
-    if meaning.codes[0] == "name-twice" and look:
-        return of_older_node(error, look)
-    if meaning.codes[0] == "not-sourced" and look and error.typed:
-        names = [
-            package.name for package in look.packages if package.name == groups["name"].replace("-", "_")
-        ]
-        return not_sourced(names[0], error.typed, error.text, look.root) if names else None
-    if meaning.codes[0] == "executable-missing":
-        return no_executable(error.command, look, error.typed)
-    return no_file(groups["name"], groups["package"], look) if "file-not-found" in meaning.codes else None
 
 
 def _unknown(error: ErrorText, look: Look | None) -> Finding:

@@ -127,7 +127,13 @@ def no_executable(
     package = _package(command[1], look) if command else None
     there = look.executables[package.name] if look and package else None
     stem = command[2].partition(".")[0] if command else ""
-    if command and package and there and command[2] not in there and (meant := by_another_name(package, command[2])):
+    if (
+        command
+        and package
+        and there
+        and command[2] not in there
+        and (meant := by_another_name(package, command[2]))
+    ):
         line = next((line for line in reversed(typed) if f"{command[1]} {command[2]}" in line), "")
         line = line or f"ros2 run {command[1]} {command[2]}"
         wrong = re.compile(rf"\b{re.escape(command[1])} +{re.escape(command[2])}\S*")
@@ -136,8 +142,12 @@ def no_executable(
         what = meant[0].text if len(meant) == 1 else f"{meant[0].module} in setup.py"
         cause = f"{command[2]} is not the name of an executable: ros2 run needs the name before the = in `{what}`."
         if len(meant) > 1:
-            cause = f"{command[2]} is not the name of an executable; {len(meant)} executables in setup.py run it."
-        return Finding("executable-missing", cause, at(package.shown("setup.py"), meant[0].line), f"type {run}")
+            cause = (
+                f"{command[2]} is not the name of an executable; {len(meant)} executables in setup.py run it."
+            )
+        return Finding(
+            "executable-missing", cause, at(package.shown("setup.py"), meant[0].line), f"type {run}"
+        )
     if package and f"{package.name}.{stem}" in package.sources and stem not in (there or ()):
         return _fault_of(package, look, _LOSE_EXECUTABLES) or _no_entry_point(package, stem)
     if command and package and there and command[2] not in there:

@@ -89,7 +89,7 @@ def _concerns(warning: re.Match[str], step: Step) -> bool:
     """
     # pytest warns at a line of its own code, and names the test.
     is_own = ".py" in warning["message"] or bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
-    return not OF_LATER.search(warning["kind"]) and (is_own or not step.ended_well)
+    return not OF_LATER.search(f"{warning['kind']}: {warning['message']}") and (is_own or not step.ended_well)
 
 
 def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:

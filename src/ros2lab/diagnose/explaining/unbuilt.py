@@ -50,8 +50,14 @@ def not_yet_built(package: SourcePackage, look: Look, error: ErrorText) -> Findi
     place = package.shown("")
     if typed and (better := corrected(typed, look)):
         return Finding("typed-wrong", better.why, "", f"type `{better.line}`, then source install/setup.bash")
-    asked = {word for pattern in (_SELECTED, _UP_TO) for match in pattern.findall(typed) for word in match.split()}
-    users = [user for user in look.packages if user.name in asked and (name in uses(user, look) or mentions(user, name))]
+    asked = {
+        word for pattern in (_SELECTED, _UP_TO) for match in pattern.findall(typed) for word in match.split()
+    }
+    users = [
+        user
+        for user in look.packages
+        if user.name in asked and (name in uses(user, look) or mentions(user, name))
+    ]
     for user in users if name not in asked else ():
         if name not in _declared(user):
             cause = f"{user.name} uses {name}, but its package.xml does not declare it, so colcon does not build {name} with it."
@@ -76,7 +82,10 @@ def no_prerequisite(error: ErrorText, look: Look | None) -> Finding | None:
     failed = re.findall(r"Failed +<<< ([\w.-]+)", error.text)
     if not names:
         return None
-    missing, by_name = " and ".join(names), {package.name: package for package in look.packages} if look else {}
+    missing, by_name = (
+        " and ".join(names),
+        {package.name: package for package in look.packages} if look else {},
+    )
     user = failed[0] if failed else "The package"
     if look is None or not set(names) <= by_name.keys():
         cause = f"{user} needs {missing}, which is neither in this workspace nor in one that this terminal has sourced."
@@ -88,11 +97,15 @@ def no_prerequisite(error: ErrorText, look: Look | None) -> Finding | None:
             return stops[0]
     selected = [word for match in _SELECTED.findall(typed) for word in match.split()]
     again = _up_to(typed, selected or failed or names)
-    by = "--packages-select builds only the packages that it names" if selected else "this build leaves it out"
+    by = (
+        "--packages-select builds only the packages that it names" if selected else "this build leaves it out"
+    )
     is_gone = not selected and any(prefix_of(look.root, name) is None for name in names)
     if is_gone and "--packages-skip" not in typed:
         by = f"{missing} is not in install"
-    return Finding("not-built", f"{user} needs {missing}, and {by}.", by_name[names[0]].shown(""), again, (*names,))
+    return Finding(
+        "not-built", f"{user} needs {missing}, and {by}.", by_name[names[0]].shown(""), again, (*names,)
+    )
 
 
 def _declared(package: SourcePackage) -> set[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -63,7 +64,9 @@ def _with_imports(finding: Finding, look: Look | None) -> Finding:
     """Return a finding whose fix names the missing imports of the classes that it writes into Python."""
     is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
     source = spot_at(finding.place, look).source if is_written else None
-    lines = missing_imports(source, finding.fix) if source and source.text else []
+    # What could not be read is only completed, so it needs nothing new.
+    is_read = source is not None and bool(source.text) and source.readable_to == math.inf
+    lines = missing_imports(source, finding.fix) if source and is_read else []
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
     return replace(finding, fix=f"{finding.fix}{more}")
 

@@ -17,6 +17,7 @@ from ros2lab.diagnose.sources.parameter_file import (
     BELOW,
     ParameterFileError,
     UnreadParameterFileError,
+    is_other_yaml,
     kind_of,
     read_parameter_file,
 )
@@ -293,7 +294,8 @@ def file_faults(
         try:
             content = read_parameter_file(text)
         except ParameterFileError as error:
-            yield _not_read(shown, error)
+            if BELOW in text or not is_other_yaml(text):
+                yield _not_read(shown, error)
             continue
         lines_of = _Lines(shown, text)
         if isinstance(content, Mapping) and BELOW in text:

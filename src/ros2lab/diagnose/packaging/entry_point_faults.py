@@ -315,9 +315,7 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
             "entry-point-comma",
             f"Two entry points are in one string: {point.text!r}; each needs its own quotes, with a comma between them.",
             place,
-            f"write {', '.join(map(repr, parts))}"
-            if len(parts) > 1
-            else "put a comma after each entry point",
+            f"write {', '.join(map(repr, parts))}" if len(parts) > 1 else f"write `{_line(package, point)},`",
         )
     if meant := _of_its_parts(package, point):
         return _put_in_order(package, point, meant, place)
@@ -335,22 +333,29 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
     )
 
 
+def _line(package: SourcePackage, point: EntryPoint) -> str:
+    """Return the line of an entry point without its end."""
+    lines = package.setup.source.text.splitlines() if package.setup else []
+    return lines[point.line - 1].strip().rstrip(",") if point.line else repr(point.text)
+
+
 def _why(text: str, meant: str = "") -> str:
     """Say what is wrong with the form of an entry point, from its signs and, if it is known, the right one."""
     function = meant.rpartition(":")[2]
-    if "/" in text:
-        return "has a slash where a dot should be"
-    if "(" in text:
-        return "has parentheses after the function, but only its name belongs there"
-    if "=" not in text:
-        return "has no `=` between the executable and the module"
-    if text.count(":") > 1:
-        return "has two colons"
-    if function and text.endswith(f".{function}") and ":" not in text:
-        return f"has a dot before {function} where a colon should be"
-    if meant and set(re.findall(r"\w+", text)) == set(re.findall(r"\w+", meant)):
-        return "has its parts not in the form `name = package.module:function`"
-    return "is not of the form `name = package.module:function`"
+    has_all = bool(meant) and set(re.findall(r"\w+", text)) == set(re.findall(r"\w+", meant))
+    ways = (
+        ("/" in text, "has a slash where a dot should be"),
+        ("(" in text, "has parentheses after the function, but only its name belongs there"),
+        ("=" not in text, "has no `=` between the executable and the module"),
+        (text.count(":") > 1, "has two colons"),
+        (
+            bool(function) and text.endswith(f".{function}") and ":" not in text,
+            f"has a dot before {function} where a colon should be",
+        ),
+        (has_all, "has its parts not in the form `name = package.module:function`"),
+    )
+    other = "is not of the form `name = package.module:function`"
+    return next((why for is_so, why in ways if is_so), other)
 
 
 def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: str) -> Finding:
@@ -400,7 +405,9 @@ def _function_of(package: SourcePackage, module: str, words: list[str]) -> str:
     functions = _functions(package, module)
     if not words or len(words) > 1:
         return meant_function(package, module) if not words and functions else ""
-    is_class = any(isinstance(n, ast.ClassDef) and n.name == words[0] for n in package.sources[module].tree.body)
+    is_class = any(
+        isinstance(n, ast.ClassDef) and n.name == words[0] for n in package.sources[module].tree.body
+    )
     if words[0] in functions:
         return words[0]
     return "main" if is_class and "main" in functions else nearest(words[0], functions, 0.6) or ""

@@ -23,7 +23,11 @@ def folder_taken(package: SourcePackage, setup: SetupScript, folder: str) -> Fin
         (
             node
             for node in _made(setup)
-            if (pattern.call in ast.walk(node) if pattern else f"'{folder.partition('/')[0]}" in ast.unparse(node))
+            if (
+                pattern.call in ast.walk(node)
+                if pattern
+                else f"'{folder.partition('/')[0]}" in ast.unparse(node)
+            )
         ),
         None,
     )
@@ -66,7 +70,8 @@ def _made(setup: SetupScript) -> Iterator[ast.ListComp | ast.GeneratorExp]:
 def _narrower(package: SourcePackage, pattern: Pattern) -> str:
     """Return the call of glob with the ending that all matched files share; empty if they share none."""
     files = [file for file in pattern.files if (package.folder / file).is_file()]
-    ending = os.path.commonprefix([PurePosixPath(file).name[::-1] for file in files])[::-1]
+    names = [PurePosixPath(file).name[::-1] for file in files]
+    ending = os.path.commonprefix(names)[::-1]  # noqa: RUF071 -- of letters, not of folders
     folder, _, last = pattern.text.rpartition("/")
     if "." not in ending or last != "*":
         return ""
@@ -109,7 +114,9 @@ def dead_pattern(package: SourcePackage, setup: SetupScript, path: Path) -> Find
 
 def _likeness(pattern: str, relative: str) -> float:
     """Return how similar a pattern and a path are, from 0 to 1; where the name matches, only the folders count."""
-    (wanted, _, last), (folder, _, name) = (text.rpartition("/") for text in (pattern.replace("\\", "/"), relative))
+    (wanted, _, last), (folder, _, name) = (
+        text.rpartition("/") for text in (pattern.replace("\\", "/"), relative)
+    )
     pairs = [(f"{wanted}/{last}", relative), *([(wanted, folder)] if fnmatchcase(name, last) else [])]
     return max(SequenceMatcher(None, first.lower(), second.lower()).ratio() for first, second in pairs)
 

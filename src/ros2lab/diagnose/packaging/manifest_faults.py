@@ -114,16 +114,20 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
     kind, has_cmake = package.build_type, package.has("CMakeLists.txt")
     if not package.has("setup.py") and not package.has("CMakeLists.txt") and kind == "ament_python":
         called = alike(package.folder, "setup.py")
-        yield Finding(
-            "setup-missing",
-            f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}.",
-            package.shown(called),
-            f"mv {package.shown(called)} {package.shown('setup.py')}, and build again",
-        ) if called else Finding(
-            "setup-missing",
-            f"The package {package.name} is an ament_python package but has no setup.py, which says what to install.",
-            package.shown("setup.py"),
-            f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points",
+        yield (
+            Finding(
+                "setup-missing",
+                f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}.",
+                package.shown(called),
+                f"mv {package.shown(called)} {package.shown('setup.py')}, and build again",
+            )
+            if called
+            else Finding(
+                "setup-missing",
+                f"The package {package.name} is an ament_python package but has no setup.py, which says what to install.",
+                package.shown("setup.py"),
+                f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points",
+            )
         )
     if kind is None and not has_cmake:
         yield Finding(

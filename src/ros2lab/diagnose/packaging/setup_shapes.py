@@ -235,7 +235,12 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
         elif not path.exists() and (called := alike(package.folder, file)):
             shown, wanted = package.shown(called), package.shown(file)
             cause = f"setup.py installs {file}, but there is {called} instead: {differs(called, file)}."
-            yield Finding("data-file-missing", cause, at(setup.source.shown, setup.line("data_files")), f"mv {shown} {wanted}")
+            yield Finding(
+                "data-file-missing",
+                cause,
+                at(setup.source.shown, setup.line("data_files")),
+                f"mv {shown} {wanted}",
+            )
         elif not path.exists() and (close := like(path)) and not lies_elsewhere(package, file):
             shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
             yield Finding(

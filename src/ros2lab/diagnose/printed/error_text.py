@@ -268,7 +268,7 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
             package = line.split()[2]
         elif (
             (warned := WARNING.match(line))
-            and not (warned["indent"] or OF_LATER.search(warned["kind"]))
+            and not (warned["indent"] or OF_LATER.search(f"{warned['kind']}: {warned['message']}"))
             and own_frames([spot := Frame(warned["file"], int(warned["line"]))])
         ):
             yield number + 1, ErrorReport(warned["kind"], warned["message"], (spot,))

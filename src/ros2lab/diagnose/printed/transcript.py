@@ -37,7 +37,7 @@ WARNING = re.compile(
 )
 _QUOTED = re.compile(r"'([^']{3,})'|\"([^\"]{3,})\"")
 # Warnings about what a later release will change, or about resources.
-OF_LATER = re.compile(r"Deprecation|Resource")
+OF_LATER = re.compile(r"^\w*(?:Deprecation|Resource)|(?i:\bdeprecated\b)")
 _WAITING = re.compile(r"(?i)\bwait(?:ing|s)? for\b|does not appear to be|no publisher")
 # The last line of colcon, pytest and unittest, which says how many succeeded or failed.
 _CLOSING = re.compile(

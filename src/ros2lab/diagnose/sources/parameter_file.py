@@ -73,6 +73,15 @@ def read_parameter_file(text: str) -> Any:
         raise ParameterFileError(reason, line, "remove it, and save the file as UTF-8") from None
 
 
+def is_other_yaml(text: str) -> bool:
+    """Return whether a text is YAML for something else: with aliases, merged keys or tags, which rcl does not read."""
+    try:
+        bounded_yaml.load(text, yaml.SafeLoader)
+    except (yaml.YAMLError, ValueError):
+        return False
+    return True
+
+
 def _value(written: str) -> bool | int | float | str:
     """Return the value of a scalar without quotes."""
     if written in _TRUE | _FALSE:
@@ -236,7 +245,13 @@ _IN_OTHER_WORDS = (
         "indent it by the same number of spaces",
     ),
     (
-        "alias|anchor|cannot start any token",
+        "alias",
+        False,
+        "a name or a value begins with *, which stands for another value in YAML, but ROS does not read that",
+        "write the value itself; or put it in quotes if it is meant as a word",
+    ),
+    (
+        "anchor|cannot start any token",
         False,
         "a name or a value begins with a character that has a special meaning in YAML",
         "put it in quotes",
