@@ -120,10 +120,16 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("launch-unused", "never-shown", "parameter-unread"),
     ("speed-implausible", "word-unanswered", "period"),
     ("test-fixture", "tests-not-run", "test-failed"),
-    ("build-elsewhere", "edited-in-install"),
+    ("dependency-joined", "build-elsewhere", "edited-in-install"),
     ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
     ("link-stale", "left-over"),
-    ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
+    (
+        "marker-not-installed",
+        "dependency-unknown",
+        "dependency-not-ros",
+        "dependency-undeclared",
+        "dependency-launched",
+    ),
     ("typed-wrong", "not-running", "command-not-found", "shutdown-twice", "name-twice"),
     ("name-missing", "attribute-unknown", "python-error", SAID, UNKNOWN),
     ("axis",),  # correct for anything but a robot on the ground

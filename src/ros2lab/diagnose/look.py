@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 
@@ -120,7 +120,7 @@ class Look:
         for package in self.packages:
             is_plain = package.name in plain
             if not is_plain:
-                yield from guarded(manifest_faults, package, by_name, plain)
+                yield from _each_once(guarded(manifest_faults, package, by_name, plain))
             yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
             yield from source_faults(self.sources(package), _mains(package))
             yield from guarded(self._shadowed, package)
@@ -232,6 +232,18 @@ class Look:
             is_known = bool(points) and all(point.module for point in points or ()) and not scripts
             found[package.name] = [point.name for point in points or ()] if is_known else None
         return found
+
+
+def _each_once(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Yield what is wrong with a manifest; a package in a wrong tag, or imported and launched, is told once."""
+    told: set[str] = set()
+    for finding in findings:
+        is_lacking = finding.code in ("dependency-undeclared", "dependency-launched")
+        if finding.code == "dependency-joined" or is_lacking:
+            if is_lacking and told.issuperset(finding.about):
+                continue
+            told.update(finding.about)
+        yield finding
 
 
 def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Iterator[Finding]:

@@ -13,6 +13,7 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
+from ros2lab.diagnose.packaging.tag_repairs import repaired_tags
 from ros2lab.diagnose.packaging.xml_repairs import repaired
 from ros2lab.diagnose.sources.interfaces import PACKAGES, meant
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -50,16 +51,19 @@ def manifest_faults(
         yield no_manifest(package)
         return
     if package.manifest_fault:
-        fix = "fix in package.xml what it says, and check with `colcon list` that the package is (ros.ament_python)"
-        line, right = repaired(read_text(package.folder / "package.xml")) or (package.manifest_line, "")
-        if version := re.search(r'version "([\d.]+)"', package.manifest_fault):
-            parts = [*filter(None, version[1].split(".")), "0", "0"][:3]
-            line, right = manifest_line(package, version[1]), f"write `<version>{'.'.join(parts)}</version>`"
+        text = read_text(package.folder / "package.xml")
+        keywords = package.setup.keywords if package.setup else {}
+        said = re.sub(r"^(?:Error\(s\): )?(?:- )?", "", " ".join(package.manifest_fault.split()))
+        line, fix = (
+            repaired(text)
+            or repaired_tags(text, keywords)
+            or (package.manifest_line, "change it as it says; `colcon list` then shows (ros.ament_python)")
+        )
         yield Finding(
             "manifest-invalid",
-            f"package.xml is not valid, so colcon does not treat this as a ROS package: {package.manifest_fault}",
+            f"package.xml is not valid, so colcon does not treat this as a ROS package: {said}",
             at(shown, line),
-            right or fix,
+            fix,
         )
         return
     yield from _build_type_faults(package, shown)
@@ -203,8 +207,22 @@ def _dependency_faults(
         )
     ]
     known = PACKAGES | set(workspace_names)
+    for export in (e for e in manifest.exports if e.tagname.endswith("depend") and e.content):
+        name = str(export.content).strip()
+        element = f"<{export.tagname}>{name}</{export.tagname}>"
+        cause = f"`{element}` is inside <export>, where neither colcon nor rosdep looks for dependencies."
+        place = at(shown, manifest_line(package, name))
+        yield Finding("dependency-joined", cause, place, "move this line above <export>", (name,))
     for name in declared:
         place = at(shown, manifest_line(package, name))
+        if len(names := re.findall(r"[\w-]+", name)) > 1:
+            text = read_text(package.folder / "package.xml")
+            written = re.search(rf"<(\w+)[^<>]*>\s*{re.escape(name)}\s*<", text)
+            tag = written[1] if written else "depend"
+            rows = "".join(f"<{tag}>{joined}</{tag}>" for joined in names)
+            cause = f"One tag declares one package, but here it is {name!r}, so none of the {len(names)} is declared."
+            yield Finding("dependency-joined", cause, place, f"write `{rows}`", (*names,))
+            continue
         if name in known:
             continue
         if name in sys.stdlib_module_names:
@@ -246,12 +264,13 @@ def launched_packages(package: SourcePackage) -> Iterator[tuple[str, str]]:
 def _undeclared(
     package: SourcePackage, declared: set[str], known: Collection[str], own: Collection[str]
 ) -> Iterator[Finding]:
+    launched: set[str] = set()
     told: set[str] = set()
     for name, place in launched_packages(package):
-        if name in own and name not in told | declared | {package.name}:
-            told.add(name)
+        if name in own and name not in launched | declared | {package.name}:
+            launched.add(name)
             yield Finding(
-                "dependency-undeclared",
+                "dependency-launched",
                 f"{place.partition(':')[0]} uses the package {name}, but package.xml does not declare it, so `colcon build --packages-up-to {package.name}` leaves it out.",
                 place,
                 f"add <exec_depend>{name}</exec_depend> to {package.shown('package.xml')}",

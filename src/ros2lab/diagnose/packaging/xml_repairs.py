@@ -9,7 +9,7 @@ from itertools import islice
 
 from ros2lab.manifest_words import NOT_TAKEN
 
-_MOST = 20_000  # characters of the longest manifest to repair
+MOST = 20_000  # characters of the longest manifest to repair
 _MOST_READ = 30_000_000  # characters to parse in all attempts; fifty lines of a usual manifest need fewer
 _SIGNS = ("/", '"', "<", ">")
 # How a character with a meaning in XML is written as plain text.
@@ -24,11 +24,11 @@ def repaired(text: str) -> tuple[int, str] | None:
     """
     line = _line_of_fault(text)
     # What a document type declares may expand a thousandfold, and no package needs one.
-    if line is None or not 0 < len(text) <= _MOST or "<!DOCTYPE" in text:
+    if line is None or not 0 < len(text) <= MOST or "<!DOCTYPE" in text:
         return None
     begin = text.find("<?xml ")
     declaration, _, rest = text[begin:].partition("\n")
-    if begin > 0 and _is_read(f"{declaration}\n{text[:begin]}{rest}"):
+    if begin > 0 and is_read(f"{declaration}\n{text[:begin]}{rest}"):
         line = text.count("\n", 0, begin) + 1
         return (
             line,
@@ -39,7 +39,7 @@ def repaired(text: str) -> tuple[int, str] | None:
     numbers = range(min(line, len(lines)) - 1, -1, -1)
     changes = ((number, changed) for number in numbers for changed in _changes(lines[number]))
     for number, changed in islice(changes, _MOST_READ // len(text)):
-        if _is_read("\n".join([*lines[:number], changed, *lines[number + 1 :]])):
+        if is_read("\n".join([*lines[:number], changed, *lines[number + 1 :]])):
             return number + 1, f"write `{changed.strip()}`"
     return None
 
@@ -67,7 +67,8 @@ def _changes(line: str) -> Iterator[str]:
         yield from (line[:place] + sign + line[place:] for sign in _SIGNS)
 
 
-def _is_read(text: str) -> bool:
+def is_read(text: str) -> bool:
+    """Return whether catkin_pkg accepts a manifest."""
     # A late import, as in `package`: few manifests need a repair.
     from catkin_pkg.package import InvalidPackage, parse_package_string
 

@@ -1,0 +1,150 @@
+"""Repair a manifest with wrong tags: try changes of one tag until catkin_pkg accepts it."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ros2lab.diagnose.packaging.xml_repairs import MOST, is_read
+
+# What REP 149 knows: tags of a package, and those that stand in <export>.
+_DEPENDS = (
+    "depend",
+    "exec_depend",
+    "build_depend",
+    "build_export_depend",
+    "buildtool_depend",
+    "buildtool_export_depend",
+    "test_depend",
+    "doc_depend",
+)
+_NEEDED = ("name", "version", "description", "maintainer", "license")
+_TAGS = (
+    *_NEEDED,
+    "author",
+    "url",
+    "export",
+    "conflict",
+    "replace",
+    "member_of_group",
+    "group_depend",
+    *_DEPENDS,
+)
+_IN_EXPORT = ("build_type", "architecture_independent", "deprecated", "metapackage", "message_generator")
+_ELEMENT = re.compile(r"<(?P<tag>[\w-]+)(?P<attributes>(?: [^<>]*)?)>(?P<content>[^<>]*)</(?P=tag)>")
+_EMAIL = re.compile(r"[\w.+-]+@[\w-]+(?:\.[\w-]+)+")
+_ALIKE = 0.55  # how similar a tag and the right one are, from 0 to 1
+
+# A line, what to do there in words, and the text that comes of it.
+_Change = tuple[int, str, str]
+
+
+def repaired_tags(text: str, keywords: Mapping[str, Any]) -> tuple[int, str] | None:
+    """Return the number of a line and how to repair it; None if no change of one tag makes the manifest valid.
+
+    Args:
+        text: the manifest, which is XML, but which catkin_pkg rejects.
+        keywords: the arguments of setup(), which say some of the same.
+    """
+    if len(text) > MOST or "<!DOCTYPE" in text:
+        return None
+    lines = text.split("\n")
+    for number, told, changed in _changes(lines, keywords):
+        if is_read(changed):
+            return number, told
+    return None
+
+
+def _changes(lines: list[str], keywords: Mapping[str, Any]) -> Iterator[_Change]:
+    begin = next((n for n, line in enumerate(lines, 1) if "<export>" in line), 0)
+    end = next((n for n, line in enumerate(lines, 1) if "</export>" in line and n >= begin), 0)
+    every = [(n, match) for n, line in enumerate(lines, 1) for match in _ELEMENT.finditer(line)]
+    spots = [(n, match) for n, match in every if not begin <= n <= end]
+    for number, match in spots:
+        if match["tag"] in _IN_EXPORT:
+            yield _into_export(lines, number, match[0], begin)
+    for number, match in spots:
+        yield from _rewritten(lines, number, match, keywords)
+    yield from _of_package(lines)
+    for number, match in spots:
+        others = [n for n, other in spots if other["tag"] == match["tag"] and n < number]
+        if others or match["tag"] in _DEPENDS or match["tag"] not in _TAGS:
+            why = f": line {others[0]} has a <{match['tag']}> too" if others else ""
+            yield number, f"remove this line{why}", "\n".join([*lines[: number - 1], *lines[number:]])
+    yield from _added(lines, {match["tag"]: number for number, match in spots}, keywords)
+
+
+def _with(lines: list[str], number: int, new: str) -> str:
+    return "\n".join([*lines[: number - 1], new, *lines[number:]])
+
+
+def _into_export(lines: list[str], number: int, element: str, begin: int) -> _Change:
+    if not begin:
+        new = f"<export>{element}</export>"
+        return number, f"write `{new}`", _with(lines, number, new)
+    moved = [*lines[:begin], element, *lines[begin:]]
+    del moved[number if number > begin else number - 1]
+    return number, f"move this line below <export> on line {begin}", "\n".join(moved)
+
+
+def _rewritten(
+    lines: list[str], number: int, match: re.Match[str], keywords: Mapping[str, Any]
+) -> Iterator[_Change]:
+    """Yield a line with another tag, other attributes or another content of its element."""
+    tag, content, attributes = match["tag"], match["content"].strip(), match["attributes"]
+    new: list[str] = []
+    if tag not in _TAGS:
+        near = difflib.get_close_matches(tag, _TAGS, n=3, cutoff=_ALIKE)
+        wanted = ["exec_depend"] if tag == "run_depend" else near
+        new += [f"<{better}{attributes}>{match['content']}</{better}>" for better in wanted]
+    if tag == "maintainer":
+        new.append(_maintainer(content, attributes, keywords))
+    if tag == "version" and (digits := re.findall(r"\d+", content)):
+        new.append(f"<version>{'.'.join([*digits, '0', '0'][:3])}</version>")
+    if tag == "name":
+        new.append(f"<name>{re.sub(r'[^a-z0-9_]+', '_', content.lower()).strip('_')}</name>")
+    if attributes:
+        new.append(f"<{tag}>{content}</{tag}>")
+    for text in new:
+        whole = lines[number - 1].replace(match[0], text)
+        yield number, f"write `{whole.strip()}`", _with(lines, number, whole)
+
+
+def _maintainer(content: str, attributes: str, keywords: Mapping[str, Any]) -> str:
+    """Return a maintainer with an address: the one that stands there, else that of setup.py."""
+    told = [*_EMAIL.findall(f"{attributes} {content} {keywords.get('maintainer_email')}")]
+    name = _EMAIL.sub("", content).strip(" <>(),") or str(keywords.get("maintainer") or "me")
+    address = (
+        told[0] if told else f"{re.sub(r'[^a-z0-9]+', '.', name.lower()).strip('.') or 'me'}@example.com"
+    )
+    return f'<maintainer email="{address}">{name}</maintainer>'
+
+
+def _of_package(lines: list[str]) -> Iterator[_Change]:
+    """Yield the manifest with the right root tag and format."""
+    for number, line in enumerate(lines, 1):
+        if match := re.match(r"\s*<(?P<tag>[a-z]\w*)(?P<format> format=[^>]*)?>\s*$", line):
+            new = '<package format="3">'
+            last = max((n for n, text in enumerate(lines, 1) if f"</{match['tag']}>" in text), default=number)
+            below = [*lines[: number - 1], new, *lines[number:]]
+            below[last - 1] = below[last - 1].replace(f"</{match['tag']}>", "</package>")
+            more = f", and `</package>` on line {last}" if match["tag"] != "package" else ""
+            yield number, f"write `{new}`{more}", "\n".join(below)
+            return
+
+
+def _added(lines: list[str], known: Mapping[str, int], keywords: Mapping[str, Any]) -> Iterator[_Change]:
+    """Yield the manifest with one of the tags that every package needs, filled from setup.py if that says it."""
+    for tag in (needed for needed in _NEEDED if needed not in known):
+        given = keywords.get(tag) if isinstance(keywords.get(tag), str) else ""
+        usual = {"version": "0.0.0", "license": "Apache-2.0"}.get(tag) or str(
+            keywords.get("name") or "my package"
+        )
+        new = f"<{tag}>{given or usual}</{tag}>"
+        if tag == "maintainer":
+            new = _maintainer("", "", keywords)
+        before = [known[other] for other in _NEEDED[: _NEEDED.index(tag)] if other in known]
+        number = max(before, default=next((n for n, line in enumerate(lines, 1) if "<package" in line), 1))
+        yield number, f"add `{new}` below this line", "\n".join([*lines[:number], new, *lines[number:]])
