@@ -7,7 +7,7 @@ import contextlib
 import re
 import shlex
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, path_faults, tuple_by_comma
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.finding import Finding, at, not_read
+from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import misplaced_values
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
@@ -99,7 +100,7 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
         faults.append(Finding("launch-function", cause, source.at(place), fix))
     faults += _without_return(source)
     faults += [*used_too_early(source), *declared_late(source)]
-    faults += _of_ros_nodes(source)
+    faults += [*kind_faults(source), *_of_ros_nodes(source)]
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
 
 
@@ -141,7 +142,8 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             yield Finding("import-wrong", cause, source.at(imported.line), fix)
     yield from comma_faults(source)
     yield from path_faults(source)
-    yield from _arguments(source)
+    worded = {finding.fix.partition("'")[2].partition("'")[0] for finding in kind_faults(source)}
+    yield from _arguments(source, worded)
     yield from misplaced_values(source)
     for node in source.nodes:
         if not isinstance(node, ast.Call) or not _is_action(source.resolve(node.func) or ""):
@@ -188,8 +190,13 @@ def _as_list(value: ast.expr) -> str:
     return f"[{ast.unparse(value)[:80]}]"
 
 
-def _arguments(source: PythonSource) -> Iterator[Finding]:
-    """Yield arguments declared but not used, or the reverse; none for a file that includes others."""
+def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Finding]:
+    """Yield arguments declared but not used, or the reverse; none for a file that includes others.
+
+    Args:
+        source: the file.
+        worded: arguments of which it is known already how they should be used.
+    """
     calls = [node for node in source.nodes if isinstance(node, ast.Call)]
     named: dict[str, dict[str, ast.Call]] = {"DeclareLaunchArgument": {}, "LaunchConfiguration": {}}
     for call in calls:
@@ -206,7 +213,7 @@ def _arguments(source: PythonSource) -> Iterator[Finding]:
             cause = f"LaunchConfiguration({name!r}) is used, but the declared argument is called {near}."
             yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
     if not used.keys() - declared.keys():
-        for name in declared.keys() - used.keys():
+        for name in declared.keys() - used.keys() - {*worded}:
             yield Finding(
                 "launch-unused",
                 f"The launch argument {name} is declared but never used, so it changes nothing.",

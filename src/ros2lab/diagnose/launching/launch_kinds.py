@@ -1,0 +1,183 @@
+"""Names, substitutions and conditions in a launch file: each given where another kind is wanted, and rewritten."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.signatures import heads_of, signature_of
+
+_NAME, _SUBSTITUTION, _CONDITION = "a name in quotes", "a substitution", "a condition"
+_CONDITIONS = "a list of conditions"
+_WANTED = {
+    **dict.fromkeys(("str", "Text"), _NAME),
+    "SomeSubstitutionsType": _SUBSTITUTION,
+    "Condition": _CONDITION,
+}
+_MADE = {"launch.substitutions": _SUBSTITUTION, "launch.conditions": _CONDITION}
+_VAR = re.compile(r"^\$\(var (\w+)\)$")  # as XML writes it
+_TRUTHS = frozenset(("true", "false", "1", "0"))
+_IS_NAMED = frozenset(("package", "executable", "plugin", "name", "exec_name", "description"))
+
+
+def kind_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield arguments of launch's classes that are of the wrong kind, as far as the right one can be written."""
+    for call in _calls(source):
+        for wanted, value in _given(source, call):
+            kind = _kind(source, value)
+            new = _as(source, value, wanted) if kind and kind != wanted else ""
+            if new:
+                callee = ast.unparse(call.func)
+                what = f"`{ast.unparse(value)}` is {_with_class(source, value)}"
+                cause = f"{callee} needs {wanted} here, but {what}."
+                fix = f"write {new} instead of {ast.unparse(value)}"
+                yield Finding("launch-argument", cause, source.at(value), fix)
+    yield from _plain_words(source)
+
+
+def _calls(source: PythonSource) -> Iterator[ast.Call]:
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and (source.resolve(node.func) or "").startswith(
+            ("launch.", "launch_ros.")
+        ):
+            yield node
+
+
+def _given(source: PythonSource, call: ast.Call) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the arguments of a call, each with the kind that is wanted there, where that is only one kind."""
+    signature = signature_of(source, call)
+    parameters = signature.parameters if signature else ()
+    types = {parameter.name: parameter.type for parameter in parameters} | {"condition": "Condition"}
+    named = [parameter.name for parameter in parameters if parameter.is_positional]
+    given = [*zip(named, call.args, strict=False), *((k.arg or "", k.value) for k in call.keywords)]
+    for name, value in given:
+        kinds = {_WANTED.get(head, "") for head in heads_of(types.get(name, ""))}
+        if len(kinds) == 1 and (kind := kinds.pop()):
+            yield kind, value
+
+
+def _made(source: PythonSource, value: ast.expr) -> ast.expr:
+    """Return the expression that a variable with only one value stands for, or the expression itself."""
+    if not isinstance(value, ast.Name):
+        return value
+    assigned = [
+        node.value
+        for node in source.nodes
+        if isinstance(node, ast.Assign) and any(ast.unparse(target) == value.id for target in node.targets)
+    ]
+    return assigned[0] if len(assigned) == 1 else value
+
+
+def _class(source: PythonSource, value: ast.expr) -> tuple[str, str]:
+    """Return the module and the name of the class that an expression makes; empty if it makes none of launch's."""
+    made = _made(source, value)
+    target = (source.resolve(made.func) or "") if isinstance(made, ast.Call) else ""
+    module, _, name = target.rpartition(".")
+    return next(((known, name) for known in _MADE if f"{module}.".startswith(f"{known}.")), ("", ""))
+
+
+def _kind(source: PythonSource, value: ast.expr) -> str:
+    module, _ = _class(source, value)
+    if isinstance(value, ast.List) and value.elts and all(_kind(source, e) == _CONDITION for e in value.elts):
+        return _CONDITIONS
+    return _MADE.get(module, "")
+
+
+def _with_class(source: PythonSource, value: ast.expr) -> str:
+    _, name = _class(source, value)
+    return f"{_kind(source, value)} ({name})" if name else _kind(source, value)
+
+
+def _as(source: PythonSource, value: ast.expr, wanted: str) -> str:
+    """Return an expression rewritten as another kind; empty if that is not known."""
+    made, (_, name) = _made(source, value), _class(source, value)
+    kind = _kind(source, value)
+    if wanted == _NAME and name == "LaunchConfiguration":
+        return ast.unparse(_arguments(made)[0]) if _arguments(made) else ""
+    if wanted == _SUBSTITUTION and kind == _CONDITION:
+        return _as_substitution(source, made, name)
+    if wanted == _CONDITION and kind == _SUBSTITUTION:
+        return f"IfCondition({ast.unparse(value)})"
+    if wanted == _CONDITION and isinstance(value, ast.List):
+        parts = [_as(source, element, _SUBSTITUTION) for element in value.elts]
+        joined = parts[0]
+        for part in parts[1:]:
+            joined = f"AndSubstitution({joined}, {part})"
+        return f"IfCondition({joined})" if all(parts) else ""
+    return ""
+
+
+def _as_substitution(source: PythonSource, made: ast.expr, name: str) -> str:
+    """Return a condition as a substitution that is true where the condition holds."""
+    texts = [ast.unparse(argument) for argument in _arguments(made)]
+    nested = _as(source, _arguments(made)[0], _SUBSTITUTION) if texts else ""
+    match name, texts:
+        case "LaunchConfigurationEquals" | "LaunchConfigurationNotEquals", [first, second]:
+            sign = name.removeprefix("LaunchConfiguration")
+            first = first if _class(source, _arguments(made)[0])[1] else f"LaunchConfiguration({first})"
+            return f"{sign}Substitution({first}, {second})"
+        case "IfCondition", [value]:
+            return nested or value
+        case "UnlessCondition", [value]:
+            return f"NotSubstitution({nested or value})"
+    return ""
+
+
+def _arguments(call: ast.expr) -> list[ast.expr]:
+    return [*call.args, *(keyword.value for keyword in call.keywords)] if isinstance(call, ast.Call) else []
+
+
+def _plain_words(source: PythonSource) -> Iterator[Finding]:
+    """Yield texts that are only the name of a declared argument, where its value is meant."""
+    declared, read = set(), set()
+    for call in _calls(source):
+        name = (source.resolve(call.func) or "").rpartition(".")[2]
+        texts = [
+            a.value for a in _arguments(call)[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str)
+        ]
+        if name == "DeclareLaunchArgument":
+            declared.update(texts)
+        elif "LaunchConfiguration" in name:
+            read.update(texts)
+    for call in _calls(source):
+        for word, form in _words(source, call):
+            name = _VAR.sub(r"\1", word.value)
+            if name in declared and (form or name != word.value or name not in read):
+                new = f"LaunchConfiguration({name!r})"
+                cause = f"{word.value!r} here is only the word; the value of the launch argument is {new}."
+                fix = f"write {(form or '{}').format(new)} instead of {word.value!r}"
+                yield Finding("launch-argument", cause, source.at(word), fix)
+
+
+def _words(source: PythonSource, call: ast.Call) -> Iterator[tuple[ast.Constant, str]]:
+    """Yield the texts that a call of launch is given as values; where no text can be meant, with the form to write."""
+    callee = (source.resolve(call.func) or "").rpartition(".")[2]
+    if callee == "DeclareLaunchArgument" or "LaunchConfiguration" in callee:
+        return
+    is_condition = callee in ("IfCondition", "UnlessCondition")
+    given = [(keyword.arg or "", keyword.value) for keyword in call.keywords]
+    given += [("", value) for value in call.args] if is_condition or callee == "PythonExpression" else []
+    for name, value in given:
+        form = "IfCondition({})" if name == "condition" else "{}" if is_condition else ""
+        for node in _values(value) if name not in _IS_NAMED else ():
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value not in _TRUTHS:
+                yield node, form
+
+
+def _values(value: ast.expr) -> Iterator[ast.expr]:
+    """Yield what stands as a value in an argument: itself, the items of a list, the values of a dict."""
+    match value:
+        case ast.List(elts=items):
+            for item in items:
+                yield from _values(item)
+        case ast.Dict(keys=keys, values=values):
+            yield from (v for key, v in zip(keys, values, strict=True) if key is not None)
+        case ast.Call(func=ast.Attribute(value=ast.Dict() as inner, attr="items")):
+            yield from _values(inner)
+        case ast.Tuple(elts=[_, second]):
+            yield from _values(second)
+        case ast.Constant():
+            yield value
