@@ -25,7 +25,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"was created with the layout '(?P<name>\w+)'",
         "link-stale",
         "The folder install was made by a build with a different layout ({name}), with or without --merge-install, and cannot hold both.",
-        "use the same options as before; or rm -r build install log, and build again with these",
+        "use the same options as before; or rm -r build install log, build again with these, and source install/setup.bash in a new terminal",
     ),
     meaning(
         r"Duplicate package names not supported",
@@ -47,7 +47,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"can't copy '[^']*/build/(?P<name>[^/']+)/",
         "link-stale",
         "A link in build/{name}, left over from an earlier build, points to a file that has since been renamed or removed.",
-        "rm -r build/{name} install/{name}, then colcon build --packages-select {name}",
+        "rm -r build/{name} install/{name}, then colcon build --packages-select {name}, then source install/setup.bash in a new terminal",
     ),
     meaning(
         r"ROS_DOMAIN_ID.*(?:not an integral|out of range|invalid|is not)|(?:not an integral|out of range).*ROS_DOMAIN_ID",

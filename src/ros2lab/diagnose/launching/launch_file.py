@@ -18,6 +18,7 @@ from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import misplaced_values
+from ros2lab.diagnose.launching.plain_values import plain_value_faults
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
 from ros2lab.diagnose.sources.signatures import LISTS, heads_of, signature_of
@@ -100,7 +101,7 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
         faults.append(Finding("launch-function", cause, source.at(place), fix))
     faults += _without_return(source)
     faults += [*used_too_early(source), *declared_late(source)]
-    faults += [*kind_faults(source), *_of_ros_nodes(source)]
+    faults += [*kind_faults(source), *plain_value_faults(source), *_of_ros_nodes(source)]
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
 
 

@@ -178,7 +178,7 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
             "link-stale",
             f"{shown_path(path, root)} points to {target}, but {why}.",
             shown_path(path, root),
-            f"rm -r {shown_path(build, root)} {shown_path(prefix, root)}, then {_BUILD} {package.name} --symlink-install",
+            f"rm -r {shown_path(build, root)} {shown_path(prefix, root)}, then {_BUILD} {package.name} --symlink-install, then source install/setup.bash in a new terminal",
         )
         return
 

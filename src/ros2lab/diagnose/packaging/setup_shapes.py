@@ -82,7 +82,7 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
                 "package-name",
                 f"package.xml names the package {given}, but its folder and setup.py name it {name}: colcon goes by package.xml.",
                 at(package.shown("package.xml"), manifest_line(package, given)),
-                f"write <name>{name}</name> in package.xml, then rm -r build install, and build again",
+                f"write <name>{name}</name> in package.xml, then rm -r build install, build again, and source install/setup.bash in a new terminal",
                 (name,),
             )
             return

@@ -1,0 +1,215 @@
+"""Plain values in a launch file that do not do what they are meant for: truths of texts, times, and unused values."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.static_value import evaluate
+
+_TRUTHS = frozenset(("true", "false", "1", "0", "yes", "no", "on", "off"))
+# What launch counts in seconds.
+_SECONDS = frozenset(("period", "sigterm_timeout", "sigkill_timeout", "respawn_delay"))
+_LONG, _HALF_HOUR = 1000, 1800  # s
+_FILES = (".yaml", ".yml", ".rviz", ".urdf", ".xacro", ".sdf", ".world", ".lua", ".json")
+
+
+def plain_value_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield texts used as truth values, times in milliseconds, and values that are worked out but never used."""
+    yield from _truths(source)
+    yield from _times(source)
+    yield from _unused(source)
+
+
+def _truths(source: PythonSource) -> Iterator[Finding]:
+    defaults = _defaults(source)
+    names: dict[str, set[str]] = {}
+    for node in source.nodes:
+        if isinstance(node, ast.Assign):
+            for target in node.targets:
+                names.setdefault(ast.unparse(target), set()).add(_argument(source, node.value))
+    for node in source.nodes:
+        for tested, is_negated, text in _tests(node):
+            known = names.get(ast.unparse(text), set()) if isinstance(text, ast.Name) else set()
+            name = next(iter(known)) if len(known) == 1 else _argument(source, text)
+            if not name or (isinstance(tested, ast.Compare) and defaults.get(name) is None):
+                continue
+            if defaults.get(name, "").lower() in _TRUTHS:
+                written = ast.unparse(text)
+                sign = "!=" if is_negated else "=="
+                right = "1" if defaults[name] in "01" else "true"
+                always = (
+                    "equals neither True nor False"
+                    if isinstance(tested, ast.Compare)
+                    else "counts as true, as every text that is not empty does"
+                )
+                cause = f"{written} is a text, such as 'false', which {always}."
+                fix = f"write {written}.lower() {sign} {right!r} instead of {ast.unparse(tested)}"
+                yield Finding("text-as-condition", cause, source.at(tested), fix)
+
+
+def _defaults(source: PythonSource) -> dict[str, str]:
+    """Return the default values of the launch arguments that a file declares."""
+    found: dict[str, str] = {}
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and (source.resolve(node.func) or "").endswith(
+            ".DeclareLaunchArgument"
+        ):
+            given = {keyword.arg: keyword.value for keyword in node.keywords}
+            first = evaluate(node.args[0] if node.args else given.get("name"), {}, {})
+            default = evaluate(given.get("default_value"), {}, {})
+            if isinstance(first, str) and isinstance(default, str):
+                found[first] = default
+    return found
+
+
+def _argument(source: PythonSource, node: ast.expr) -> str:
+    """Return the launch argument whose text an expression gives in an OpaqueFunction; empty if it gives none."""
+    match node:
+        case ast.Call(func=ast.Attribute(attr="perform", value=value)):
+            made = _made(source, value)
+            is_one = isinstance(made, ast.Call) and (source.resolve(made.func) or "").endswith(
+                ".LaunchConfiguration"
+            )
+            first = (
+                evaluate(made.args[0], {}, {}) if isinstance(made, ast.Call) and is_one and made.args else ""
+            )
+            return first if isinstance(first, str) else ""
+        case ast.Subscript(
+            value=ast.Attribute(attr="launch_configurations"), slice=ast.Constant(value=str(name))
+        ):
+            return name
+        case ast.Call(
+            func=ast.Attribute(attr="get", value=ast.Attribute(attr="launch_configurations")),
+            args=[ast.Constant(value=str(name)), *_],
+        ):
+            return name
+    return ""
+
+
+def _made(source: PythonSource, value: ast.expr) -> ast.expr:
+    written = [
+        node.value
+        for node in source.nodes
+        if isinstance(node, ast.Assign) and ast.unparse(value) in map(ast.unparse, node.targets)
+    ]
+    return written[0] if isinstance(value, ast.Name) and len(written) == 1 else value
+
+
+def _tests(node: ast.AST) -> Iterator[tuple[ast.expr, bool, ast.expr]]:
+    """Yield what is tested in a node, whether the test is negated, and the expression whose truth counts."""
+    tests: list[ast.expr] = []
+    match node:
+        case ast.If(test=test) | ast.IfExp(test=test) | ast.While(test=test):
+            tests = [test]
+        case ast.BoolOp(values=values):
+            tests = values
+        case ast.UnaryOp(op=ast.Not(), operand=operand):
+            yield node, True, operand
+        case ast.Call(func=ast.Name(id="bool"), args=[value]):
+            yield node, False, value
+        case ast.Compare(left=left, ops=[op], comparators=[ast.Constant(value=bool(value))]):
+            yield node, isinstance(op, (ast.NotEq, ast.IsNot)) is value, left
+    for test in tests:
+        if (
+            isinstance(test, (ast.Name, ast.Call, ast.Subscript))
+            and getattr(getattr(test, "func", None), "id", "") != "bool"
+        ):
+            yield test, False, test
+
+
+def _times(source: PythonSource) -> Iterator[Finding]:
+    for call in source.nodes:
+        if not isinstance(call, ast.Call) or not (source.resolve(call.func) or "").startswith(
+            ("launch.", "launch_ros.")
+        ):
+            continue
+        signature = signature_of(source, call)
+        named = [p.name for p in signature.parameters if p.is_positional] if signature else []
+        given = [*zip(named, call.args, strict=False), *((k.arg or "", k.value) for k in call.keywords)]
+        for name, value in given:
+            number = _number(_made(source, value)) if name in _SECONDS else None
+            if number and number >= _LONG and number % 100 == 0 and number % _HALF_HOUR:
+                right = f"{number / 1000:g}" if number % 1000 else f"{number / 1000:.1f}"
+                right = repr(right) if isinstance(evaluate(value, {}, {}), str) else right
+                cause = f"{name} is in seconds, so {ast.unparse(value)} is {number / 60:.0f} minutes."
+                fix = f"write {name}={right} if milliseconds were meant"
+                yield Finding("unit-mixed", cause, source.at(value), fix)
+
+
+def _number(node: ast.expr) -> float | None:
+    value = evaluate(node, {}, {})
+    if isinstance(value, str) and value.replace(".", "", 1).isdigit():
+        return float(value)
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+def _unused(source: PythonSource) -> Iterator[Finding]:
+    read = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+    inside = [statement for n in source.nodes if isinstance(n, Function) for statement in ast.walk(n)]
+    for node in inside:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if (
+                name not in read and not name.startswith("_")
+            ):
+                keyword, written = _place_for(source, name, value)
+                if keyword:
+                    free = [
+                        call for call in _node_calls(source) if keyword not in {k.arg for k in call.keywords}
+                    ]
+                    lines = " or ".join(str(call.lineno) for call in free)
+                    where = (
+                        f"add {written} to the Node on line {lines}"
+                        if free
+                        else f"add {name} to {keyword} of a Node"
+                    )
+                    cause = f"{name} is worked out here, but never used, so it changes nothing."
+                    yield Finding("launch-unused", cause, source.at(node), where)
+
+
+def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, str]:
+    """Return the keyword of a Node that takes a value, and how it is written there; empty if none is known."""
+    texts = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    items = value.elts if isinstance(value, ast.List) else []
+    called = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
+    files = [text for text in texts if text.endswith(_FILES)] if isinstance(value, ast.Call) else []
+    are_pairs = bool(items) and all(isinstance(item, ast.Tuple) and len(item.elts) == 2 for item in items)
+    are_values = bool(items) and all(isinstance(item, ast.Dict) for item in items)
+    is_argument = (
+        called.endswith(".LaunchConfiguration") and texts[0] in _only_read_once(source) if texts else False
+    )
+    ways = (
+        (are_pairs, "remappings", name),
+        (are_values, "parameters", name),
+        (isinstance(value, ast.Dict), "parameters", f"[{name}]"),
+        (is_argument, "parameters", f"[{{{texts[0] if texts else ''!r}: {name}}}]"),
+        (any(file.endswith((".yaml", ".yml")) for file in files), "parameters", f"[{name}]"),
+        (bool(files), "arguments", f"[{name}]"),
+    )
+    return next(((keyword, f"{keyword}={written}") for is_so, keyword, written in ways if is_so), ("", ""))
+
+
+def _only_read_once(source: PythonSource) -> set[str]:
+    """Return the arguments that a file declares and reads in one place; none if an included file may read them."""
+    if "IncludeLaunchDescription" in source.text:
+        return set()
+    read = [
+        text.value
+        for node in source.nodes
+        if isinstance(node, ast.Call) and "LaunchConfiguration" in ast.unparse(node.func)
+        for text in node.args
+        if isinstance(text, ast.Constant)
+    ]
+    return {name for name in _defaults(source) if read.count(name) == 1}
+
+
+def _node_calls(source: PythonSource) -> list[ast.Call]:
+    return [
+        n
+        for n in source.nodes
+        if isinstance(n, ast.Call)
+        and (source.resolve(n.func) or "") in ("launch_ros.actions.Node", "launch_ros.actions.LifecycleNode")
+    ]
