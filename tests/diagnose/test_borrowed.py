@@ -550,7 +550,9 @@ def test_a_package_of_the_name_of_a_module_of_pythons_own(tmp_path: Path) -> Non
 def test_a_pattern_that_takes_no_file(tmp_path: Path) -> None:
     files = Files.right(NAME).change("setup.py", "launch/*.launch.py", "launch/*.launch.pv")
     first = first_of(files, tmp_path)
-    assert first.fix == "write '*.launch.py' instead of '*.launch.pv', and build again"
+    assert (
+        first.fix == "write glob('launch/*.launch.py') instead of glob('launch/*.launch.pv'), and build again"
+    )
 
 
 @pytest.mark.parametrize(

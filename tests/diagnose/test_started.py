@@ -64,7 +64,7 @@ REACHED: list[tuple[Changes, str, str]] = [
 ]  # fmt: skip
 
 SLIPS: list[tuple[Changes, str, str]] = [
-    ([("setup.py", "['package.xml']),", "['package.xml'])")], "setup-syntax", "comma"),
+    ([("setup.py", "['package.xml']),", "['package.xml'])")], "setup-syntax", "['package.xml']),`"),
     (
         [("listener", "        self.state = 'idle'", "        self.state = 'idle'\n        self.words = [('a', 1) ('b', 2)]")],
         "comma-missing",

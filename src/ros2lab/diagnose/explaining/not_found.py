@@ -156,7 +156,7 @@ def no_executable(
             f"The package {package.name} has no executable {command[2]}; it has {', '.join(sorted(there))}."
             f"{did_you_mean(command[2], there)}",
             package.shown("setup.py"),
-            f"type {', or '.join(f'`ros2 run {package.name} {name}`' for name in sorted(there))}",
+            f"type ros2 run {package.name}, and after it one of these names",
         )
     what = f" {command[2]} in {command[1]}" if command else ""
     return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(

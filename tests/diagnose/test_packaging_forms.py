@@ -1,0 +1,188 @@
+"""Entry points, patterns, folders and tags that are nearly right: each is told with what stands when it is applied."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from catkin_pkg.package import parse_package_string
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import Finding, of_text, of_workspace
+
+POINT = "'talker = my_bot.talker:main'"
+LAUNCHES = "glob('launch/*.launch.py')"
+VALUES = "glob('config/*.yaml')"
+
+
+def first(files: Files, folder: Path) -> Finding:
+    return of_workspace(files.write(folder))[0]
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "talker = my_bot.talker.main",
+        "talker = my_bot/talker:main",
+        "talker = my_bot/talker.py/main",
+        "talker = my_bot.talker.Talker",
+        "talker = talker.main",
+        "talker = my_bot.talker:main.",
+        "talker = my_bot.talker::main",
+        "talker = my_bot.talker.py:main",
+        "talker = my_bot.talker->main",
+        "talker = my-bot.talker:main",
+        "talker = my_bto.talker.main",
+        "talker = my_bot.talkr.main",
+        "main = my_bot.talker:talker",
+        "my_bot.talker:main = talker",
+    ],
+)
+def test_an_entry_point_is_put_together_from_its_words(tmp_path: Path, written: str) -> None:
+    found = first(Files.right(NAMES[1]).change("setup.py", POINT, repr(written)), tmp_path)
+    assert found.fix.removesuffix(", and build again") == f"write {POINT}"
+
+
+@pytest.mark.parametrize(
+    ("written", "fix"),
+    [
+        ("glob('launch\\\\*.launch.py')", "glob('launch/*.launch.py')"),
+        ("glob('Launch/*')", "glob('launch/*')"),
+        ("glob('../launch/*')", "glob('launch/*')"),
+        ("glob(os.path.join('launches', '*'))", "glob('launch/*')"),
+        ("glob('launch/*.launch.xml')", "glob('launch/*.launch.py')"),
+        ("glob('my_bot/launch/*.py')", "glob('launch/*.py')"),
+        ("glob('launch*.py')", "glob('launch/*.launch.py')"),
+    ],
+)
+def test_a_pattern_that_matches_nothing_is_named(tmp_path: Path, written: str, fix: str) -> None:
+    found = first(Files.right(NAMES[1]).change("setup.py", LAUNCHES, written), tmp_path)
+    assert found.code == "not-in-data-files"
+    assert found.fix.startswith(f"write {fix} instead of glob(")
+    fixed = Files.right(NAMES[1]).change("setup.py", LAUNCHES, fix)
+    assert of_workspace(fixed.write(tmp_path / "fixed")) == []
+
+
+def test_a_pattern_for_files_that_are_not_there_yet_is_right(tmp_path: Path) -> None:
+    more = f"{VALUES}),\n        ('share/my_bot/rviz', glob('rviz/*.rviz')"
+    assert of_workspace(Files.right(NAMES[1]).change("setup.py", VALUES, more).write(tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    ("written", "fix"),
+    [
+        ("glob('config/*')", "glob('config/*.yaml')"),
+        ("[path for path in glob('config/*')]", "[path for path in glob('config/*') if os.path.isfile(path)]"),
+        ("glob('config/**', recursive=True)", "[path for path in glob('config/**', recursive=True) if os.path.isfile(path)]"),
+        ("['config/robot.yaml', 'config/old']", "glob('config/old/*')"),
+    ],
+)  # fmt: skip
+def test_a_folder_among_the_files_is_left_out(tmp_path: Path, written: str, fix: str) -> None:
+    files = Files.right(NAMES[1]).change("setup.py", VALUES, written).put("config/old/notes.txt", "old")
+    found = first(files, tmp_path)
+    assert found.code == "setup-value"
+    assert found.fix.startswith(f"write {fix} instead of ")
+
+
+def test_a_folder_that_only_setuptools_finds_is_left_out(tmp_path: Path) -> None:
+    written = "[os.path.join('config', name) for name in os.listdir('config')]"
+    files = Files.right(NAMES[1]).change("setup.py", VALUES, written).put("config/old/notes.txt", "old")
+    said = "$ colcon build\nStarting >>> my_bot\n--- stderr: my_bot\nerror: can't copy 'config/old': doesn't exist or not a regular file\n---\nFailed   <<< my_bot [1s, exited with code 1]\n"
+    found = of_text(said, files.write(tmp_path))[0]
+    assert f"write {written[:-1]} if os.path.isfile(os.path.join('config', name))] instead" in found.fix
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "moved"),
+    [
+        ("my_bot/", "My_Bot/", "My_Bot src/my_bot/my_bot"),
+        ("my_bot/", "my-bot/", "my-bot src/my_bot/my_bot"),
+        ("resource/", "Resource/", "Resource/my_bot src/my_bot/resource/my_bot"),
+        ("resource/my_bot", "resource/my-bot", "resource/my-bot src/my_bot/resource/my_bot"),
+        ("setup.py", "Setup.py", "Setup.py src/my_bot/setup.py"),
+        ("my_bot/__init__.py", "my_bot/_init_.py", "my_bot/_init_.py src/my_bot/my_bot/__init__.py"),
+    ],
+)
+def test_what_has_nearly_the_right_name_is_renamed(tmp_path: Path, old: str, new: str, moved: str) -> None:
+    files = Files.right(NAMES[1])
+    start = f"src/my_bot/{old}"
+    for path in [path for path in files.texts if path.startswith(start)]:
+        files.texts[f"src/my_bot/{new}{path.removeprefix(start)}"] = files.texts.pop(path)
+    assert first(files, tmp_path).fix.startswith(f"mv src/my_bot/{moved}")
+
+
+LICENSE = "  <license>Apache-2.0</license>\n"
+MAINTAINER = '<maintainer email="anna@example.org">anna</maintainer>'
+EXPORT = "  <export>\n    <build_type>ament_python</build_type>\n  </export>\n"
+RCLPY = "<depend>rclpy</depend>"
+TAGS = [
+    (EXPORT, "  <build_type>ament_python</build_type>\n"),
+    (EXPORT, "  <build_type>ament_python</build_type>\n  <export>\n  </export>\n"),
+    (EXPORT, "  <export>\n  </export>\n  <build_type>ament_python</build_type>\n"),
+    (LICENSE, ""),
+    (LICENSE, "  <licence>MIT</licence>\n"),
+    (LICENSE, "  <License>MIT</License>\n"),
+    (LICENSE, f"{LICENSE}  <python>3.12</python>\n"),
+    (f"  {MAINTAINER}\n", ""),
+    (MAINTAINER, "<maintainer>anna</maintainer>"),
+    (MAINTAINER, "<maintainer>anna (anna@uni.de)</maintainer>"),
+    (MAINTAINER, '<maintainer email="anna">anna</maintainer>'),
+    ("  <description>Three nodes</description>\n", ""),
+    ("<name>my_bot</name>", "<name>my bot</name>"),
+    ("<name>my_bot</name>\n", "<name>my_bot</name>\n  <name>other</name>\n"),
+    ("<version>0.1.0<", "<version>v0.1<"),
+    (RCLPY, "<depends>rclpy</depends>"),
+    (RCLPY, "<run_depend>rclpy</run_depend>"),
+    (RCLPY, "<dependency>rclpy</dependency>"),
+    (RCLPY, "<exec-depend>rclpy</exec-depend>"),
+    (RCLPY, f"{RCLPY}\n  <exec_depend>rclpy</exec_depend>"),
+    (RCLPY, '<depend version="1">rclpy</depend>'),
+    ('<package format="3">', '<package format="4">'),
+    ('<package format="3">', "<package>"),
+]
+
+
+@pytest.mark.parametrize("change", TAGS)
+def test_a_wrong_tag_is_repaired(tmp_path: Path, change: tuple[str, str]) -> None:
+    """What is said, applied to the line that is named, gives a manifest that catkin_pkg accepts."""
+    files = Files.right(NAMES[1]).change("package.xml", *change)
+    found = first(files, tmp_path)
+    assert found.code == "manifest-invalid"
+    text = files.texts["src/my_bot/package.xml"]
+    assert parse_package_string(applied(found, text)).name == "my_bot"
+
+
+def applied(found: Finding, text: str) -> str:
+    """Return a manifest with a fix applied to its line."""
+    lines, number = text.split("\n"), int(found.place.rpartition(":")[2])
+    here = lines[number - 1]
+    quoted = re.search(r"`(.+?)`", found.fix)
+    below = re.search(r"move this line below <export> on line (\d+)", found.fix)
+    if below:
+        lines.insert(int(below[1]), here)
+        del lines[number if number > int(below[1]) else number - 1]
+    elif found.fix.startswith("remove this line"):
+        del lines[number - 1]
+    elif quoted and found.fix.startswith("add "):
+        lines.insert(number, quoted[1])
+    elif quoted and found.fix.startswith("write "):
+        lines[number - 1] = quoted[1]
+    else:
+        raise AssertionError(found.fix)
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("written", ["rclpy, std_msgs", "rclpy std_msgs", "rclpy;std_msgs"])
+def test_a_tag_declares_one_package(tmp_path: Path, written: str) -> None:
+    files = Files.right(NAMES[1]).change("package.xml", RCLPY, f"<depend>{written}</depend>")
+    found = of_workspace(files.write(tmp_path))
+    assert [finding.code for finding in found] == ["dependency-joined"]
+    assert found[0].fix == f"write `{RCLPY}<depend>std_msgs</depend>`"
+
+
+def test_a_dependency_inside_export_is_moved(tmp_path: Path) -> None:
+    files = Files.right(NAMES[1]).change("package.xml", f"  {RCLPY}\n", "")
+    files.change("package.xml", "    <build_type>", f"    {RCLPY}\n    <build_type>")
+    found = of_workspace(files.write(tmp_path))
+    assert [finding.fix for finding in found] == ["move this line above <export>"]
