@@ -144,7 +144,7 @@ def _plain_words(source: PythonSource) -> Iterator[Finding]:
             read.update(texts)
     for call in _calls(source):
         for word, form in _words(source, call):
-            name = _VAR.sub(r"\1", word.value)
+            name = _VAR.sub(r"\1", str(word.value))
             if name in declared and (form or name != word.value or name not in read):
                 new = f"LaunchConfiguration({name!r})"
                 cause = f"{word.value!r} here is only the word; the value of the launch argument is {new}."

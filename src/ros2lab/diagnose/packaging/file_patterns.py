@@ -49,6 +49,7 @@ def folder_taken(package: SourcePackage, setup: SetupScript, folder: str) -> Fin
     if not narrower and "import os" not in setup.source.text:
         fix += ", with `import os` at the top"
     inner = any(path.is_file() for path in (package.folder / folder).glob("*"))
+    inner &= not (pattern and pattern.text.rstrip("/") == folder)
     inner &= not any(file.startswith(f"{folder}/") for file in (pattern.files if pattern else ()))
     if inner and not folder.endswith("__pycache__"):
         function = pattern.call.func if pattern else ast.Name("glob")
@@ -73,6 +74,8 @@ def _narrower(package: SourcePackage, pattern: Pattern) -> str:
     names = [PurePosixPath(file).name[::-1] for file in files]
     ending = os.path.commonprefix(names)[::-1]  # noqa: RUF071 -- of letters, not of folders
     folder, _, last = pattern.text.rpartition("/")
+    if pattern.text.rstrip("/") == "".join(pattern.files).rstrip("/"):  # it finds only the folder itself
+        return _called(pattern.call.func, f"{pattern.text.rstrip('/')}/*")
     if "." not in ending or last != "*":
         return ""
     return _called(pattern.call.func, f"{folder}/*{ending[ending.index('.') :]}")

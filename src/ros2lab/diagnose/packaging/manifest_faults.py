@@ -133,7 +133,16 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
                 f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points",
             )
         )
-    if kind is None and not has_cmake:
+    exports = package.manifest.exports if package.manifest else []
+    near = next((e.tagname for e in exports if is_near_miss(e.tagname, "build_type")), "")
+    if kind is None and near:
+        yield Finding(
+            "build-type-missing",
+            f"package.xml has <{near}>, but the tag is called <build_type>, so colcon does not know how to build this.",
+            at(shown, manifest_line(package, near)),
+            "write `<build_type>ament_python</build_type>`",
+        )
+    elif kind is None and not has_cmake:
         yield Finding(
             "build-type-missing",
             "package.xml has no <build_type>, so colcon takes this for an old catkin package and expects a CMakeLists.txt.",

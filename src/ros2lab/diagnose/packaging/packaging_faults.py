@@ -110,6 +110,11 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
     for name in names:
         if folder_of(package, name).is_dir():
             continue
+        if len(parts := re.findall(r"[\w.]+", name)) > 1:
+            cause = f"`packages` holds {name!r}, which is {len(parts)} names in one string; each needs its own quotes."
+            written = ", ".join(map(repr, parts))
+            yield Finding("package-folder-missing", cause, place, f"write {written} instead of {name!r}")
+            return
         if called := alike(package.folder, name.replace(".", "/")):
             yield Finding(
                 "package-folder-missing",

@@ -21,7 +21,11 @@ def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
     of_file = [
         point
         for point in points
-        if f".{point.module}".endswith(f".{path}") or path in (point.name, f"{package.name}.{point.name}")
+        if any(
+            f".{point.module}".endswith(f".{name}")
+            for name in (path, path.removesuffix(f".{point.function}"))
+        )
+        or path in (point.name, f"{package.name}.{point.name}")
     ]
     if of_file:
         return of_file
