@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ros2lab.diagnose.explaining.typed_message import as_message, read_as
+from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.topic_faults import ends_of
@@ -48,9 +49,6 @@ _SELECTING = (
     "--allow-overriding",
 )
 _LEVELS = ("debug", "info", "warn", "error", "fatal")
-_VALUED = frozenset(
-    ("-r", "--rate", "-t", "--times", "-w", "--qos-profile", "--keep-alive", "--log-level", "-p")
-)
 # The values that ROS's own variables may have: a pattern, a description and an example.
 _VARIABLES = {
     "ROS_DOMAIN_ID": (r"\d{1,2}|10[01]", "a whole number from 0 to 101", "7"),
@@ -216,11 +214,7 @@ class _Known:
 class _Command:
     def __init__(self, line: str, verb: str, rest: list[str], known: _Known) -> None:
         self.line, self.verb, self.rest, self.known = line, verb, rest, known
-        self.plain = [
-            word
-            for number, word in enumerate(rest)
-            if not word.startswith("-") and not (number and rest[number - 1] in _VALUED)
-        ]
+        self.plain = plain_words(["ros2", *verb.split(), *rest], len(verb.split()))
 
     def faults(self) -> Iterator[Corrected]:
         """Yield the command with one fault corrected at a time."""

@@ -9,6 +9,7 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
+from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.finding import Finding, at, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
@@ -19,9 +20,6 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest, plain_signs
 
-_VALUED = frozenset(
-    ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
-)
 # Options that ROS reads only after --ros-args.
 _OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
 # Codes of faults that keep a node from being found, or from publishing anything.
@@ -77,14 +75,14 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
         while words and re.fullmatch(r"\w+=.*", words[0]):
             words = words[1:]
         match words:
-            case ["ros2", "topic", verb, *rest] if look:
-                yield from _topic(verb, rest, step, error, look)
+            case ["ros2", "topic", verb, *_] if look:
+                yield from _topic(verb, plain_words(words, 2), step, error, look)
             case ["ros2", "run", *rest]:
                 yield from _run(rest, line)
             case ["ros2", "service", "call", name, *_] if look and "waiting for service" in step.text:
                 yield from _service(name, look) if not step.is_answered else ()
-            case ["ros2", "param", verb, *rest] if look and step.lines:
-                yield from _param(verb, rest, step, look)
+            case ["ros2", "param", verb, *_] if look and step.lines:
+                yield from _param(verb, plain_words(words, 2), step, look)
             case ["ros2", "node", "info", name, *_] if look and step.lines and not step.is_answered:
                 yield from _node(name, line, look)
 
@@ -154,9 +152,8 @@ def _all_ends(look: Look) -> list[End]:
     return [end for package in look.packages for end in ends_of(look.sources(package))]
 
 
-def _topic(verb: str, rest: Sequence[str], step: Step, error: ErrorText, look: Look) -> Iterator[Finding]:
+def _topic(verb: str, plain: Sequence[str], step: Step, error: ErrorText, look: Look) -> Iterator[Finding]:
     line = step.command
-    plain = [w for n, w in enumerate(rest) if not w.startswith("-") and not (n and rest[n - 1] in _VALUED)]
     if not plain:
         return
     # `info` and `type` speak of both sides.
@@ -167,8 +164,8 @@ def _topic(verb: str, rest: Sequence[str], step: Step, error: ErrorText, look: L
     if end is None:
         finding = _other_topic(plain[0], there, does, step)
         yield from filter(None, [finding])
-    elif wrong := _other_type(plain, end, line):
-        yield wrong
+    elif verb in ("echo", "pub") and (wrong := _other_type(plain, end, line)):
+        yield from [wrong] if verb == "pub" or not step.is_answered else ()
     else:
         yield from _word(plain, end)
         if _NO_ONE.search(step.text) and not step.is_answered:
@@ -277,10 +274,9 @@ def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
         yield Finding("typed-wrong", cause, "", f"type `{better.rstrip('& ')}`")
 
 
-def _param(verb: str, rest: Sequence[str], step: Step, look: Look) -> Iterator[Finding]:
+def _param(verb: str, plain: Sequence[str], step: Step, look: Look) -> Iterator[Finding]:
     line = step.command
     nodes = {f"/{name}" for package in look.packages for name in look.sources(package).node_names() if name}
-    plain = [word for word in rest if not word.startswith("-")]
     if step.is_answered:
         is_set = verb == "set" and len(plain) > 1 and "successful" in step.text
         yield from _read_once(plain[1], look) if is_set else ()

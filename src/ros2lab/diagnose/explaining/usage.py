@@ -30,6 +30,23 @@ def accepted_form(line: str) -> tuple[str, str] | None:
     return next(((_line(new, line), why) for new, why in _repairs(words) if _is_accepted(new)), None)
 
 
+def plain_words(words: Sequence[str], verbs: int) -> list[str]:
+    """Return the words of a command after `ros2` and its verbs that are no options and no values of options."""
+    parser, _ = _parser(words)
+    options = {name: action for action in parser._actions for name in action.option_strings}
+    found, waiting = list[str](), [*words[1 + verbs :]]
+    while waiting and waiting[0] != "--ros-args":
+        word = waiting.pop(0)
+        name, sign, _ = word.partition("=")
+        is_option = word.startswith("-") and len(word) > 1 and not _NUMBER.fullmatch(word)
+        action = options.get(name) or next((options[long] for long in options if long.startswith(name)), None)
+        if not is_option:
+            found.append(word)
+        elif action is not None and action.nargs != 0 and not sign:
+            waiting = waiting[1:]
+    return found
+
+
 def _line(words: Sequence[str], line: str) -> str:
     """Join words into a command line; words of the old line keep its quotes."""
     quoted = {shlex.split(text)[0]: text for text in re.findall(r"'[^']*'|\"[^\"]*\"", line)}
