@@ -30,7 +30,7 @@ def told(condition: str, root: Path) -> list[Finding]:
         ("self.declare_parameter('mode', 'slow') == 'fast'", ".value instead of"),
         ("self.get_clock().now() == '12:00'", "compare what is a string on both sides"),
         ("msg.data.partition(' ') == 'start'", "write `'start' in msg.data.partition(' ')`"),
-        ("float(msg.data) in ('1', '2')", "compare what is a string on both sides"),
+        ("float(msg.data) in ('1', '2')", "write `float(msg.data) in (1, 2)`"),
         ("msg.data == 'a' or msg.data.split() == 'b' and len(msg.data) == '3'", "write `'b' in msg.data.split()`"),
     ],
 )  # fmt: skip
@@ -62,3 +62,31 @@ def test_it_is_told_with_what_to_write(tmp_path: Path, condition: str, fix: str)
 )
 def test_what_may_be_equal_is_left_alone(tmp_path: Path, condition: str) -> None:
     assert told(condition, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("declared", "condition", "fix"),
+    [
+        ("'on', True", "self.get_parameter('on').value == 'true'", "write `self.get_parameter('on').value` instead of"),
+        ("'on', True", "self.get_parameter('on').value != 'True'", "write `not self.get_parameter('on').value` instead of"),
+        ("'on', False", "self.get_parameter('on').value in ('no', 'off')", "write `not self.get_parameter('on').value` instead of"),
+        ("'n', 3", "self.get_parameter('n').value == '3'", "write `self.get_parameter('n').value == 3`"),
+        ("'n', 3", "self.get_parameter('n').value in ('1', '2')", "write `self.get_parameter('n').value in (1, 2)`"),
+        ("'r', 0.5", "'0.5' == self.get_parameter('r').value", "write `self.get_parameter('r').value == 0.5`"),
+        ("'mode', 'slow'", "self.get_parameter('mode').value == 1", "write `self.get_parameter('mode').value == '1'`"),
+        ("'on', True", "self.get_parameter('on').value == True", ""),
+        ("'on', True", "str(self.get_parameter('on').value) == 'True'", ""),
+        ("'r', 0.5", "self.get_parameter('r').value == 1", ""),
+        ("'mode', 'true'", "self.get_parameter('mode').value == 'true'", ""),
+        ("'on', True", "self.get_parameter('on').value in (True, 'true')", ""),
+    ],
+)  # fmt: skip
+def test_a_parameter_has_the_type_of_its_default(
+    tmp_path: Path, declared: str, condition: str, fix: str
+) -> None:
+    files = right_workspace().change("listener", "msg.data == 'start'", condition)
+    files = files.change(
+        "listener", "        self.", f"        self.declare_parameter({declared})\n        self."
+    )
+    found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "never-equal"]
+    assert [text.startswith(fix) for text in found] == [True] if fix else not found

@@ -36,10 +36,10 @@ def printed(file: Path) -> str:
     ("wrong", "place", "fix"),
     [
         ("", "def main", "write `if __name__ == '__main__':` at the very end of the file and, indented below it, `main()`"),
-        ("\n\nif __name__ == 'main':\n    main()\n", "if __name__", "write if __name__ == '__main__':"),
+        ("\n\nif __name__ == 'main':\n    main()\n", "if __name__", "write `if __name__ == '__main__':`"),
         ("\n\nif __name__ == '__main__':\n    main\n", "    main", "write main()"),
         ("\n    if __name__ == '__main__':\n        main()\n", "    if __name__", "to the left margin"),
-        ("\n\nif '__main__' is __name__ + '':\n    main()\n", "if '__main__'", "write if __name__ == '__main__':"),
+        ("\n\nif '__main__' is __name__ + '':\n    main()\n", "if '__main__'", "write `if __name__ == '__main__':`"),
     ],
 )  # fmt: skip
 def test_nothing_calls_main(tmp_path: Path, wrong: str, place: str, fix: str) -> None:

@@ -7,7 +7,10 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
+import yaml
+
 from ros2lab.diagnose.checking.checked_copies import Row, checked
+from ros2lab.diagnose.checking.parameter_types import parameter_casts
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Edit, message_annotations
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
@@ -16,10 +19,8 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 
 # Each type in plain words, and how the type checker writes it; other types are not reported.
 _FAMILIES = (
-    (
-        "a number",
-        re.compile(r"int|float|bool|Literal\[(?:True|False|-?[\d.]+)(?:, ?(?:True|False|-?[\d.]+))*\]"),
-    ),
+    ("a bool", re.compile(r"bool|Literal\[(?:True|False)(?:, ?(?:True|False))*\]")),
+    ("a number", re.compile(r"int|float|Literal\[-?[\d.]+(?:, ?-?[\d.]+)*\]")),
     ("a string", re.compile(r"str|Literal\[\".*\"\]")),
     ("bytes", re.compile(r"bytes|bytearray|Literal\[b\".*\"\]")),
     ("a list", re.compile(r"list\[.*\]")),
@@ -60,13 +61,22 @@ def compared_types(look: Look, known: Collection[str]) -> Iterator[Finding]:
     for package in look.packages:
         sources = look.sources(package)
         for source in sources.sources.values():
-            asked = [*_comparisons(source)] if source.path and not source.fault else []
-            asked = [comparison for comparison in asked if source.at(comparison.node) not in known]
-            if asked:
-                yield from _told(sources, source, asked, _kinds(source, asked, look))
+            asked = _comparisons(source) if source.path and not source.fault else []
+            if any(source.at(comparison.node) not in known for comparison in asked):
+                kinds = _kinds(source, sources, look)
+                told = [*zip(asked, kinds, strict=True)] if len(asked) == len(kinds) else []
+                yield from _told(
+                    sources, source, [pair for pair in told if source.at(pair[0].node) not in known]
+                )
 
 
-def _comparisons(source: PythonSource) -> Iterator[_Compared]:
+def _comparisons(source: PythonSource) -> list[_Compared]:
+    """Return the comparisons with constants, in the order of the file."""
+    found = [*_compared(source)]
+    return sorted(found, key=lambda comparison: (comparison.side.lineno, comparison.side.col_offset))
+
+
+def _compared(source: PythonSource) -> Iterator[_Compared]:
     for node in source.nodes:
         match node:
             case ast.Compare(left=left, ops=[ast.Eq() | ast.NotEq() as how], comparators=[right]):
@@ -87,30 +97,36 @@ def _comparisons(source: PythonSource) -> Iterator[_Compared]:
                 yield _Compared(node, side, constants, isinstance(how, (ast.Eq, ast.In)))
 
 
-def _kinds(source: PythonSource, asked: Sequence[_Compared], look: Look) -> list[str]:
+def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
     """Return the types of the sides as the type checker writes them, in file order; empty if unknown."""
-    lines = source.text.encode().splitlines(keepends=True)
-    edits = [*message_annotations(source, look)]
-    for comparison in asked:
-        written = ast.get_source_segment(source.text, comparison.side) or ast.unparse(comparison.side)
-        edits.append(Edit(comparison.side, f"reveal_type({written})"))
-    for edit in sorted(edits, key=lambda edit: (edit.node.lineno, edit.node.col_offset), reverse=True):
-        lines = edit.applied(lines)
-    rows: list[Row] = checked(source, [b"".join(lines)])[0]
+    known = _edited(source, [*message_annotations(source, look), *parameter_casts(source, sources)])
+    asked = _comparisons(known)
+    written = [ast.get_source_segment(known.text, comparison.side) or "" for comparison in asked]
+    revealing = [
+        Edit(comparison.side, f"reveal_type({text})") for comparison, text in zip(asked, written, strict=True)
+    ]
+    rows: list[Row] = checked(source, [_edited(known, revealing).text.encode()])[0]
     kinds = [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
     return kinds if len(kinds) == len(asked) else []
 
 
+def _edited(source: PythonSource, edits: Sequence[Edit]) -> PythonSource:
+    """Return a copy of a file with some edits, none of which is inside another."""
+    lines = source.text.encode().splitlines(keepends=True)
+    for edit in sorted(edits, key=lambda edit: (edit.node.lineno, edit.node.col_offset), reverse=True):
+        lines = edit.applied(lines)
+    return PythonSource(source.name, source.shown, b"".join(lines).decode(), source.is_package)
+
+
 def _told(
-    sources: NodeSources, source: PythonSource, asked: Sequence[_Compared], kinds: Sequence[str]
+    sources: NodeSources, source: PythonSource, asked: Sequence[tuple[_Compared, str]]
 ) -> Iterator[Finding]:
     own = {name.rpartition(".")[2] for name in sources.classes}
-    in_order = sorted(asked, key=lambda comparison: (comparison.side.lineno, comparison.side.col_offset))
-    for comparison, kind in zip(in_order, kinds, strict=False):
+    for comparison, kind in asked:
         parts = kind.replace("*", "").split(" | ")
         families = {_family(part, own) for part in parts}
         wanted = _family_of(comparison.constants[0].value)
-        if "" in families or wanted in families:
+        if "" in families or wanted in families or (wanted == "a number" and "a bool" in families):
             continue
         if wanted != "a string" and any(_OBJECT.fullmatch(part) for part in parts):
             continue  # an object may define equality with a number
@@ -144,10 +160,20 @@ def _family_of(value: object) -> str:
 def _fix(comparison: _Compared, families: Collection[str], wanted: str) -> str:
     """Say how to make the two sides comparable."""
     text, value = ast.unparse(comparison.side), comparison.constants[0].value
-    if len(comparison.constants) > 1 or len(families) > 1:
-        return f"compare what is {wanted} on both sides"
+    family = next(iter(families)) if len(families) == 1 else ""
+    meant = [*map(_as_plain, comparison.constants)]
+    if family == "a bool" and len({*map(bool, meant)}) == 1 and not any(isinstance(m, str) for m in meant):
+        negated = "" if bool(meant[0]) is comparison.is_equal else "not "
+        return f"write `{negated}{text}` instead of `{ast.unparse(comparison.node)}`"
     sign, word = ("==", "in") if comparison.is_equal else ("!=", "not in")
-    match (next(iter(families)), value):
+    if len(meant) > 1:
+        are_numbers = family == "a number" and all(isinstance(m, (int, float)) for m in meant)
+        return (
+            f"write `{text} {word} {tuple(meant)!r}`"
+            if are_numbers
+            else f"compare what is {wanted} on both sides"
+        )
+    match (family, value):
         case "a function", _:
             fix = f"write {text}() instead of {text}"
         case "an instance of the class Parameter", _:
@@ -156,6 +182,8 @@ def _fix(comparison: _Compared, families: Collection[str], wanted: str) -> str:
             fix = f"write `{text} {sign} {value.strip()}`"
         case "a number", str():
             fix = f"write `str({text}) {sign} {value!r}`"
+        case "a bool", str():
+            fix = f"compare {text} with True or False"
         case "a string", bytes():
             fix = f"write `{text} {sign} {value.decode(errors='replace')!r}`"
         case "a string", _:
@@ -167,3 +195,13 @@ def _fix(comparison: _Compared, families: Collection[str], wanted: str) -> str:
         case _:
             fix = f"compare what is {wanted} on both sides"
     return fix
+
+
+def _as_plain(constant: ast.Constant) -> object:
+    """Return what a text means where YAML reads it, such as True for 'true'; another value as it is."""
+    if not isinstance(constant.value, str):
+        return constant.value
+    try:
+        return yaml.safe_load(constant.value.strip())
+    except (yaml.YAMLError, ValueError):
+        return constant.value

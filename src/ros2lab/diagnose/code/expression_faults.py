@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Callable, Iterator, Sequence
 
+from ros2lab.diagnose.code.main_guards import main_guard_faults
 from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -29,6 +30,7 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from comma_faults(source)
         yield from path_faults(source)
         yield from placeholder_faults(source)
+        yield from main_guard_faults(source)
         for node in source.nodes:
             if isinstance(node, ast.Expr):
                 yield from _without_effect(source, node.value)

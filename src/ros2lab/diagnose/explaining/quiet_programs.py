@@ -8,6 +8,7 @@ import shlex
 from collections.abc import Iterator
 from pathlib import PurePath
 
+from ros2lab.diagnose.code.main_guards import RUN, holds, indented_guard, is_guard, untrue_guard
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import commands_with_output
@@ -71,7 +72,7 @@ def _is_meant(path: str, source: PythonSource) -> bool:
 
 def _does_nothing(source: PythonSource, package: SourcePackage) -> Finding | None:
     """Say that a file only contains definitions, and how to run it; None if it does more."""
-    guards = [node for node in source.nodes if isinstance(node, ast.If) and _is_guard(node)]
+    guards = [node for node in source.nodes if isinstance(node, ast.If) and is_guard(node)]
     if any(not _only_defines(statement) for statement in source.tree.body if statement not in guards):
         return None
     functions = [node for node in source.tree.body if isinstance(node, ast.FunctionDef)]
@@ -134,21 +135,12 @@ def _main(
     return next(iter(named), free[-1] if free else None)
 
 
-def _is_guard(node: ast.If) -> bool:
-    return "__name__" in {n.id for n in ast.walk(node.test) if isinstance(n, ast.Name)}
-
-
 def _of_guard(guard: ast.If, source: PythonSource, main: ast.FunctionDef | None) -> Finding | None:
     """Say what is wrong with a `__main__` guard; None if it calls something."""
-    test = ast.unparse(guard.test)
     if guard not in source.tree.body:
-        cause = f"`if {test}:` is indented, so it belongs to the block above it and is not reached when the file is run."
-        return Finding(
-            "never-called", cause, source.at(guard), "move it, with the lines below it, to the left margin"
-        )
-    if test not in ("__name__ == '__main__'", "'__main__' == __name__"):
-        cause = f"`if {test}:` is not true when the file is run: __name__ is then '__main__'."
-        return Finding("never-called", cause, source.at(guard), "write if __name__ == '__main__':")
+        return indented_guard(guard, source)
+    if not holds(guard.test, RUN):
+        return untrue_guard(guard, source)
     if all(isinstance(statement, ast.Pass) or (isinstance(statement, ast.Expr) and isinstance(statement.value, (ast.Name, ast.Constant, ast.Attribute))) for statement in guard.body):  # fmt: skip
         name = main.name if main else "main"
         cause = f"`{ast.unparse(guard.body[0])}` only names a function without calling it."
