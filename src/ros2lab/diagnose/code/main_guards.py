@@ -8,16 +8,13 @@ from pathlib import PurePath
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
+from ros2lab.diagnose.sources.static_value import holds
 
 RUN, SPAWNED = (
     "__main__",
     "__mp_main__",
 )  # names of a file that is run, and of one that a process imports again
 _NAME = "__name__"
-_EVALUATED = (
-    *(ast.Compare, ast.cmpop, ast.BoolOp, ast.boolop, ast.UnaryOp, ast.unaryop, ast.expr_context),
-    *(ast.Constant, ast.Tuple, ast.List, ast.Set),
-)
 
 
 def main_guard_faults(source: PythonSource) -> Iterator[Finding]:
@@ -38,18 +35,6 @@ def is_guard(node: ast.If) -> bool:
     inner = [*ast.walk(node.test)]
     is_quoted = any(isinstance(n, ast.Constant) and n.value == _NAME for n in inner)
     return is_quoted or any(isinstance(n, ast.Name) and n.id == _NAME for n in inner)
-
-
-def holds(test: ast.expr, name: str) -> bool | None:
-    """Return whether a condition is true in a file with a certain `__name__`; None if that is not known."""
-    inner = [*ast.walk(test)]
-    is_known = all(isinstance(n, _EVALUATED) or (isinstance(n, ast.Name) and n.id == _NAME) for n in inner)
-    if not is_known:
-        return None
-    try:
-        return bool(eval(compile(ast.Expression(test), "", "eval"), {"__builtins__": {}}, {_NAME: name}))  # noqa: S307 -- no calls
-    except (TypeError, ValueError):
-        return None
 
 
 def untrue_guard(guard: ast.If, source: PythonSource) -> Finding:

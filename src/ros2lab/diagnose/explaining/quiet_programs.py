@@ -8,13 +8,14 @@ import shlex
 from collections.abc import Iterator
 from pathlib import PurePath
 
-from ros2lab.diagnose.code.main_guards import RUN, holds, indented_guard, is_guard, untrue_guard
+from ros2lab.diagnose.code.main_guards import RUN, indented_guard, is_guard, untrue_guard
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import commands_with_output
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.diagnose.sources.setup_script import EntryPoint
+from ros2lab.diagnose.sources.static_value import holds
 
 _GUARD = "`if __name__ == '__main__':`"
 

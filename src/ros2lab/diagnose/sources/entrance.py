@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NODE_CLASSES, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
-from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted, holds
 
 SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
 _CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
@@ -71,6 +72,18 @@ class Entrance:
             isinstance(node, ast.While) for function in self.functions for node in walk(function)
         )
 
+    @cached_property
+    def inits_at_import(self) -> bool:
+        """Whether a module that runs before the function, because it is imported, calls rclpy.init."""
+        for name in self.sources.imported_by(self.source.name):
+            source = self.sources.sources[name]
+            for call in (node for statement in source.tree.body for node in _run_at_import(statement, name)):
+                called = self.sources.resolve(source, call.func) or dotted(call.func) or ""
+                own = Entrance(self.sources, called).calls if called in self.sources.functions else ()
+                if called == "rclpy.init" or any(inner.name == "rclpy.init" for inner in own):
+                    return True
+        return False
+
     def makes_node(self, call: Call) -> bool:
         """Return whether a call makes a node."""
         is_class = (
@@ -114,6 +127,21 @@ class Entrance:
         return is_foreign and not is_own and not is_interface and function.name == "main"
 
 
+def _run_at_import(statement: ast.AST, name: str) -> Iterator[ast.Call]:
+    """Yield the calls that a statement makes when its file is imported by a name."""
+    match statement:
+        case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda():
+            inner: Iterable[ast.AST] = statement.args.defaults
+        case ast.If(test=test, orelse=otherwise) if holds(test, name) is False:
+            inner = otherwise
+        case _:
+            inner = children(statement)
+    if isinstance(statement, ast.Call):
+        yield statement
+    for node in inner:
+        yield from _run_at_import(node, name)
+
+
 def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
     """Yield what is wrong in how a program initializes, spins and ends."""
     if entrance.node is None:
@@ -149,12 +177,13 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
     inits = [call for call in entrance.calls if call.name == "rclpy.init"]
     node = entrance.node
     assert node is not None
-    if not entrance.may_do_more and not any(call.short == "init" for call in entrance.calls):
+    is_called = any(call.short == "init" for call in entrance.calls) or entrance.inits_at_import
+    if not entrance.may_do_more and not is_called:
         yield Finding(
             "rclpy-init-missing",
             "A node is made, but rclpy.init() is not called before it.",
             node.source.at(node.call),
-            f"write rclpy.init(args=args) as the first line of {entrance.function.name}",
+            _init_written(entrance),
         )
     sure = [
         init
@@ -169,6 +198,15 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
             sure[-1].source.at(sure[-1].call),
             "remove one of the two; the call belongs in main",
         )
+
+
+def _init_written(entrance: Entrance) -> str:
+    """Return how to call rclpy.init in the function of an entrance, with the names that are known there."""
+    names = [argument.arg for argument in entrance.function.args.args]
+    is_imported = any(imported.local == "rclpy" for imported in entrance.source.imports)
+    more = "" if is_imported else ", with `import rclpy` at the top"
+    given = "args=args" if "args" in names else ""
+    return f"write rclpy.init({given}) as the first line of {entrance.function.name}{more}"
 
 
 def _spin(entrance: Entrance) -> Iterator[Finding]:

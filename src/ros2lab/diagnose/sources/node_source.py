@@ -329,6 +329,12 @@ class NodeSources:
         """Return the names of the files that run together with a module: what it imports, what imports it."""
         return sorted({name for reached in self._reached.values() if module in reached for name in reached})
 
+    def imported_by(self, module: str) -> list[str]:
+        """Return the names of the files that run when a module is imported, itself and its packages included."""
+        reached = self._reached.get(module, frozenset())
+        names = {name.rsplit(".", depth)[0] for name in reached for depth in range(name.count(".") + 1)}
+        return sorted(names & self.sources.keys())
+
     @cached_property
     def _reached(self) -> Mapping[str, frozenset[str]]:
         """The files that each file imports, directly or indirectly, itself included."""

@@ -253,3 +253,21 @@ def _plain(value: Any) -> Any:
     if isinstance(value, str) and re.search(r"[%{:].*\d{4}", value):
         raise _CannotTellError
     return value
+
+
+_EVALUATED = (
+    *(ast.Compare, ast.cmpop, ast.BoolOp, ast.boolop, ast.UnaryOp, ast.unaryop, ast.expr_context),
+    *(ast.Constant, ast.Tuple, ast.List, ast.Set),
+)
+
+
+def holds(test: ast.expr, name: str) -> bool | None:
+    """Return whether a condition is true in a file with a certain `__name__`; None if that is not known."""
+    inner = [*ast.walk(test)]
+    is_known = all(isinstance(n, _EVALUATED) or (isinstance(n, ast.Name) and n.id == "__name__") for n in inner)
+    if not is_known:
+        return None
+    try:
+        return bool(eval(compile(ast.Expression(test), "", "eval"), {"__builtins__": {}}, {"__name__": name}))  # noqa: S307 -- no calls
+    except (TypeError, ValueError):
+        return None
