@@ -12,8 +12,13 @@ NODE = "from rclpy.node import Node\nimport rclpy\n{imports}\n\ndef main():\n   
 
 
 def codes(imports: str, **files: str) -> list[str]:
-    texts = {"pk.node": NODE.format(imports=imports), **{name.replace("__", "."): text for name, text in files.items()}}
-    sources = NodeSources({name: PythonSource(name, f"{name}.py", text, name == "pk") for name, text in texts.items()})
+    texts = {
+        "pk.node": NODE.format(imports=imports),
+        **{name.replace("__", "."): text for name, text in files.items()},
+    }
+    sources = NodeSources(
+        {name: PythonSource(name, f"{name}.py", text, name == "pk") for name, text in texts.items()}
+    )
     return [finding.code for finding in source_faults(sources)]
 
 

@@ -34,8 +34,9 @@ from ros2lab.diagnose.nodes.life_faults import life_faults
 from ros2lab.diagnose.nodes.message_faults import message_faults
 from ros2lab.diagnose.nodes.node_faults import node_faults
 from ros2lab.diagnose.nodes.parameter_faults import file_faults, parameter_faults
+from ros2lab.diagnose.nodes.service_faults import service_faults
 from ros2lab.diagnose.nodes.taken_names import taken_packages
-from ros2lab.diagnose.nodes.topic_faults import ends_of, service_faults, topic_faults
+from ros2lab.diagnose.nodes.topic_faults import ends_of, topic_faults
 from ros2lab.diagnose.nodes.use_faults import use_faults
 from ros2lab.diagnose.packaging.for_ros import is_for_ros
 from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
@@ -129,7 +130,7 @@ class Look:
             yield from guarded(install_faults, self.root, package)
         yield from guarded(self._faults_of_launch_files, by_name)
         yield from guarded(self._topic_faults)
-        yield from guarded(service_faults, map(self.sources, self.packages))
+        yield from guarded(self._service_faults, by_name)
         yield from guarded(lambda: passed_over(self._with_sources, self.launch_files))
         yield from started
         if self.environ is not None:
@@ -156,6 +157,12 @@ class Look:
     def _topic_faults(self) -> Iterator[Finding]:
         ends = [end for package in self.packages for end in ends_of(self.sources(package), unnamed=True)]
         return topic_faults(ends, self._remapped())
+
+    def _service_faults(self, names: Collection[str]) -> Iterator[Finding]:
+        moved = {
+            node.package.name for node in self.launched.values() if node.namespace or node.launched.remappings
+        }
+        return service_faults(map(self.sources, self.packages), names, moved | self._remapped())
 
     def _started_faults(self) -> Iterator[Finding]:
         for launch_file in self.launch_files:

@@ -101,7 +101,7 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
         if error.typed:
             # What was sourced, the text shows itself: it may be of another terminal.
             findings = [finding for finding in findings if finding.code != "not-sourced"]
-        if own := own_words(error.decisive, look):
+        if own := own_words(error, look):
             looked_at += f" ({own.cause.rstrip('.')}: {own.place})"
         looked_at += f", and nothing wrong was found in {here}, where it looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
     looked_at += ". Give everything that was printed, starting with the command."

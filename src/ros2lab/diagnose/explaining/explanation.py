@@ -82,7 +82,7 @@ def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look
     found = _explained(error, known, look)
     if not error.reports and (quiet := of_quiet_program(text, look)):
         return [quiet, *(finding for finding in found or known if finding.place != quiet.place)]
-    if not found and not (error.is_clear and (error.reports or not own_words(error.decisive, look))):
+    if not found and not (error.is_clear and (error.reports or not own_words(error, look))):
         return known or _undecided(error, look)
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
     return [worth_typing(finding, look) for finding in (_first_tried(found, error, look) if look else found)]
@@ -145,7 +145,8 @@ def _of_what_was_said(
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = _with_choice(error, look) or found or checked or _in_line(error, known)
-        found = found or ([] if frozen and not error.reports else said_by_tools(error, look))
+        is_no_tools = not error.reports and (bool(frozen) or own_words(error, look) is not None)
+        found = found or ([] if is_no_tools else said_by_tools(error, look))
     history = of_history(error.typed, error.text)
     return [*history, *own_shells(error.typed), *frozen, *of_processes(error.text, look), *found]
 
@@ -391,7 +392,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
 
 
 def _unknown(error: ErrorText, look: Look | None) -> Finding:
-    return own_words(error.decisive, look) or Finding(
+    return own_words(error, look) or Finding(
         UNKNOWN,
         f"This error is not known; its most important line is: {error.decisive}",
         place_of(own_frames(error.frames), look),

@@ -7,13 +7,18 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from ros2lab.diagnose.explaining.refused_settings import refused_setting
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import Frame, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.transcript import WARNING
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
+from ros2lab.diagnose.sources.uses import is_log
 
 _GIVES_ONE = re.compile(r"\s*(?:warnings\.)?warn\(")
+_LOG_LINE = re.compile(
+    r"\[(?P<level>DEBUG|INFO|WARN|ERROR|FATAL)\] (?:\[[\d.]+\] )?\[(?P<logger>[\w.]+)\]: (?P<text>.*)"
+)
 _SHORTEST = 8  # characters of a text that is recognized
 _VALUE = re.compile(r"%[-+ 0#]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")  # a placeholder in a format string
 
@@ -33,17 +38,20 @@ def without_own_warnings(text: str, look: Look | None) -> str:
     return text if len(left) == len(lines) else "\n".join(left)
 
 
-def own_words(line: str, look: Look | None) -> Finding | None:
-    """Say where the student's own code contains the text of a line; None if it does not."""
-    said = [
-        (text, source.at(node))
-        for package in (look.packages if look else ())
-        for source in package.sources.values()
-        for text, node in _texts(source)
-        if text in line
+def own_words(error: ErrorText, look: Look | None) -> Finding | None:
+    """Say where the student's own code contains the text of an error's line, or asks for what it says.
+
+    None if it does neither.
+    """
+    line, packages = error.decisive, look.packages if look else ()
+    sources = [source for package in packages for source in package.sources.values()]
+    logged = _LOG_LINE.search(line)
+    spoken = logged["text"] if logged else line
+    said = [*_logged(line, look)] or [
+        (text, source.at(node)) for source in sources for text, node in _texts(source) if text in spoken
     ]
     if not said:
-        return None
+        return refused_setting(error, look)
     text, place = max(said, key=lambda text_and_place: len(text_and_place[0]))
     return Finding(
         SAID,
@@ -51,6 +59,38 @@ def own_words(line: str, look: Look | None) -> Finding | None:
         place,
         "if it should not appear here, check the condition above this line and the value it receives",
     )
+
+
+def _logged(line: str, look: Look | None) -> Iterator[tuple[str, str]]:
+    """Yield the text of a line that a logger of the student's nodes wrote, with each call that may log it."""
+    match = _LOG_LINE.search(line)
+    for package in look.packages if look and match else ():
+        sources = look.sources(package)
+        names = sources.node_names()
+        is_known = "" in names or not names.keys().isdisjoint(match["logger"].split("."))
+        for source in sources.sources.values():
+            for call in filter(is_log, source.nodes):
+                given = call.args[0] if isinstance(call, ast.Call) and call.args else None
+                level = getattr(getattr(call, "func", None), "attr", "")[:4]
+                is_of_level = is_known and given is not None and level == match["level"].lower()[:4]
+                if is_of_level and re.fullmatch(_pattern(given), match["text"], re.DOTALL):
+                    yield match["text"], source.at(call)
+
+
+def _pattern(written: ast.expr) -> str:
+    """Return a pattern of the texts that an expression may have: what is not written there may be anything."""
+    match written:
+        case ast.Constant(value=str(text)):
+            return re.escape(text)
+        case ast.JoinedStr(values=parts):
+            return "".join(map(_pattern, parts))
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            return _pattern(left) + _pattern(right)
+        case ast.BinOp(left=ast.Constant(value=str(text)), op=ast.Mod()):
+            return ".*".join(map(re.escape, _VALUE.split(text)))
+        case ast.Call(func=ast.Attribute(attr="format", value=ast.Constant(value=str(text)))):
+            return ".*".join(map(re.escape, _VALUE.split(text)))
+    return ".*"
 
 
 def _is_own(warning: re.Match[str], below: str, look: Look | None) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -154,29 +154,6 @@ def _by_variable(ends: list[End]) -> dict[tuple[Function, str], list[End]]:
         if not end.topic and written is not None and function is not None:
             found.setdefault((function, ast.unparse(written)), []).append(end)
     return found
-
-
-def service_faults(files: Iterable[NodeSources]) -> Iterator[Finding]:
-    """Yield clients of a service that no node of the workspace has, where one has nearly the same name."""
-    named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
-    for sources, creation in ((package, creation) for package in files for creation in package.creations):
-        given = (creation.arguments or {}).get("srv_name")
-        if creation.method not in named or not isinstance(given, ast.Constant):
-            continue
-        if name := _named(str(given.value), creation, sources):
-            named[creation.method].setdefault(name, creation)
-    servers, clients = named["create_service"], named["create_client"]
-    for name in clients.keys() - servers.keys():
-        near = next(
-            (server for server in servers.keys() - clients.keys() if is_near_miss(name, server)), None
-        )
-        if near:
-            yield Finding(
-                "topic-near-miss",
-                f"This node calls the service {name!r}, but the other one offers {near!r}, so nothing responds.",
-                clients[name].source.at(clients[name].call),
-                f"write the same name in both: {near!r} here, or {name!r} in {servers[near].source.at(servers[near].call)}",
-            )
 
 
 def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:

@@ -264,7 +264,9 @@ _EVALUATED = (
 def holds(test: ast.expr, name: str) -> bool | None:
     """Return whether a condition is true in a file with a certain `__name__`; None if that is not known."""
     inner = [*ast.walk(test)]
-    is_known = all(isinstance(n, _EVALUATED) or (isinstance(n, ast.Name) and n.id == "__name__") for n in inner)
+    is_known = all(
+        isinstance(n, _EVALUATED) or (isinstance(n, ast.Name) and n.id == "__name__") for n in inner
+    )
     if not is_known:
         return None
     try:

@@ -1,0 +1,152 @@
+"""Services and actions that do not meet: a client waits for a name that no server of the workspace offers."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import Creation, NodeSources
+from ros2lab.diagnose.sources.spelling import is_near_miss
+
+_OFFERS, _CALLS = ("create_service", "ActionServer"), ("create_client", "ActionClient")
+_OF_ACTIONS = ("node", "srv_type", "srv_name")  # the parameters of both classes of actions
+
+
+@dataclass(frozen=True)
+class ServiceEnd:
+    """A server or a client of a service or an action, as the source has it."""
+
+    creation: Creation
+    sources: NodeSources
+
+    @property
+    def is_server(self) -> bool:
+        """Whether it offers the service."""
+        return self.creation.method in _OFFERS
+
+    @property
+    def is_action(self) -> bool:
+        """Whether it is about an action."""
+        return self.creation.method.startswith("Action")
+
+    @property
+    def place(self) -> str:
+        """Where the name is written."""
+        named = (self.creation.arguments or {}).get("srv_name")
+        return self.creation.source.at(named or self.creation.call)
+
+    @property
+    def written(self) -> str:
+        """The name as the code writes it; empty if it is not known."""
+        named = (self.creation.arguments or {}).get("srv_name")
+        value = self.sources.value(self.creation.source, named)
+        return value if isinstance(value, str) else ""
+
+    @cached_property
+    def name(self) -> str:
+        """The full name without the first slash; empty if it is not known."""
+        node = self.sources.node_name(self.creation)
+        if self.written.startswith("~"):
+            return f"{node}{self.written[1:]}" if node else ""
+        space = "" if self.written.startswith("/") else node.rpartition("/")[0]
+        return f"{space}/{self.written}".replace("//", "/").lstrip("/") if self.written else ""
+
+    @cached_property
+    def type(self) -> str:
+        """The full name of its type; empty if it is not known."""
+        given = (self.creation.arguments or {}).get("srv_type")
+        return self.sources.resolve(self.creation.source, given) or ""
+
+    @property
+    def package(self) -> str:
+        """The name of the Python package that has it."""
+        return self.creation.source.name.partition(".")[0]
+
+    def renamed(self, name: str) -> str:
+        """Return the call that creates it with another name, as it is written."""
+        call, named = self.creation.call, (self.creation.arguments or {}).get("srv_name")
+        given = [repr(name) if argument is named else ast.unparse(argument) for argument in call.args]
+        given += [f"{k.arg}={name!r}" if k.value is named else ast.unparse(k) for k in call.keywords]
+        return f"{ast.unparse(call.func)}({', '.join(given)})"
+
+
+def service_ends(sources: NodeSources) -> Iterator[ServiceEnd]:
+    """Yield the servers and clients of services and actions of a package."""
+    for creation in sources.creations:
+        if creation.method in (*_OFFERS, *_CALLS):
+            yield ServiceEnd(creation, sources)
+    for source in sources.sources.values():
+        for owner, function, node in sources.scoped(source):
+            name = (sources.resolve(source, node.func) or "") if isinstance(node, ast.Call) else ""
+            if (
+                isinstance(node, ast.Call)
+                and name.startswith("rclpy.action.")
+                and name.endswith(("Client", "Server"))
+            ):
+                given = dict(zip(_OF_ACTIONS, node.args, strict=False))
+                method = name.rpartition(".")[2]
+                yield ServiceEnd(Creation(method, node, given, 0, owner, function, source), sources)
+
+
+def server_for(
+    client: ServiceEnd, ends: Collection[ServiceEnd], own: Collection[str] = ()
+) -> ServiceEnd | None:
+    """Return the server that a client without one probably means; None if that is not plain.
+
+    Args:
+        client: the client.
+        ends: all ends of the workspace.
+        own: the packages of the workspace, whose types only they use.
+    """
+    called = {end.name for end in ends if not end.is_server}
+    served = {end.name for end in ends if end.is_server}
+    of_kind = [end for end in ends if end.is_action is client.is_action]
+    lone = [end for end in of_kind if end.is_server and end.name and end.name not in called]
+    if client.name in served or not client.name:
+        return None
+    near = [server for server in lone if is_near_miss(client.name, server.name)]
+    alike = [server for server in lone if client.type and server.type == client.type]
+    clients = {end.name for end in of_kind if end.type == client.type and not end.is_server} - served
+    is_only = len({server.name for server in alike}) == 1 and len(clients) == 1
+    if not near and is_only and not any(end.is_server and not end.name for end in of_kind):
+        is_own = client.type.partition(".")[0] in own
+        near = [server for server in alike if is_own or _are_of_the_same_words(client.name, server.name)]
+    return next(iter(near), None)
+
+
+def service_faults(
+    files: Iterable[NodeSources], own: Collection[str], moved: Collection[str]
+) -> Iterator[Finding]:
+    """Yield clients of a service that no node of the workspace offers, while another name is probably meant.
+
+    Args:
+        files: the Python files of each package.
+        own: the names of the packages.
+        moved: packages and names that launch files remap or put into a namespace.
+    """
+    ends = [end for sources in files for end in service_ends(sources)]
+    for client in ends:
+        server = server_for(client, ends, own) if not client.is_server else None
+        if server is None or not {client.package, server.package, client.name, server.name}.isdisjoint(moved):
+            continue
+        what = "action" if client.is_action else "service"
+        name = f"/{server.name}"
+        cause = f"This node calls the {what} '/{client.name}', but the other one offers {name!r}, so nothing responds."
+        other = server.renamed(f"/{client.name}")
+        fix = f"write `{client.renamed(name)}` here, or `{other}` in {server.place}"
+        yield Finding("topic-near-miss", cause, client.place, fix)
+
+
+def _are_of_the_same_words(name: str, other: str) -> bool:
+    """Return whether two names differ only in their namespaces or in the order of their words."""
+    shorter, longer = sorted((name, other), key=lambda text: len(_words(text)))
+    last = longer.rpartition("/")[2]
+    return _words(last) <= _words(shorter) <= _words(longer)
+
+
+def _words(name: str) -> set[str]:
+    return set(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()))
