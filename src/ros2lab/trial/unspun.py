@@ -15,6 +15,7 @@ from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.grading.evidence import Run
+from ros2lab.trial.waited import waited_for
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
@@ -26,6 +27,8 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
     """Say why a node does not respond: the line in which it waits, or where the node was left out."""
     found = seen.entrance(name)
     spot, is_called_back = _stood(seen, str(run.stopped.get(name, {}).get("said", "")))
+    if spot is not None and (told := waited_for(seen, spot)):
+        return told
     if found is not None:
         told = next(two_executors(found), None) or _left_out(found, node)
         if told := told or _waiting(found, spot, is_called_back=is_called_back):

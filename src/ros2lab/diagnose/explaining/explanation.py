@@ -21,7 +21,7 @@ from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
 from ros2lab.diagnose.explaining.needed import of_needed
 from ros2lab.diagnose.explaining.outdated import of_earlier
-from ros2lab.diagnose.explaining.own_words import own_words, without_own_warnings
+from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own_warnings
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.said import launch_line, of_launch
@@ -145,7 +145,7 @@ def _of_what_was_said(
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = _with_choice(error, look) or found or checked or _in_line(error, known)
-        is_no_tools = not error.reports and (bool(frozen) or own_words(error, look) is not None)
+        is_no_tools = not error.reports and (bool(frozen) or is_own_log(error.decisive, look))
         found = found or ([] if is_no_tools else said_by_tools(error, look))
     history = of_history(error.typed, error.text)
     return [*history, *own_shells(error.typed), *frozen, *of_processes(error.text, look), *found]

@@ -61,6 +61,11 @@ def own_words(error: ErrorText, look: Look | None) -> Finding | None:
     )
 
 
+def is_own_log(line: str, look: Look | None) -> bool:
+    """Return whether a logger of the student's own nodes wrote a line."""
+    return any(_logged(line, look))
+
+
 def _logged(line: str, look: Look | None) -> Iterator[tuple[str, str]]:
     """Yield the text of a line that a logger of the student's nodes wrote, with each call that may log it."""
     match = _LOG_LINE.search(line)
