@@ -28,13 +28,13 @@ def waited_for(seen: Seen, spot: Spot) -> Finding | None:
         func = call.func
         if source is None or not isinstance(func, ast.Attribute) or func.attr not in _WAITS:
             continue
-        client = next((end for end in ends if not end.is_server and _is_kept_as(end, func.value)), None)
+        client = next((end for end in ends if not end.is_server and end.is_kept_as(func.value)), None)
         if client is not None and client.name:
-            return _of_client(seen, client, ends, source.at(spot.line))
+            return _of_client(client, ends, source.at(spot.line))
     return None
 
 
-def _of_client(seen: Seen, client: ServiceEnd, ends: list[ServiceEnd], place: str) -> Finding:
+def _of_client(client: ServiceEnd, ends: list[ServiceEnd], place: str) -> Finding:
     what = "action" if client.is_action else "service"
     waits = f"Line {place.rpartition(':')[2]} waits for the {what} /{client.name}"
     offered = [end for end in ends if end.is_server and end.is_action is client.is_action]
@@ -43,10 +43,7 @@ def _of_client(seen: Seen, client: ServiceEnd, ends: list[ServiceEnd], place: st
         return Finding(
             "not-spinning", cause, place, "see why that program does not run or does not spin its node"
         )
-    alike = [end for end in offered if end.type and end.type == client.type and end.name]
-    server = server_for(client, ends, [p.name for p in seen.look.packages]) or (
-        alike[0] if len({end.name for end in alike}) == 1 else None
-    )
+    server = server_for(client, ends, is_missed=True)
     if server is not None:
         cause = f"{waits}, but nobody offers that: {server.creation.source.shown} offers /{server.name}."
         fix = f"write `{client.renamed(f'/{server.name}')}` in {client.place}"
@@ -61,13 +58,3 @@ def _of_client(seen: Seen, client: ServiceEnd, ends: list[ServiceEnd], place: st
         place,
         f"start the node that offers /{client.name}, or write that service in a node",
     )
-
-
-def _is_kept_as(end: ServiceEnd, kept: ast.expr) -> bool:
-    """Return whether a client is assigned to a variable or an attribute of this name."""
-    name = getattr(kept, "attr", getattr(kept, "id", ""))
-    for node in end.creation.source.nodes:
-        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is end.creation.call:
-            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            return any(getattr(target, "attr", getattr(target, "id", "")) == name for target in targets)
-    return False

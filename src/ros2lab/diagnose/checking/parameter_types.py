@@ -16,7 +16,8 @@ _TYPES = (bool, int, float, str)  # their names convert a value, which tells its
 
 def parameter_casts(source: PythonSource, sources: NodeSources) -> Iterator[Edit]:
     """Yield edits that convert each parameter that is read to the type of its default, if that is known."""
-    reads = [(node, name) for node in source.nodes if (name := _name_read(node, source, sources))]
+    values = [node for node in source.nodes if isinstance(node, ast.Attribute) and node.attr == "value"]
+    reads = [(node, name) for node in values if (name := _name_read(node, source, sources))]
     declared = declared_in(sources) if reads else None
     for node, name in reads:
         kind = type((declared or {}).get(name))
@@ -24,10 +25,10 @@ def parameter_casts(source: PythonSource, sources: NodeSources) -> Iterator[Edit
             yield Edit(node, f"{kind.__name__}({ast.unparse(node)})")
 
 
-def _name_read(node: ast.AST, source: PythonSource, sources: NodeSources) -> str:
+def _name_read(node: ast.Attribute, source: PythonSource, sources: NodeSources) -> str:
     """Return the name of the parameter whose value an expression reads; empty if it reads none."""
-    match node:
-        case ast.Attribute(attr="value", value=ast.Call(func=ast.Attribute(attr=method), args=[given, *_])):
+    match node.value:
+        case ast.Call(func=ast.Attribute(attr=method), args=[given, *_]):
             name = sources.value(source, given) if method in _READERS else None
             return name if isinstance(name, str) else ""
     return ""

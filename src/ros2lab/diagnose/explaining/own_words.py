@@ -69,16 +69,18 @@ def is_own_log(line: str, look: Look | None) -> bool:
 def _logged(line: str, look: Look | None) -> Iterator[tuple[str, str]]:
     """Yield the text of a line that a logger of the student's nodes wrote, with each call that may log it."""
     match = _LOG_LINE.search(line)
-    for package in look.packages if look and match else ():
-        sources = look.sources(package)
+    if match is None or look is None:
+        return
+    for sources in map(look.sources, look.packages):
         names = sources.node_names()
-        is_known = "" in names or not names.keys().isdisjoint(match["logger"].split("."))
+        if "" not in names and names.keys().isdisjoint(match["logger"].split(".")):
+            continue
         for source in sources.sources.values():
-            for call in filter(is_log, source.nodes):
-                given = call.args[0] if isinstance(call, ast.Call) and call.args else None
-                level = getattr(getattr(call, "func", None), "attr", "")[:4]
-                is_of_level = is_known and given is not None and level == match["level"].lower()[:4]
-                if is_of_level and re.fullmatch(_pattern(given), match["text"], re.DOTALL):
+            for call in source.nodes:
+                if not (isinstance(call, ast.Call) and is_log(call) and call.args):
+                    continue
+                is_of_level = getattr(call.func, "attr", "")[:4] == match["level"].lower()[:4]
+                if is_of_level and re.fullmatch(_pattern(call.args[0]), match["text"], re.DOTALL):
                     yield match["text"], source.at(call)
 
 

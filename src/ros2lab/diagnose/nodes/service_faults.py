@@ -66,6 +66,15 @@ class ServiceEnd:
         """The name of the Python package that has it."""
         return self.creation.source.name.partition(".")[0]
 
+    def is_kept_as(self, kept: ast.expr) -> bool:
+        """Return whether it is assigned to a variable or an attribute of this name."""
+        name = getattr(kept, "attr", getattr(kept, "id", ""))
+        for node in self.creation.source.nodes:
+            if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is self.creation.call:
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                return any(getattr(target, "attr", getattr(target, "id", "")) == name for target in targets)
+        return False
+
     def renamed(self, name: str) -> str:
         """Return the call that creates it with another name, as it is written."""
         call, named = self.creation.call, (self.creation.arguments or {}).get("srv_name")
@@ -93,7 +102,7 @@ def service_ends(sources: NodeSources) -> Iterator[ServiceEnd]:
 
 
 def server_for(
-    client: ServiceEnd, ends: Collection[ServiceEnd], own: Collection[str] = ()
+    client: ServiceEnd, ends: Collection[ServiceEnd], own: Collection[str] = (), *, is_missed: bool = False
 ) -> ServiceEnd | None:
     """Return the server that a client without one probably means; None if that is not plain.
 
@@ -101,6 +110,7 @@ def server_for(
         client: the client.
         ends: all ends of the workspace.
         own: the packages of the workspace, whose types only they use.
+        is_missed: whether it was seen that nobody answers the client.
     """
     called = {end.name for end in ends if not end.is_server}
     served = {end.name for end in ends if end.is_server}
@@ -113,7 +123,7 @@ def server_for(
     clients = {end.name for end in of_kind if end.type == client.type and not end.is_server} - served
     is_only = len({server.name for server in alike}) == 1 and len(clients) == 1
     if not near and is_only and not any(end.is_server and not end.name for end in of_kind):
-        is_own = client.type.partition(".")[0] in own
+        is_own = is_missed or client.type.partition(".")[0] in own
         near = [server for server in alike if is_own or _are_of_the_same_words(client.name, server.name)]
     return next(iter(near), None)
 
