@@ -17,6 +17,7 @@ from ros2lab.diagnose.checking.call_forms import (
 )
 from ros2lab.diagnose.checking.checked_copies import RULES, checked, first_that_stands, said_of
 from ros2lab.diagnose.checking.members import in_place_of, members
+from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain, types_named
 from ros2lab.diagnose.finding import SAID, Finding, shown_path, stops_node
@@ -199,7 +200,9 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     assert spot.source is not None
     owner, name = _owner_and_name(said)
     code, cause, fix = _of_value(rule, said, spot, look)
-    if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
+    if rule == "missing-attribute" and owner == "rclpy" and (told := of_a_node(name, spot)):
+        cause, fix = told
+    elif rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
         cause, fix = (
             f"{plain(owner)} has no {name}. Did you mean {meant}?",
             f"write {meant} instead of {name}{_imported(owner, meant, spot)}",

@@ -1,0 +1,150 @@
+"""What rclpy itself lacks because a node has it, such as timers, which a node makes with create_timer."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping
+
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.node_source import CREATORS
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.spelling import nearest
+
+_MAKERS: Mapping[str, tuple[str, ...]] = {**CREATORS, "create_rate": ("frequency",)}
+_SUFFIXES = {"msg_type": ".msg.", "srv_type": ".srv."}
+_QUEUE = "10"  # the length that a queue has where none is given
+# The objects that a node gives, with their classes.
+_GIVEN = {
+    "get_clock()": ("rclpy.clock", "Clock"),
+    "get_logger()": ("rclpy.impl.rcutils_logger", "RcutilsLogger"),
+}
+_LEAST_ALIKE = 0.7
+
+
+def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
+    """Return the cause and the fix for a name that rclpy lacks, but a node offers; None if none does.
+
+    Args:
+        name: what the line uses of rclpy.
+        spot: the line.
+    """
+    source, node = spot.source, _node(spot)
+    for used in spot.nodes:
+        match used:
+            case ast.Call(func=ast.Attribute(attr=method, value=ast.Attribute(attr=attr))) if attr == name:
+                call, last = used, method  # rclpy.Time.now()
+            case ast.Call(func=ast.Attribute(attr=attr)) if attr == name:
+                call, last = used, name
+            case _:
+                continue
+        if source is None or source.resolve(call.func) not in (f"rclpy.{name}", f"rclpy.{name}.{last}"):
+            continue
+        written = _made(name, node, call, source) or _asked(name, last, node, call)
+        if written:
+            return (
+                f"rclpy has no {name} in ROS 2; the node has it.",
+                f"write `{written}` instead of `{ast.unparse(call)}`",
+            )
+        homes = [home for home in interfaces.inner_homes_of(name) if home.startswith("rclpy.")]
+        if homes and last == name:
+            made = f"{name}{ast.unparse(call).removeprefix(ast.unparse(call.func))}"
+            return (
+                f"rclpy itself has no {name}: it is in {homes[0]}.",
+                f"write `{made}`, with `from {homes[0]} import {name}` at the top",
+            )
+    return None
+
+
+def _made(name: str, node: str, call: ast.Call, source: PythonSource) -> str:
+    """Return the call with which the node makes an object of a class; empty if the arguments fit none."""
+    kind = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+    found = {
+        maker: given
+        for maker in _MAKERS
+        if name[:1].isupper() and (given := _sorted_into(maker, call, source))
+    }
+    exact, is_told = f"create_{kind}", len(call.args) + len(call.keywords) > 1
+    only = next(iter(found)) if len(found) == 1 and is_told else ""
+    maker = exact if exact in found else nearest(exact, found, _LEAST_ALIKE) or only
+    return f"{node}.{maker}({', '.join(found[maker])})" if maker else ""
+
+
+def _sorted_into(maker: str, call: ast.Call, source: PythonSource) -> list[str]:
+    """Return the arguments of a call in the order of a node's method; empty if they do not fit."""
+    left = [*call.args, *(keyword.value for keyword in call.keywords if keyword.arg != "latch")]
+    found = []
+    for parameter in _MAKERS[maker]:
+        fitting = next((given for given in left if _fits(given, parameter, source)), None)
+        if fitting is not None:
+            left.remove(fitting)
+            found.append(_as_number(fitting))
+        elif parameter == "qos_profile":
+            found.append(_QUEUE)
+        else:
+            return []
+    return [] if left else found
+
+
+def _fits(given: ast.expr, parameter: str, source: PythonSource) -> bool:
+    """Return whether an argument may be meant for a parameter of one of a node's methods."""
+    name = source.resolve(given) or ""
+    is_name = isinstance(given, ast.Constant) and isinstance(given.value, str)
+    is_number = isinstance(given, ast.Constant) and isinstance(given.value, (int, float))
+    match parameter:
+        case "msg_type" | "srv_type":
+            return _SUFFIXES[parameter] in name
+        case "topic" | "srv_name":
+            return is_name
+        case "callback":
+            is_named = isinstance(given, (ast.Name, ast.Attribute)) and not interfaces.is_interface(name)
+            return is_named or isinstance(given, ast.Lambda)
+        case "qos_profile":
+            return is_number or "QoSProfile" in ast.unparse(given)
+    return is_number or isinstance(given, (ast.Call, ast.BinOp, ast.Name, ast.Attribute))
+
+
+def _as_number(given: ast.expr) -> str:
+    """Return an argument as it is written, of a duration only its seconds."""
+    match given:
+        case ast.Call(
+            func=ast.Name(id="Duration") | ast.Attribute(attr="Duration"), keywords=[keyword], args=[]
+        ):
+            return ast.unparse(keyword.value) if keyword.arg == "seconds" else ast.unparse(given)
+        case ast.Call(
+            func=ast.Name(id="Duration") | ast.Attribute(attr="Duration"), args=[seconds], keywords=[]
+        ):
+            return ast.unparse(seconds)
+    return ast.unparse(given)
+
+
+def _asked(name: str, last: str, node: str, call: ast.Call) -> str:
+    """Return the call of a method of the node, its clock or its logger that a name means; else empty."""
+    rest = ast.unparse(call).removeprefix(ast.unparse(call.func))
+    for getter, home in _GIVEN.items():
+        what = getter.removeprefix("get_").removesuffix("()")
+        for member in interfaces.members_of(*home)[0]:
+            is_of_class = last != name and member == last  # Time.now of a clock
+            is_of_prefix = last == name and len(member) > 3 and name.endswith(member)
+            prefix = name.removesuffix(member).rstrip("_")
+            if is_of_class or (is_of_prefix and prefix and what.startswith(prefix)):
+                return f"{node}.{getter}.{member}{rest}"
+    methods = interfaces.members_of("rclpy.node", "Node")[0]
+    known = [method for method in methods if method.startswith("get_") and not name[:1].isupper()]
+    method = nearest(name, known, 0.75) if last == name else None
+    value = ".value" if method == "get_parameter" else ""
+    return f"{node}.{method}{rest}{value}" if method else ""
+
+
+def _node(spot: Spot) -> str:
+    """Return how a line names its node: self in a class, else the variable that holds one."""
+    function = spot.function
+    if function is not None and [argument.arg for argument in function.args.args[:1]] == ["self"]:
+        return "self"
+    for statement in function.body if function is not None else ():
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=kept)], value=ast.Call(func=func)):
+                if ast.unparse(func).rpartition(".")[2] in ("Node", "create_node"):
+                    return kept
+    return "node"
