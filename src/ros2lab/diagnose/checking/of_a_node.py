@@ -20,7 +20,7 @@ _GIVEN = {
     "get_clock()": ("rclpy.clock", "Clock"),
     "get_logger()": ("rclpy.impl.rcutils_logger", "RcutilsLogger"),
 }
-_LEAST_ALIKE = 0.7
+_LEAST_ALIKE = 0.6
 
 
 def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
@@ -65,9 +65,10 @@ def _made(name: str, node: str, call: ast.Call, source: PythonSource) -> str:
         for maker in _MAKERS
         if name[:1].isupper() and (given := _sorted_into(maker, call, source))
     }
-    exact, is_told = f"create_{kind}", len(call.args) + len(call.keywords) > 1
-    only = next(iter(found)) if len(found) == 1 and is_told else ""
-    maker = exact if exact in found else nearest(exact, found, _LEAST_ALIKE) or only
+    only = [*found] if len(found) == 1 and len(call.args) + len(call.keywords) > 1 else []
+    alike = nearest(kind, [maker.removeprefix("create_") for maker in found], _LEAST_ALIKE)
+    likely = [f"create_{kind}", *([f"create_{alike}"] if alike else []), *only]
+    maker = next((candidate for candidate in likely if candidate in found), "")
     return f"{node}.{maker}({', '.join(found[maker])})" if maker else ""
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from ros2lab import assignments
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.late_readers import late_readers
 from ros2lab.diagnose.nodes.node_faults import TOPIC_NAME
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
@@ -141,6 +142,7 @@ def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[
         yield from _answers_itself(repr(topic), there)
         yield from _types(topic, there)
         yield from _qualities(topic, there)
+        yield from late_readers(topic, there)
         yield from _periods(topic, there)
     for (_, written), there in _by_variable(ends).items():
         yield from _answers_itself(written, there)

@@ -1,0 +1,90 @@
+"""Subscriptions that come too late for what is published once, because they ask only for new messages."""
+
+from __future__ import annotations
+
+import ast
+import copy
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, TypeGuard
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+
+if TYPE_CHECKING:
+    from ros2lab.diagnose.nodes.topic_faults import End
+
+_LATCHED, _NEW_ONLY = "TRANSIENT_LOCAL", "VOLATILE"
+_KEEPS = f"durability=DurabilityPolicy.{_LATCHED}"
+
+
+def late_readers(topic: str, there: Sequence[End]) -> Iterator[Finding]:
+    """Yield subscriptions that do not ask for the messages that a publisher keeps for those who come later.
+
+    Args:
+        topic: the topic.
+        there: its publishers and subscriptions.
+    """
+    kept = [
+        end
+        for end in there
+        if end.is_publisher and end.qos.get("durability") == _LATCHED and _sends_once(end)
+    ]
+    if len(kept) != len([end for end in there if end.is_publisher]):
+        return
+    for listener in there:
+        is_other = all(listener.creation.owner is not end.creation.owner for end in kept)
+        if kept and is_other and not listener.is_publisher and listener.qos.get("durability") == _NEW_ONLY:
+            cause = f"{kept[0].creation.source.shown} publishes on {topic!r} only once, when it starts, and keeps that message for subscribers that come later; this one asks only for new messages, so it receives nothing if it starts after that."
+            yield Finding("qos-mismatch", cause, listener.place, _fix(listener))
+
+
+def _sends_once(end: End) -> bool:
+    """Return whether a publisher publishes only in the function that creates it and what that calls once."""
+    source, function = end.creation.source, end.creation.function
+    nodes = [n for n in source.nodes if isinstance(n, ast.Assign) and n.value is end.creation.call]
+    kept = ast.unparse(nodes[0].targets[0]) if nodes else ""
+    sends = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{kept}.publish"]
+    if not kept or not sends or function is None:
+        return False
+    once = _run_once(function)
+    called = {ast.unparse(n.func)[5:] for n in source.nodes if id(n) in once and _is_own_call(n)}
+    mentioned = [n for n in source.nodes if is_self_attribute(n) and n.attr in called]
+    funcs = {id(n.func) for n in source.nodes if id(n) in once and isinstance(n, ast.Call)}
+    for method in end.creation.owner.functions if end.creation.owner else ():
+        if method.name in called and all(id(n) in funcs for n in mentioned if n.attr == method.name):
+            once |= _run_once(method)
+    return all(id(send) in once for send in sends)
+
+
+def _run_once(function: Function) -> set[int]:
+    """Return the nodes that run at most once with each call of a function."""
+    loops = [n for n in own_nodes(function) if isinstance(n, (ast.While, ast.For))]
+    repeated = {id(inner) for loop in loops for inner in walk(loop)}
+    return {id(node) for node in own_nodes(function)} - repeated
+
+
+def _is_own_call(node: ast.AST) -> TypeGuard[ast.Call]:
+    return isinstance(node, ast.Call) and is_self_attribute(node.func)
+
+
+def _fix(listener: End) -> str:
+    """Return the subscription as it is written with the durability of the publisher."""
+    call, given = listener.creation.call, (listener.creation.arguments or {}).get("qos_profile")
+    sources, source = listener.sources, listener.creation.source
+    written = sources.written(source, given)
+    if isinstance(written, ast.Call) and "durability" not in {keyword.arg for keyword in written.keywords}:
+        profile = f"{ast.unparse(written).removesuffix(')')}, {_KEEPS})"
+    else:
+        depth = sources.value(source, given)
+        profile = f"QoSProfile(depth={depth if isinstance(depth, int) else 1}, {_KEEPS})"
+    changed = copy.deepcopy(call)
+    for before, argument in zip(call.args, changed.args, strict=True):
+        if before is given:
+            changed.args[changed.args.index(argument)] = ast.parse(profile, mode="eval").body
+    for keyword, argument_word in zip(call.keywords, changed.keywords, strict=True):
+        if keyword.value is given:
+            argument_word.value = ast.parse(profile, mode="eval").body
+    names = [name for name in ("DurabilityPolicy", "QoSProfile") if name not in source.names]
+    more = f", with `from rclpy.qos import {', '.join(names)}` at the top" if names else ""
+    return f"write `{ast.unparse(changed)}`{more}"
