@@ -56,7 +56,7 @@ def noted(
         command = [sys.executable, "-c", f"import {NAME.package}.{Path(files.path('node')).stem}"]
         done = subprocess.run(command, cwd=module, env=environ, capture_output=True, text=True, check=False)
         printed.append(done.stdout + done.stderr)
-    return *printed, *witnessed(notes, Look(root))  # type: ignore[return-value]
+    return *printed, *witnessed(notes, Look(root))[:2]  # type: ignore[return-value]
 
 
 @pytest.mark.parametrize(
@@ -110,3 +110,14 @@ def test_an_error_names_the_line_that_it_names_without(tmp_path: Path) -> None:
     assert [one for one in noting.splitlines() if "line" in one] == [
         one for one in alone.splitlines() if "line" in one
     ]
+
+
+def test_which_functions_were_called_is_known(tmp_path: Path) -> None:
+    noted("if number > 2: self.turns.append(number)", tmp_path)
+    look = Look(tmp_path / "ws")
+    _, _, called = witnessed(tmp_path / "notes", look)
+    lines = {line for source, line in called if source.path and "main" in source.text}
+    text = (
+        tmp_path / "ws" / "src" / NAME.package / Files.right(NAME).path("node").split("/", 2)[2]
+    ).read_text()
+    assert {text.splitlines()[line - 1].split("(")[0].split()[-1] for line in lines} >= {"main", "__init__"}

@@ -36,8 +36,8 @@ from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.running import running
 from ros2lab.scratch import scratch_folder
-from ros2lab.trial.ends import word_that_ended
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
+from ros2lab.trial.story import told_of
 from ros2lab.trial.witnessed import environ_in, witnessed
 from ros2lab.workspace import Workspace
 
@@ -92,13 +92,13 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
         show(f"running {', '.join(program.name for program in programs)}")
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
-        wrong, never = witnessed(notes, look)
+        wrong, never, called = witnessed(notes, look)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
     found = [*seen_faults(seen)]
     # A condition that is never true may be intended, but may also explain other findings.
     story = [
-        *map(_told, seen.alone),
+        *(told_of(seen, run, called) for run in seen.alone),
         *([] if found or wrong else (f"{finding.cause} ({finding.place})" for finding in never)),
     ]
     return Trial(ranked([*wrong, *(never if found or wrong else []), *found]), story)
@@ -240,18 +240,3 @@ class _OwnJob(Job):
         while begin > 0 and _CHAINED.search(printed, 0, begin):
             begin = printed.rfind(_TRACEBACK, 0, begin)
         return printed[max(begin, 0) :]
-
-
-def _told(run: Run) -> str:
-    """Describe in a sentence what a program did."""
-    name = run.programs[0]
-    heard = {topic: published.count for topic, published in run.quiet.items()}
-    for command in run.commands:
-        for topic, published in command.topics.items():
-            heard[topic] = heard.get(topic, 0) + published.count
-    parts = [f"published {count} message{'s' * (count != 1)} on {topic}" for topic, count in heard.items()]
-    parts += [f"subscribed to {topic}" for topic in run.subscribes]
-    if run.ended:
-        word = word_that_ended(run)
-        parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
-    return f"{name} {', '.join(parts) or 'did not publish or subscribe to anything'}."

@@ -22,7 +22,7 @@ from types import CodeType
 from typing import Any
 
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
-_CONDITIONS, _LOOPS = "ros2lab_conditions", "ros2lab_loops"
+_CONDITIONS, _LOOPS, _CALLS = "ros2lab_conditions", "ros2lab_loops", "ros2lab_calls"
 _LONGEST, _MOST_TIMES = 60, 1000
 _SHORT = frozenset(
     ("rclpy.duration", "rclpy.time", "datetime", "enum")
@@ -95,7 +95,7 @@ class _Loop:
 
 
 class _Noting(ast.NodeTransformer):
-    """Instruments each condition and each loop of a file."""
+    """Instruments each condition, each loop and each function of a file."""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -109,6 +109,11 @@ class _Noting(ast.NodeTransformer):
         elif isinstance(node, ast.For):
             self.loops[self._key(node.iter)] = _Loop()
             node.iter = self._call(node.iter, _LOOPS, "over", node.iter)
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            key = ast.Constant(self._key(node))
+            noting = ast.Call(ast.Attribute(ast.Name(_CALLS, ast.Load()), "add", ast.Load()), [key], [])
+            has_text = ast.get_docstring(node, clean=False) is not None
+            node.body.insert(int(has_text), ast.copy_location(ast.Expr(noting), node.body[0]))
         return node
 
     def _condition(self, test: ast.expr) -> ast.expr:
@@ -122,7 +127,7 @@ class _Noting(ast.NodeTransformer):
                 return self._call(test, _CONDITIONS, "compared", left, right)
         return test
 
-    def _key(self, node: ast.expr) -> str:
+    def _key(self, node: ast.expr | ast.stmt) -> str:
         return f"{self.path}:{node.lineno}:{node.col_offset}"
 
     def _call(self, node: ast.expr, holder: str, method: str, *given: ast.expr) -> ast.expr:
@@ -160,6 +165,8 @@ def _begin() -> None:
     loops: dict[str, _Loop] = {}
     setattr(builtins, _CONDITIONS, conditions)
     setattr(builtins, _LOOPS, loops)
+    calls: set[str] = set()
+    setattr(builtins, _CALLS, calls)
 
     def write() -> None:
         asked = {
@@ -169,6 +176,7 @@ def _begin() -> None:
             "conditions": {
                 key: [condition.held, condition.failed, condition.sides] for key, condition in asked.items()
             },
+            "calls": dict.fromkeys(calls),
             "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
         }
         with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:

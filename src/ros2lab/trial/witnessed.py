@@ -23,6 +23,7 @@ MOST = 3  # conditions that are reported
 # Codes that the sources alone may lead to, too: they are reported once per file.
 NOTED = frozenset(("changed-in-loop", "used-up", "never-equal"))
 _ONCE = frozenset(("map", "zip", "filter", "generator", "enumerate", "reversed", "islice", "chain"))
+_DENIALS = (ast.NotEq, ast.NotIn, ast.IsNot)
 _Spot = tuple[PythonSource, int, int]  # a file, a line and a column
 
 
@@ -43,8 +44,11 @@ def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, st
     return {"PYTHONPATH": path, WATCHED: os.pathsep.join(map(str, folders))}
 
 
-def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding]]:
-    """Return the findings that are certain, and those about conditions that were never true.
+Called = frozenset[tuple[PythonSource, int]]  # the functions that were called: their files and lines
+
+
+def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding], Called]:
+    """Return what was noted: certain findings, those about conditions that were never true, and what was called.
 
     Args:
         folder: the folder with the notes.
@@ -54,6 +58,7 @@ def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding]]:
     by_text = {source.text: source for source in sources if source.path}
     conditions: dict[_Spot, list[Any]] = {}
     loops = defaultdict[_Spot, list[Any]](list)
+    called = set[tuple[PythonSource, int]]()
     for file in sorted((folder / "noted").glob("*.json")):
         with contextlib.suppress(OSError, ValueError):
             told = json.loads(file.read_text(encoding="utf-8"))
@@ -62,9 +67,10 @@ def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding]]:
                 conditions[spot] = [before[0] + held, before[1] + failed, sides or before[2]]
             for spot, turns in _spots(told["loops"], by_text):
                 loops[spot] += turns
+            called |= {(source, line) for (source, line, _), _ in _spots(told["calls"], by_text)}
     never = [*_never_true(conditions)]
     wrong = [*_cut_short(loops), *(finding for finding, is_near in never if is_near)]
-    return wrong, [finding for finding, is_near in never if not is_near][:MOST]
+    return wrong, [finding for finding, is_near in never if not is_near][:MOST], frozenset(called)
 
 
 def _spots(told: Mapping[str, Any], by_text: Mapping[str, PythonSource]) -> Iterator[tuple[_Spot, Any]]:
@@ -112,6 +118,8 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
             continue
         left, right = ast.unparse(node.left), ast.unparse(node.comparators[0])
         is_equal = isinstance(node.ops[0], ast.Eq)
+        if isinstance(node.ops[0], _DENIALS):
+            continue  # a guard that never fires is as it should be
         last = [
             f"{text} was {value}" for text, value in ((left, sides[0]), (right, sides[1])) if text != value
         ]

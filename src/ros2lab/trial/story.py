@@ -1,0 +1,68 @@
+"""Describes what a program did while it ran, for a student who sees nothing wrong in it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ros2lab.diagnose.nodes.service_faults import service_ends
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.grading.evidence import Heard, Run
+from ros2lab.rhythm import median_gap
+from ros2lab.trial.ends import word_that_ended
+
+if TYPE_CHECKING:
+    from ros2lab.trial.seen import Seen
+    from ros2lab.trial.witnessed import Called
+
+
+def told_of(seen: Seen, run: Run, called: Called) -> str:
+    """Describe in a sentence what a program published, received and did not receive, and whether it ended.
+
+    Args:
+        seen: all runs.
+        run: the run of this program alone.
+        called: the functions that were called in any run.
+    """
+    name, heard = run.programs[0], seen.heard(run)
+    parts = [_published(topic, stretches, run.quiet.get(topic)) for topic, stretches in heard.items()]
+    parts += [f"subscribed to {topic}{_missed(seen, topic, called)}" for topic in run.subscribes]
+    if run.ended:
+        word = word_that_ended(run)
+        parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
+    parts += _unserved(seen, seen.main(name))
+    return f"{name} {'; '.join(parts) or 'ran until the end and uses no topics'}."
+
+
+def _unserved(seen: Seen, file: str) -> list[str]:
+    """Return what is said of the services and actions that a file calls and nobody in the workspace offers."""
+    ends = [end for package in seen.look.packages for end in service_ends(seen.look.sources(package))]
+    served = {end.name for end in ends if end.is_server}
+    lone = [end for end in ends if not end.is_server and end.name and end.name not in served]
+    return [
+        f"calls /{end.name}, which no program here offers"
+        for end in lone
+        if end.creation.source.shown == file
+    ]
+
+
+def _published(topic: str, stretches: list[Heard], quiet: Heard | None) -> str:
+    count = sum(stretch.count for stretch in stretches)
+    gap = median_gap(quiet.times) if quiet else None
+    pace = f", one every {gap:.3g} s" if gap else ""
+    return f"published {count} message{'s' * (count != 1)} on {topic}{pace}"
+
+
+def _missed(seen: Seen, topic: str, called: Called) -> str:
+    """Say that nothing came on a topic, if that is known: nobody published, or no callback was called."""
+    if topic != seen.command_topic and not any(
+        topic in seen.heard(run) for run in (*seen.alone, *seen.together)
+    ):
+        return ", on which nobody published"
+    callbacks = []
+    for end in seen.ends(topic, is_publisher=False):
+        function = end.sources.function_of(end.creation, (end.creation.arguments or {}).get("callback"))
+        callbacks.append((end.creation.source, function.lineno if function else 0))
+    ran: set[PythonSource] = {source for source, _ in called}
+    is_known = bool(callbacks) and all(line and source in ran for source, line in callbacks)
+    is_called = any(callback in called for callback in callbacks)
+    return ", but received nothing there" if is_known and not is_called else ""
