@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.unanswered import of_unanswered
+from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
 from ros2lab.diagnose.causes.where_made import where_made
 from ros2lab.diagnose.checking.called_at_once import called_at_once
 from ros2lab.diagnose.checking.checked_copies import stands_trial
@@ -168,6 +169,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or taken_from_rclpy(error, known, look)
         or declaration_fault(error, look)
         or of_unanswered(error, look)
+        or undeclared_argument(error, look)
     )
 
 
