@@ -9,6 +9,7 @@ import sys
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
+from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -96,8 +97,6 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 source.at(imported.line),
                 f"import {ROS_1[top]}, and write the node as a subclass of rclpy.node.Node",
             )
-        elif top in interfaces.PACKAGES and imported.is_from:
-            yield from _wrong_home(source, imported)
         elif imported.is_from and top in own_modules:
             yield from _own_module(source, imported, own_modules)
         elif whole := _bare_sibling(source, imported, own_modules):
@@ -111,6 +110,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 source.at(imported.line),
                 f"write {wanted}",
             )
+    yield from wrong_imports(source, {name: bound_names(module) for name, module in own_modules.items()})
     for name, node in undefined_names(source):
         if name in sources.members_at(source, node):
             yield Finding(
@@ -202,21 +202,13 @@ def _hands_on(source: PythonSource, name: str, used: ast.AST) -> Function | None
     return function if is_short else None
 
 
-def _wrong_home(source: PythonSource, imported: Import) -> Iterator[Finding]:
-    module, _, name = imported.target.rpartition(".")
-    names = interfaces.names_in(module)
-    if name == "*" or names is None or name in names:
-        return
-    homes = interfaces.homes_of(name)
-    known = sorted(names | {message for home in homes for message in (interfaces.names_in(home) or ())})
-    close = nearest(name, known)
-    yield Finding(
-        "import-wrong",
-        f"{name} is not in {module}"
-        + (f"; it is in {homes[0]}." if homes else f".{f' Did you mean {close}?' if close else ''}"),
-        source.at(imported.line),
-        f"write `from {homes[0] if homes else module} import {name if homes or not close else close}`",
-    )
+def bound_names(source: PythonSource) -> frozenset[str]:
+    """Return the names that a file binds at its top level, as far as they are known; empty if they are not."""
+    is_open = any(imported.local == "*" for imported in source.imports) or source.fault is not None
+    names = {node.id for node in source.nodes if isinstance(node, ast.Name)}
+    binds = {node.name for node in source.tree.body if isinstance(node, ast.FunctionDef)}
+    is_open = is_open or bool(names & {"exec", "globals"}) or "__getattr__" in binds
+    return frozenset() if is_open else frozenset(_bound(source)[0] | _MODULE_NAMES)
 
 
 def _own_module(source: PythonSource, imported: Import, own_modules: Collection[str]) -> Iterator[Finding]:

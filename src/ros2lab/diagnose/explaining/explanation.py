@@ -8,7 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
+from ros2lab.diagnose.causes.init_order import of_init_order
 from ros2lab.diagnose.causes.unanswered import of_unanswered
 from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
 from ros2lab.diagnose.causes.where_made import where_made
@@ -164,6 +166,8 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
     return (
         of_assertion(error, look)
         or of_test_without_init(error, look)
+        or of_init_order(error, look)
+        or of_answer(error, look)
         or made_twice(error, known, look)
         or called_by_rclpy(error, look)
         or taken_from_rclpy(error, known, look)

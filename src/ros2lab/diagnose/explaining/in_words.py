@@ -12,7 +12,7 @@ from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.code.syntax import explained
 from ros2lab.diagnose.explaining.meaning import Meaning
-from ros2lab.diagnose.explaining.not_found import no_module
+from ros2lab.diagnose.explaining.not_found import no_module, wrong_import
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import set_field
@@ -33,8 +33,11 @@ def said_of(
     told = None
     if meaning.codes[0] == "parameter-file-syntax":
         told = of_parameter_file(error.text, look)
+    elif meaning.codes[0] == "import-wrong":
+        told = wrong_import(spot_at(place, look), groups, look)
     elif meaning.codes[0] == "entry-point-module":
         told = no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
+        told = told or wrong_import(spot_at(place, look), groups, look)
     if told or meaning.cause:
         return [told or _in_words(meaning, groups, place, error, look)]
     report = error.reports[-1] if error.reports else ErrorReport("", "")

@@ -199,7 +199,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'",
         "import-wrong module-missing",
         "There is no {name} in {module}.",
-        "nodes come from rclpy.node, messages from <package>.msg",
+        "remove {name} from the import if nothing uses it; otherwise write the name that {module} has for it",
     ),
     meaning(
         r"module '(?P<module>[\w.]+)' has no attribute 'main'",

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from ros2lab.diagnose.code.imports import bare_import
+from ros2lab.diagnose.code.imports import bare_import, bound_names
+from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.explaining.unbuilt import not_yet_built
 from ros2lab.diagnose.finding import Finding, at, stops_build
 from ros2lab.diagnose.look import Look
@@ -16,9 +18,11 @@ from ros2lab.diagnose.packaging.layout_faults import hidden, outside
 from ros2lab.diagnose.packaging.listed_packages import not_built
 from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, nearest_module
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, is_module, nearest_module
 from ros2lab.diagnose.sources.other_names import by_another_name
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
 
 # Faults that keep an executable from the folder where `ros2 run` looks, the likeliest first.
@@ -235,9 +239,7 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
         look: the workspace; None if there is none.
     """
     top = name.partition(".")[0]
-    if top in PACKAGES and is_installed(top):
-        if nearest_module(name):  # of this Python's own, misspelt
-            return None
+    if top in PACKAGES and is_installed(top) and (name == top or is_module(name)):
         return Finding(
             "command-not-found",
             f"The Python that ran this does not find {top}, but the course's own Python does: it is a different Python, or a terminal without ROS.",
@@ -257,6 +259,28 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
         place,
         f"install the library that provides {top}, following its documentation, and name it in package.xml; or fix the name",
     )
+
+
+def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look | None) -> Finding | None:
+    """Return the finding of an import that failed; None if what was meant is not known.
+
+    Args:
+        spot: the line of the import; without a source, only the message is known.
+        groups: the module, and the name in it, of the message `cannot import name`.
+        look: the workspace; None if there is none.
+    """
+    packages = look.packages if look else []
+    own = {name: bound_names(source) for package in packages for name, source in package.sources.items()}
+    source = spot.source
+    if source is None and groups.get("module"):
+        source = PythonSource("", "", f"from {groups['module']} import {groups['name']}")
+    if source is None:
+        return None
+    found = [*wrong_imports(source, own, is_sure=True)]
+    if spot.source is None:
+        return replace(found[0], place="") if found else None
+    here = {source.at(line) for line in spot.lines}
+    return next((finding for finding in found if finding.place in here), None)
 
 
 def _own_module(name: str, place: str, look: Look) -> Finding | None:

@@ -14,6 +14,7 @@ from typing import Any
 
 from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, path_faults, tuple_by_comma
 from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
@@ -135,12 +136,13 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
     for imported in source.imports:
         module, _, name = imported.target.rpartition(".")
         homes = launch_homes_of(imported.local) if imported.is_from and imported.local[:1].isupper() else []
-        # A name that its module does not have at all is reported where the file is run.
+        # A name that its module does not have at all is one of the wrong imports below.
         is_other = name != imported.local or module.partition(".")[0] == "rclpy"
         if homes and is_other and module not in homes:
             cause = f"{imported.local} here is {imported.target}, but the {imported.local} for launch files is in {homes[0]}."
             fix = f"write `from {homes[0]} import {imported.local}`"
             yield Finding("import-wrong", cause, source.at(imported.line), fix)
+    yield from wrong_imports(source, {})
     yield from comma_faults(source)
     yield from path_faults(source)
     worded = {finding.fix.partition("'")[2].partition("'")[0] for finding in kind_faults(source)}

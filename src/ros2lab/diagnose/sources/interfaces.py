@@ -122,6 +122,93 @@ def has_name(module: str, name: str) -> bool:
     return name in (names or ())
 
 
+def importable_names(module: str) -> frozenset[str] | None:
+    """Return the names that can be imported from an installed module or one of Python's own; None if not known."""
+    if module.partition(".")[0] not in sys.stdlib_module_names:
+        return names_in(module) or _names_looked_up(module)
+    try:
+        own = own_module(module)
+    except ImportError:
+        return None
+    return frozenset(dir(own)) | _submodules(module) if own else None
+
+
+@lru_cache(maxsize=64)
+def _names_looked_up(module: str) -> frozenset[str] | None:
+    """Return the names that a package with a `__getattr__` may know: those that its files mention; else None."""
+    package, *rest = module.split(".")
+    folder = folder_of(package)
+    file = folder.joinpath(*rest, "__init__.py") if folder else Path("-")
+    text = read_text(file) if file.is_file() else ""
+    if "__getattr__" not in text:
+        return None
+    defined = (
+        re.findall(r"^(?:class|def) (\w+)", read_text(path), re.MULTILINE)
+        for path in file.parent.glob("*.py")
+    )
+    return frozenset(re.findall(r"[A-Za-z_]\w*", text)).union(*defined) | _submodules(module)
+
+
+def module_meant(name: str) -> str:
+    """Return the module that a misspelled dotted name means, or the name itself; empty if there is none."""
+    first, *rest = name.split(".")
+    found = first if is_installed(first) else meant(first) or ""
+    for part in rest if found else ():
+        inner = _submodules(found)
+        close = part if part in inner else nearest(part, inner, 0.6)
+        if not close:
+            return ""
+        found = f"{found}.{close}"
+    return found
+
+
+def homes_around(name: str, module: str) -> list[str]:
+    """Return the modules that define a name: those around a module first, then those of Python.
+
+    Of Python's modules, one counts only if no other defines the name, or if the name begins its own.
+    """
+    package = module.partition(".")[0]
+    near = [package, *(f"{package}.{inner}" for inner in sorted(_submodules(package)))]
+    found = [home for home in near if home != module and _defines(home, name)]
+    of_python = [home for home in _defined_by_python().get(name, ()) if home != module]
+    first = [home for home in of_python if home.startswith(name.lower())]
+    return found + (first or of_python if len(first or of_python) == 1 else [])
+
+
+def _defines(module: str, name: str) -> bool:
+    return name in (importable_names(module) or ()) and not is_module(f"{module}.{name}")
+
+
+@lru_cache(maxsize=1)
+def _defined_by_python() -> Mapping[str, tuple[str, ...]]:
+    """Return the public modules of Python that define each class and function."""
+    found: dict[str, list[str]] = {}
+    folder = Path(ast.__file__).parent
+    for module in sorted(sys.stdlib_module_names - PROGRAMS):
+        path = folder / f"{module}.py"
+        if not module.startswith("_") and path.is_file():
+            for name in re.findall(r"^(?:class|def) ([A-Za-z]\w*)", read_text(path), re.MULTILINE):
+                found.setdefault(name, []).append(module)
+    for module in sys.builtin_module_names:
+        if not module.startswith("_"):
+            for name in vars(importlib.import_module(module)):
+                found.setdefault(name, []).append(module)
+    return {name: tuple(dict.fromkeys(modules)) for name, modules in found.items()}
+
+
+@lru_cache(maxsize=256)
+def _submodules(package: str) -> frozenset[str]:
+    """Return the names of the public modules directly inside an installed package."""
+    top, *rest = package.split(".")
+    folder = folder_of(top)
+    path = folder.joinpath(*rest) if folder else Path("-")
+    found = {inner.stem for inner in path.glob("*.py")} | {
+        file.parent.name for file in path.glob("*/__init__.py")
+    }
+    found |= {inner.name.partition(".")[0] for inner in path.glob("*.so")}
+    return frozenset(name for name in found if not name.startswith("_"))
+
+
 def nearest_module(name: str) -> str | None:
     """Return the installed module that a misspelt name such as `rclpy.nod` means; None if there is none."""
     parent, _, last = name.rpartition(".")

@@ -142,7 +142,7 @@ class PythonSource:
                     target = alias.name if alias.asname else alias.name.partition(".")[0]
                     yield Import(alias.asname or target, alias.name, node.lineno, False, is_guarded)
             elif isinstance(node, ast.ImportFrom):
-                module = self._absolute(node)
+                module = self.absolute(node)
                 for alias in node.names:
                     target = f"{module}.{alias.name}" if module else alias.name
                     yield Import(alias.asname or alias.name, target, node.lineno, True, is_guarded)
@@ -150,7 +150,8 @@ class PythonSource:
                 # An import in a `try` or below a condition does not always happen.
                 yield from self._imports(node, is_guarded or isinstance(node, (ast.Try, ast.If)))
 
-    def _absolute(self, node: ast.ImportFrom) -> str:
+    def absolute(self, node: ast.ImportFrom) -> str:
+        """Return the full name of the module from which a statement imports."""
         if not node.level:
             return node.module or ""
         parts = self.name.split(".")

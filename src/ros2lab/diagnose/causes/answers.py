@@ -1,0 +1,158 @@
+"""An exception inside rclpy that comes from what a callback of the student's returned to it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ros2lab.diagnose.checking.trials import type_of
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.static_value import dotted
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What rclpy expects back from a kind of callback.
+
+    Attributes:
+        file: the file of rclpy that uses the answer.
+        position: where the call that registers the callback takes it.
+        keyword: the name of that argument.
+        wanted: the class of the answer, as a regular expression.
+        answer: an answer that is accepted; `{last}` is the last parameter of the callback.
+        home: the module of the class that the answer names; empty if it needs no import.
+    """
+
+    file: str
+    position: int
+    keyword: str
+    wanted: str
+    answer: str
+    home: str = ""
+
+
+_TRANSITION = _Kind(
+    "lifecycle", 0, "", "TransitionCallbackReturn", "TransitionCallbackReturn.SUCCESS", "rclpy.lifecycle"
+)
+_REGISTERED = {
+    "create_service": _Kind("service.py", 2, "callback", r"\w*Response", "{last}"),
+    "add_on_set_parameters_callback": _Kind(
+        "node.py",
+        0,
+        "callback",
+        "SetParametersResult",
+        "SetParametersResult(successful=True)",
+        "rcl_interfaces.msg",
+    ),
+    "add_pre_set_parameters_callback": _Kind("node.py", 0, "callback", r"list\b.*", "{last}"),
+    "goal_callback": _Kind("action/server.py", 4, "", "GoalResponse", "GoalResponse.ACCEPT", "rclpy.action"),
+    "cancel_callback": _Kind(
+        "action/server.py", 6, "", "CancelResponse", "CancelResponse.ACCEPT", "rclpy.action"
+    ),
+}
+
+
+@dataclass(frozen=True)
+class _Answering:
+    """A function whose return value rclpy uses."""
+
+    source: PythonSource
+    function: ast.FunctionDef
+    kind: _Kind
+
+    @property
+    def answer(self) -> str:
+        last = [parameter.arg for parameter in parameters(self.function)][-1:] or ["response"]
+        return self.kind.answer.format(last=last[0])
+
+    @property
+    def more(self) -> str:
+        """The import that the answer needs; empty if the file has it."""
+        name = re.match(r"[A-Z]\w+", self.answer)
+        is_known = name is None or name[0] in self.source.names
+        return (
+            "" if is_known or name is None else f", with `from {self.kind.home} import {name[0]}` at the top"
+        )
+
+
+def of_answer(error: ErrorText, look: Look) -> Finding | None:
+    """Return the callback whose return value rclpy cannot use; None if the error is about something else."""
+    report = error.reports[-1] if error.reports else None
+    if report is None or not report.frames or report.frames[-1] in own_frames(report.frames):
+        return None
+    files = "\n".join(frame.file for frame in report.frames if frame not in own_frames(report.frames))
+    for package in look.packages:
+        for answering in _answering(look.sources(package)):
+            if f"rclpy/{answering.kind.file}" in files and (found := _of_function(answering)):
+                return found
+    return None
+
+
+def _answering(sources: NodeSources) -> Iterator[_Answering]:
+    """Yield the functions that rclpy calls and whose return value it uses."""
+    for owner in filter(sources.is_managed, sources.nodes):
+        for name, method in owner.methods.items():
+            if re.fullmatch("on_(configure|activate|deactivate|cleanup|shutdown|error)", name):
+                yield from _with(owner.source, method, _TRANSITION)
+    for source in sources.sources.values():
+        for node in source.nodes:
+            if not isinstance(node, ast.Call):
+                continue
+            if kind := _REGISTERED.get((dotted(node.func) or "").rpartition(".")[2]):
+                given = [keyword.value for keyword in node.keywords if keyword.arg == kind.keyword]
+                given += node.args[kind.position : kind.position + 1]
+                yield from _given(source, given, kind)
+            for keyword in node.keywords:
+                if keyword.arg in ("goal_callback", "cancel_callback"):
+                    yield from _given(source, [keyword.value], _REGISTERED[keyword.arg])
+
+
+def _given(source: PythonSource, given: list[ast.expr], kind: _Kind) -> Iterator[_Answering]:
+    for value in given[:1]:
+        if home := own_function(source, value):
+            yield from _with(*home, kind)
+
+
+def _with(source: PythonSource, function: Function, kind: _Kind) -> Iterator[_Answering]:
+    if isinstance(function, ast.FunctionDef) and not function.decorator_list:
+        yield _Answering(source, function, kind)
+
+
+def _of_function(answering: _Answering) -> Finding | None:
+    """Return what is wrong with what a function returns; None if nothing is seen."""
+    source, function, answer = answering.source, answering.function, answering.answer
+    needs = f"rclpy needs {answer if answer.isidentifier() else _class_of(answer)} back from it"
+    for node in own_nodes(function):
+        if isinstance(node, ast.Return) and (given := _refused(answering, node)):
+            cause = f"{function.name}() returns {given}, but {needs}."
+            fix = f"write `return {answer}` instead of `{ast.unparse(node)}`{answering.more}"
+            return Finding("made-wrong", cause, source.at(node), fix)
+    if not may_fall_through(function):
+        return None
+    cause = f"{function.name}() ends without a return, but {needs}."
+    fix = f"write `return {answer}` as the last line of {function.name}(){answering.more}"
+    return Finding("made-wrong", cause, source.at(function), fix)
+
+
+def _class_of(answer: str) -> str:
+    return f"a {re.split(r'[.(]', answer)[0]}"
+
+
+def _refused(answering: _Answering, node: ast.Return) -> str:
+    """Return what a statement returns, in words, if rclpy cannot use it; else empty."""
+    value, source = node.value, answering.source
+    if value is None:
+        return "nothing"
+    text = ast.unparse(value)
+    if text == answering.answer or isinstance(value, ast.Await) or "super()" in text:
+        return ""
+    kind = type_of(source, value)
+    is_known = bool(kind) and not re.search(r"Unknown|Any|\bobject\b", kind)
+    return f"`{text}`" if is_known and not re.search(answering.kind.wanted, kind) else ""

@@ -1,0 +1,163 @@
+"""A node that is made before rclpy.init() is called: where each of the two belongs."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+
+_CODE = "rclpy-init-missing"
+
+
+def of_init_order(error: ErrorText, look: Look) -> Finding | None:
+    """Return where rclpy.init() must be called, for an error that says that it was not; None for any other."""
+    report = error.reports[-1] if error.reports else None
+    if report is None or not _is_before_init(report):
+        return None
+    frames = [*reversed(own_frames(report.frames))]
+    spots = [spot_at(place_of([frame], look), look) for frame in frames]
+    if not spots or any(spot.source is None or not spot.source.tree.body for spot in spots):
+        return None
+    if any(_ends(spot) for spot in spots):
+        return None
+    for spot in spots:
+        inits = [*_inits(_own_nodes(spot), spot.source)]
+        if any(init.lineno < spot.lines[0] for init in inits):
+            return None
+        if inits:
+            return _late(inits[0], spot)
+    at_import = [spot for spot in spots if _function(spot) is None and not _is_started(spot)]
+    return _on_import(at_import[-1], spots) if at_import else _without(spots)
+
+
+def _is_before_init(report: ErrorReport) -> bool:
+    """Return whether an error says that rclpy has no context yet, in its words or by the line that needs it."""
+    if report.kind == "NotInitializedException":
+        return "rclpy.init" in report.message
+    needs = report.frames[-1].text if report.frames else ""
+    return "'NoneType'" in report.message and needs.startswith("with") and needs.endswith("context.handle:")
+
+
+def _function(spot: Spot) -> Function | None:
+    """Return the function whose body contains a line; None for what runs when the file is imported."""
+    function = spot.function
+    return function if function and function.body[0].lineno <= spot.line else None
+
+
+def _own_nodes(spot: Spot) -> Iterator[ast.AST]:
+    """Yield the nodes of the function, or of the file's top level, that a line belongs to."""
+    function = _function(spot)
+    if function:
+        yield from own_nodes(function)
+        return
+    for statement in spot.source.tree.body if spot.source else ():
+        if not isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            yield from ast.walk(statement)
+
+
+def _inits(nodes: Iterator[ast.AST], source: PythonSource | None) -> Iterator[ast.Call]:
+    calls = (node for node in nodes if isinstance(node, ast.Call))
+    return (call for call in calls if source and source.resolve(call.func) == "rclpy.init")
+
+
+def _ends(spot: Spot) -> bool:
+    """Return whether rclpy may have been shut down before a line is reached."""
+    calls = (node for node in _own_nodes(spot) if isinstance(node, ast.Call) and node.lineno < spot.line)
+    return any(ast.unparse(call.func).endswith("shutdown") for call in calls)
+
+
+def _is_started(spot: Spot) -> bool:
+    """Return whether a line runs only where its file is started, below `if __name__ == "__main__":`."""
+    statement = _statement(spot)
+    return isinstance(statement, ast.If) and "__name__" in ast.unparse(statement.test)
+
+
+def _statement(spot: Spot) -> ast.stmt | None:
+    """Return the statement at the top level of the file that contains a line."""
+    body = spot.source.tree.body if spot.source else []
+    return next((n for n in body if n.lineno <= spot.line <= (n.end_lineno or n.lineno)), None)
+
+
+def _late(init: ast.Call, spot: Spot) -> Finding:
+    cause = (
+        f"Line {spot.lines[0]} makes a node, but rclpy.init() is only called after it, on line {init.lineno}."
+    )
+    fix = (
+        f"move `{ast.unparse(init)}` from line {init.lineno} to a line of its own above line {spot.lines[0]}"
+    )
+    return Finding(_CODE, cause, _at(spot), fix)
+
+
+def _on_import(spot: Spot, spots: list[Spot]) -> Finding:
+    """Return the finding of a node that is made when Python imports the file."""
+    assert spot.source is not None
+    source, statement = spot.source, _statement(spot)
+    first = min(
+        (n.lineno for n in [*getattr(statement, "decorator_list", ()), statement] if n), default=spot.line
+    )
+    sources = {s.source.shown: s.source for s in spots if s.source}
+    inits = [(home, init) for home in sources.values() for init in _inits(iter(home.nodes), home)]
+    imported = "" if "rclpy" in source.names else ", with `import rclpy` at the top"
+    cause = "The node is made when Python imports the file, before any function runs"
+    if len(inits) != 1:
+        return Finding(_CODE, f"{cause}.", _at(spot), f"write `rclpy.init()` above line {first}{imported}")
+    home, init = inits[0]
+    function = Spot(home, init.lineno).function
+    cause += f"; {function.name}() calls rclpy.init() only later." if function else "."
+    written, where = ast.unparse(init), f"line {init.lineno}" if home.shown == source.shown else home.at(init)
+    is_here = home.shown == source.shown
+    if is_here and function and (lines := _movable(source, statement, function, init)):
+        what = f"line {' and '.join(map(str, lines))}"
+        fix = f"move {what} into {function.name}(), indented, right below `{written}` ({where})"
+        return Finding(_CODE, cause, _at(spot), fix)
+    fix = f"write `rclpy.init()` above line {first}{imported}, and remove `{written}` ({where})"
+    return Finding(_CODE, cause, _at(spot), fix)
+
+
+def _movable(
+    source: PythonSource, statement: ast.stmt | None, function: Function, init: ast.Call
+) -> list[int]:
+    """Return the lines that can move into a function, because nothing else uses what they bind; else none."""
+    if not isinstance(statement, ast.Assign):
+        return []
+    moved: list[ast.stmt] = []
+    names: set[str] = set()
+    for inner in source.tree.body:
+        is_code = isinstance(inner, (ast.Assign, ast.Expr, ast.AugAssign))
+        if inner is statement or (moved and is_code and _named(inner) & names):
+            moved.append(inner)
+            names |= {
+                n.id for n in ast.walk(inner) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+            }
+        elif moved and inner is not function and _named(inner) & names:
+            return []
+    used = [n.lineno for n in ast.walk(function) if isinstance(n, ast.Name) and n.id in names]
+    is_used_later = bool(used) and min(used) > init.lineno
+    lines = [line for n in moved for line in range(n.lineno, (n.end_lineno or n.lineno) + 1)]
+    return lines if is_used_later and function in source.tree.body else []
+
+
+def _named(node: ast.AST) -> set[str]:
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+
+
+def _without(spots: list[Spot]) -> Finding | None:
+    """Return the finding of a program that calls rclpy.init() nowhere on its way to the node."""
+    spot = next((spot for spot in spots if _function(spot)), None)
+    function = _function(spot) if spot else None
+    if spot is None or spot.source is None or function is None:
+        return None
+    line, names = spot.lines[0], {parameter.arg for parameter in parameters(function)}
+    written = "rclpy.init(args=args)" if "args" in names else "rclpy.init()"
+    imported = "" if "rclpy" in spot.source.names else ", with `import rclpy` at the top"
+    cause = f"{function.name}() makes a node, but rclpy.init() is not called before it."
+    return Finding(_CODE, cause, _at(spot), f"write `{written}` above line {line}{imported}")
+
+
+def _at(spot: Spot) -> str:
+    return spot.source.at(spot.lines[0]) if spot.source else ""

@@ -1,0 +1,194 @@
+"""Imports of names or modules that are not there, and the statements that import what was meant."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.spelling import nearest
+
+_Home = tuple[str, str]  # the module and the name in it
+# The packages whose names are known to be those of the student's computer, too.
+_KNOWN = interfaces.PACKAGES | sys.stdlib_module_names | {"setuptools"}
+_MOST_OFFERED = 6  # names of a module that are offered
+
+
+def wrong_imports(
+    source: PythonSource, own: Mapping[str, Collection[str]], *, is_sure: bool = False
+) -> Iterator[Finding]:
+    """Yield the import statements that ask a module for names that it does not have, or that name no module.
+
+    Args:
+        source: the file.
+        own: the names that each module of the workspace binds.
+        is_sure: whether an import is known to fail: then those in a `try` are looked at as well, and any
+            installed module, not only those of ROS and of Python.
+    """
+    guarded = {imported.line for imported in source.imports if imported.is_guarded}
+    for node in source.nodes:
+        if getattr(node, "lineno", None) in guarded and not is_sure:
+            continue
+        if isinstance(node, ast.ImportFrom) and (found := _of_names(source, node, own, is_sure=is_sure)):
+            yield found
+        elif isinstance(node, ast.Import):
+            yield from _of_modules(source, node, own)
+
+
+def _of_names(
+    source: PythonSource, node: ast.ImportFrom, own: Mapping[str, Collection[str]], *, is_sure: bool
+) -> Finding | None:
+    module = source.absolute(node)
+    top = module.partition(".")[0]
+    is_known = is_sure or module in own or top in _KNOWN
+    if not is_known or any(alias.name == "*" for alias in node.names):
+        return None
+    names = own.get(module) or interfaces.importable_names(module)
+    if names is None and (top in own or not _lacks(module)):
+        return None
+    wrong = [alias.name for alias in node.names if alias.name not in (names or ())]
+    wrong = [name for name in wrong if f"{module}.{name}" not in own]
+    if not wrong:
+        return None
+    homes = _homes(module, wrong, names, source)
+    cause = (
+        f"There is no module {module}"
+        if names is None
+        else f"{wrong[0]} is not in {module}"
+        if len(wrong) == 1
+        else f"{' and '.join(wrong)} are not in {module}"
+    )
+    return Finding(
+        "import-wrong",
+        cause + _meant(module, wrong, homes, is_module=names is not None),
+        source.at(node),
+        _fix(source, node, homes, names),
+    )
+
+
+def _lacks(module: str) -> bool:
+    """Return whether an installed package, or Python itself, has no module of this name."""
+    parent, _, last = module.rpartition(".")
+    names = interfaces.importable_names(parent) if parent else None
+    return names is not None and last not in names and not interfaces.is_module(module)
+
+
+def _homes(
+    module: str, wrong: Sequence[str], names: Collection[str] | None, source: PythonSource
+) -> dict[str, _Home]:
+    """Return where each of the missing names is, as it was meant; a name of which nothing is known is left out."""
+    meant = interfaces.module_meant(module) if names is None else module
+    known = (names or interfaces.importable_names(meant) or ()) if meant else ()
+    taken = {
+        name for name in known if interfaces.is_module(whole := f"{meant}.{name}") or whole in sys.modules
+    }
+    found: dict[str, _Home] = {}
+    for name in wrong:
+        if names is None and name in known:
+            found[name] = meant, name
+            continue
+        near = nearest(name, known)
+        if near and near.lower() == name.lower() and near not in taken:
+            found[name] = meant, near
+        elif homes := [
+            *interfaces.homes_for(name, [imported.target for imported in source.imports]),
+            *interfaces.homes_around(name, module),
+        ]:
+            found[name] = homes[0], name
+        elif near:
+            found[name] = meant, near
+    return found
+
+
+def _meant(module: str, wrong: Sequence[str], homes: Mapping[str, _Home], *, is_module: bool) -> str:
+    """Say where the missing names are, as the end of a sentence, and what similar names there are."""
+    said = asked = ""
+    for name in wrong:
+        home, meant = homes.get(name, ("", ""))
+        if meant == name and home != module:
+            said += f"; it is in {home}" if len(wrong) == 1 and is_module else f"; {name} is in {home}"
+        elif meant:
+            asked += f" Did you mean {meant}?"
+    return f"{said}.{asked}"
+
+
+def _fix(
+    source: PythonSource, node: ast.ImportFrom, homes: Mapping[str, _Home], names: Collection[str] | None
+) -> str:
+    """Return the statements that import the same names from where they are, and what else must be renamed."""
+    by_home: dict[str, list[str]] = {}
+    renamed: dict[str, str] = {}
+    lost: list[str] = []
+    module = f"{'.' * node.level}{node.module or ''}"
+    for alias in node.names:
+        if alias.name in homes:
+            home, name = homes[alias.name]
+            home = module if home == source.absolute(node) else home
+            if name != alias.name and not alias.asname:
+                renamed[alias.name] = name
+        elif alias.name in (names or ()):
+            home, name = module, alias.name
+        else:
+            lost.append(alias.name)
+            continue
+        by_home.setdefault(home, []).append(f"{name} as {alias.asname}" if alias.asname else name)
+    written = [f"`from {home} import {', '.join(names)}`" for home, names in by_home.items()]
+    if not homes:
+        return _without(source, lost, written, names)
+    used = [
+        f"{new} instead of {old} on line {' and '.join(map(str, lines))}"
+        for old, new in renamed.items()
+        if (lines := _used(source, old))
+    ]
+    instead = f", one below the other, instead of line {node.lineno}" if len(written) > 1 else ""
+    return f"write {' and '.join(written)}{instead}{', and ' if used else ''}{' and '.join(used)}"
+
+
+def _without(
+    source: PythonSource, lost: Sequence[str], written: Sequence[str], names: Collection[str] | None
+) -> str:
+    """Say what to do with names of which nothing is known."""
+    if not any(_used(source, name) for name in lost):
+        return (
+            f"write {written[0]}: nothing here uses {' or '.join(lost)}"
+            if written
+            else "remove this line: nothing here uses what it imports"
+        )
+    offered = sorted(name for name in names or () if not name.startswith("_"))
+    if 0 < len(offered) <= _MOST_OFFERED:
+        return f"import one of the names that it has: {', '.join(offered)}"
+    return f"define {' and '.join(lost)} there, or write the name of what was meant"
+
+
+def _used(source: PythonSource, name: str) -> list[int]:
+    """Return the lines on which a file uses a name."""
+    return sorted({node.lineno for node in source.nodes if isinstance(node, ast.Name) and node.id == name})
+
+
+def _of_modules(
+    source: PythonSource, node: ast.Import, own: Mapping[str, Collection[str]]
+) -> Iterator[Finding]:
+    """Yield submodules that a statement such as `import rclpy.nodes` names, and that are not there."""
+    for alias in node.names:
+        top = alias.name.partition(".")[0]
+        is_known = top in _KNOWN and top not in own
+        meant = interfaces.module_meant(alias.name) if is_known and _lacks(alias.name) else ""
+        if meant:
+            now = f"import {meant} as {alias.asname}" if alias.asname else f"import {meant}"
+            lines = sorted(
+                {
+                    n.lineno
+                    for n in source.nodes
+                    if isinstance(n, ast.Attribute) and ast.unparse(n) == alias.name
+                }
+            )
+            used = (
+                f", and {meant} instead of {alias.name} on line {' and '.join(map(str, lines))}"
+                if lines
+                else ""
+            )
+            cause = f"There is no module {alias.name}. Did you mean {meant}?"
+            yield Finding("import-wrong", cause, source.at(node), f"write `{now}`{used}")
