@@ -59,6 +59,11 @@ _REGISTERED = {
 }
 
 
+_REJECTED = (
+    "Callback returned an invalid type"  # what rclpy logs of a parameter callback, without an exception
+)
+
+
 @dataclass(frozen=True)
 class _Answering:
     """A function whose return value rclpy uses."""
@@ -85,9 +90,12 @@ class _Answering:
 def of_answer(error: ErrorText, look: Look) -> Finding | None:
     """Return the callback whose return value rclpy cannot use; None if the error is about something else."""
     report = error.reports[-1] if error.reports else None
-    if report is None or not report.frames or report.frames[-1] in own_frames(report.frames):
+    own = own_frames(report.frames) if report else []
+    files = "\n".join(frame.file for frame in report.frames if frame not in own) if report else ""
+    if report and (not report.frames or report.frames[-1] in own):
         return None
-    files = "\n".join(frame.file for frame in report.frames if frame not in own_frames(report.frames))
+    if _REJECTED in error.decisive:
+        files = "rclpy/node.py"
     for package in look.packages:
         for answering in _answering(look.sources(package)):
             if f"rclpy/{answering.kind.file}" in files and (found := _of_function(answering)):
@@ -132,7 +140,7 @@ def _of_function(answering: _Answering) -> Finding | None:
     for node in own_nodes(function):
         if isinstance(node, ast.Return) and (given := _refused(answering, node)):
             cause = f"{function.name}() returns {given}, but {needs}."
-            fix = f"write `return {answer}` instead of `{ast.unparse(node)}`{answering.more}"
+            fix = f"write `return {answer}` instead of what line {node.lineno} returns{answering.more}"
             return Finding("made-wrong", cause, source.at(node), fix)
     if not may_fall_through(function):
         return None
@@ -153,6 +161,8 @@ def _refused(answering: _Answering, node: ast.Return) -> str:
     text = ast.unparse(value)
     if text == answering.answer or isinstance(value, ast.Await) or "super()" in text:
         return ""
+    if text in {parameter.arg for parameter in parameters(answering.function)}:
+        return f"`{text}`"  # what it was given, and not the answer
     kind = type_of(source, value)
     is_known = bool(kind) and not re.search(r"Unknown|Any|\bobject\b", kind)
     return f"`{text}`" if is_known and not re.search(answering.kind.wanted, kind) else ""

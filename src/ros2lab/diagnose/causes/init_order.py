@@ -103,7 +103,7 @@ def _on_import(spot: Spot, spots: list[Spot]) -> Finding:
     sources = {s.source.shown: s.source for s in spots if s.source}
     inits = [(home, init) for home in sources.values() for init in _inits(iter(home.nodes), home)]
     imported = "" if "rclpy" in source.names else ", with `import rclpy` at the top"
-    cause = "The node is made when Python imports the file, before any function runs"
+    cause = "This line runs when Python imports the file, before any function is called"
     if len(inits) != 1:
         return Finding(_CODE, f"{cause}.", _at(spot), f"write `rclpy.init()` above line {first}{imported}")
     home, init = inits[0]
@@ -155,7 +155,7 @@ def _without(spots: list[Spot]) -> Finding | None:
     line, names = spot.lines[0], {parameter.arg for parameter in parameters(function)}
     written = "rclpy.init(args=args)" if "args" in names else "rclpy.init()"
     imported = "" if "rclpy" in spot.source.names else ", with `import rclpy` at the top"
-    cause = f"{function.name}() makes a node, but rclpy.init() is not called before it."
+    cause = f"{function.name}() makes a node before rclpy.init() is called."
     return Finding(_CODE, cause, _at(spot), f"write `{written}` above line {line}{imported}")
 
 

@@ -249,7 +249,8 @@ def kind_of_call(source: PythonSource, call: ast.Call) -> str:
     known = getattr(builtins, name, None) if isinstance(call.func, ast.Name) else None
     if isinstance(known, type):
         return known.__name__
-    return {"get_parameter": "Parameter", "input": "str"}.get(name, "")
+    known_calls = {"get_parameter": "Parameter", "get_parameter_value": "ParameterValue", "input": "str"}
+    return known_calls.get(name, "")
 
 
 def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
@@ -325,9 +326,8 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
     """Return what is said of a call that does not return what is needed."""
     name, written = origin.name, ast.unparse(call)
     store = f"{name} = " if name != written else ""
-    if origin.kind == "Parameter":
-        cause = f"{written} is the parameter itself, with its name and type, not its value."
-        return cause, origin.place, f"write {store}{written}.value"
+    if origin.kind in ("Parameter", "ParameterValue"):
+        return _of_parameter(origin, call, spot)
     is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
     if origin.kind == "str" and (({"int", "float"} & set(kinds) and store) or (kinds == ["str"] and is_str)):
         number = ast.unparse(call.args[0]) if is_str else f"float({written})"
@@ -339,6 +339,40 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
         cause = f"The parameter {ast.unparse(call.args[0])} is declared without a value, so {name} is None."
         return cause, origin.place, f"write {written[:-1]}, ...), with its default value"
     return of_call_that_gave_none(origin, call, spot)
+
+
+def _of_parameter(origin: Origin, call: ast.Call, spot: Spot) -> _Told:
+    written = ast.unparse(call)
+    if origin.kind == "Parameter":
+        cause = f"{written} is the parameter itself, with its name and type, not its value."
+    else:
+        cause = f"{written} is a ParameterValue, which has a field for each type and is not the value itself."
+    meant = f"{written.removesuffix('.get_parameter_value()')}.value"
+    if origin.name != written:
+        return cause, origin.place, f"write {origin.name} = {meant}"
+    old = next(
+        (ast.unparse(n) for n in spot.nodes if isinstance(n, ast.Attribute) and n.value is call), written
+    )
+    return cause, origin.place, f"write {meant} instead of {old if old.endswith('.value') else written}"
+
+
+def of_parameter(spot: Spot) -> Finding | None:
+    """Return a finding about a line that uses the ParameterValue of a parameter as its value; else None."""
+    source = spot.source
+    for node in (n for line in spot.lines for n in Spot(source, line).nodes):
+        if source is None or not isinstance(node, (ast.Name, ast.Attribute)):
+            continue
+        origins = [*_made(spot, node)] if isinstance(node.ctx, ast.Load) else []
+        asked = {n.attr for n in source.nodes if isinstance(n, ast.Attribute) and n.value is node}
+        is_taken_out = any(name.endswith("_value") or name == "type" for name in asked)
+        if {origin.kind for origin in origins} == {"ParameterValue"} and not is_taken_out:
+            call = origins[0].value
+            return (
+                Finding("made-wrong", *_of_parameter(origins[0], call, spot))
+                if isinstance(call, ast.Call)
+                else None
+            )
+    return None
 
 
 def _of_import(origin: Origin, imported: Import, asked: str, spot: Spot) -> _Told | None:

@@ -104,6 +104,11 @@ def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> F
         cause = f"The field {field} holds a float, but the parameter {name} is declared as {ast.unparse(default)}, an int. Line {line} fails because of this one."
         fix = f"write {ast.unparse(default)}.0 instead of {ast.unparse(default)}"
         return Finding("int-in-float", cause, source.at(default), fix)
+    if (empty := _declared_empty(source, value)) is not None:
+        name = _first_text(empty)
+        cause = f"The field {field} holds a float, but the parameter {name} is declared without a value, so `{text}` is None."
+        fix = f"write `{ast.unparse(empty)[:-1]}, 0.0)`, or another number as its default"
+        return Finding("int-in-float", cause, source.at(empty), fix)
     cause = f"The field {field} holds a float, but `{text}` is something else here: an int or a string."
     fix = f"write {text}.0" if text.lstrip("-").isdigit() else f"write float({text})"
     return Finding("int-in-float", cause, source.at(value), f"{fix} instead of {text}")
@@ -111,6 +116,21 @@ def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> F
 
 def _declared_as_int(source: PythonSource, value: ast.expr) -> tuple[str, ast.expr] | None:
     """Return the parameter that a value comes from, and its default, if that is an int; else None."""
+    for node in _declarations(source, value):
+        default = node.args[1] if len(node.args) > 1 else None
+        if isinstance(default, ast.Constant) and type(default.value) is int:
+            return _first_text(node), default
+    return None
+
+
+def _declared_empty(source: PythonSource, value: ast.expr) -> ast.Call | None:
+    """Return the declaration of the parameter that a value comes from, if it has no default; else None."""
+    declared = _declarations(source, value)
+    return next((node for node in declared if len(node.args) == 1 and not node.keywords), None)
+
+
+def _declarations(source: PythonSource, value: ast.expr) -> Iterator[ast.Call]:
+    """Yield the calls that declare the parameter that a value comes from."""
     text = ast.unparse(value)
     made = [
         node.value
@@ -121,13 +141,9 @@ def _declared_as_int(source: PythonSource, value: ast.expr) -> tuple[str, ast.ex
     asked = {_first_text(call) for call in calls if getattr(call.func, "attr", "") == "get_parameter"}
     own = {id(call) for call in calls}
     for node in source.nodes:
-        if not isinstance(node, ast.Call) or getattr(node.func, "attr", "") != "declare_parameter":
-            continue
-        default = node.args[1] if len(node.args) > 1 else None
-        is_int = isinstance(default, ast.Constant) and type(default.value) is int
-        if default is not None and is_int and (_first_text(node) in asked or id(node) in own):
-            return _first_text(node), default
-    return None
+        is_declared = isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "declare_parameter"
+        if isinstance(node, ast.Call) and is_declared and (_first_text(node) in asked or id(node) in own):
+            yield node
 
 
 def _first_text(call: ast.Call) -> str:

@@ -13,7 +13,7 @@ from ros2lab.diagnose.causes.elements import key_asked
 from ros2lab.diagnose.causes.filled import of_filled, of_item
 from ros2lab.diagnose.causes.format_texts import of_format
 from ros2lab.diagnose.causes.interface_parts import of_part
-from ros2lab.diagnose.causes.origins import of_argument, of_origin
+from ros2lab.diagnose.causes.origins import of_argument, of_origin, of_parameter
 from ros2lab.diagnose.causes.read_keys import of_read_key
 from ros2lab.diagnose.causes.refused_value import of_refused
 from ros2lab.diagnose.causes.terminal_variables import of_variable
@@ -56,7 +56,8 @@ def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding
     """Return what an error's message and its line tell together; None if they tell nothing."""
     kind, message = report.kind, report.message
     return (
-        of_filled(message, spot)
+        of_parameter(spot)
+        or of_filled(message, spot)
         or of_item(message, spot)
         or of_refused(message, spot)
         or of_class_body(kind, message, spot)

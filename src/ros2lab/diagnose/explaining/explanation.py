@@ -11,6 +11,7 @@ from pathlib import Path
 from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.init_order import of_init_order
+from ros2lab.diagnose.causes.refused_names import of_refused_name
 from ros2lab.diagnose.causes.unanswered import of_unanswered
 from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
 from ros2lab.diagnose.causes.where_made import where_made
@@ -168,6 +169,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or of_test_without_init(error, look)
         or of_init_order(error, look)
         or of_answer(error, look)
+        or of_refused_name(error, look)
         or made_twice(error, known, look)
         or called_by_rclpy(error, look)
         or taken_from_rclpy(error, known, look)

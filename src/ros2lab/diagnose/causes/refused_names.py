@@ -1,0 +1,118 @@
+"""Names of topics, services, nodes and namespaces that ROS refuses: which text in the sources made them."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+
+# As rclpy prints it: what is refused and why, then the name itself, and below it a mark at the first wrong letter.
+_REFUSED = re.compile(
+    r"(?P<kind>\w+)Exception: Invalid [\w ]+: [^\n]*\n[^\n]*?'(?P<name>[^'\n]*)'[ \t]*\n(?P<gap>[^\n^]*)\^"
+)
+_WRONG = re.compile(r"[^A-Za-z0-9_~{}/]+|(?:^|(?<=/))(?=\d)|__+|(?<=.)/+$|/{2,}")
+_TAKEN_AT = {"InvalidTopicName": 1, "InvalidServiceName": 1, "InvalidNodeName": 0}  # positions of the name
+
+
+def of_refused_name(error: ErrorText, look: Look) -> Finding | None:
+    """Return the text that makes up a name that ROS refuses; None if the error is about something else."""
+    report = error.reports[-1] if error.reports else None
+    said = _REFUSED.search(error.text) if report and "Invalid" in report.kind else None
+    own = own_frames(report.frames) if report else []
+    if said is None or not own:
+        return None
+    name = said["name"]
+    code = (
+        "topic-name-invalid"
+        if said["kind"] in ("InvalidTopicName", "InvalidServiceName")
+        else "node-name-invalid"
+    )
+    what = {"InvalidNodeName": "node name", "InvalidNamespace": "namespace"}.get(
+        said["kind"], "topic or service name"
+    )
+    cause = f"{name!r} is not a valid {what}: it may contain only letters, digits and _"
+    cause += (
+        ", and must not begin with a digit."
+        if what == "node name"
+        else ", between slashes, and no part may begin with a digit."
+    )
+    spots = [spot_at(place_of([frame], look), look) for frame in own]
+    place = spots[0].source.at(spots[0].lines[0]) if spots[0].source else ""
+    wrong = _first_wrong(name, what)
+    for source, node in _texts(spots, look):
+        written = str(node.value)
+        begin = name.find(written) if written else -1
+        if begin >= 0 and begin <= wrong < begin + len(written):
+            better = _better(written, what, is_begin=begin == 0 or name[begin - 1] == "/")
+            where = source.at(node)
+            more = "" if where == place else f" Line {spots[0].line} uses this text."
+            return Finding(code, cause + more, where, f"write {better!r} instead of {written!r}")
+    if given := _in_files(name, wrong, look):
+        where, written = given
+        return Finding(code, cause, where, f"write {_better(written, what)} instead of {written}")
+    return Finding(code, cause, place, _at_use(spots[0], said["kind"], name, what))
+
+
+def _first_wrong(name: str, what: str) -> int:
+    found = re.search(r"[^A-Za-z0-9_]|^\d", name) if what == "node name" else _WRONG.search(name)
+    return found.start() if found else 0
+
+
+def _better(text: str, what: str, *, is_begin: bool = True) -> str:
+    """Return a text that is allowed in a name."""
+    if what == "node name":
+        better = re.sub(r"[^A-Za-z0-9_]+", "_", text)
+        return re.sub(r"^(?=\d)", "n", better) if is_begin else better
+    better = re.sub(r"[_/]*/[_/]*", "/", re.sub(r"[^A-Za-z0-9_~{}/]+", "_", text.strip()))
+    better = re.sub(r"(?<=[^/])/$", "", re.sub(r"__+", "_", better))
+    return re.sub(r"(^|/)(?=\d)" if is_begin else r"(/)(?=\d)", r"\1n", better)
+
+
+def _texts(spots: list[Spot], look: Look) -> Iterator[tuple[PythonSource, ast.Constant]]:
+    """Yield the strings of the student's files, those of the lines in the traceback first, the longest first."""
+    own = [(spot.source, node) for spot in spots for line in spot.lines for node in _nodes(spot, line)]
+    files = [source for package in look.packages for source in package.sources.values()]
+    rest = [(source, node) for source in files for node in source.nodes]
+    for some in (own, rest):
+        texts = [(s, n) for s, n in some if s and isinstance(n, ast.Constant) and isinstance(n.value, str)]
+        yield from sorted(texts, key=lambda pair: -len(str(pair[1].value)))
+
+
+def _nodes(spot: Spot, line: int) -> list[ast.AST]:
+    return Spot(spot.source, line).nodes
+
+
+def _in_files(name: str, wrong: int, look: Look) -> tuple[str, str] | None:
+    """Return where a parameter file has the refused name as a value, and how it is written; None if none does."""
+    for package in look.packages:
+        for path in sorted(package.folder.glob("*/*.y*ml")):
+            for number, line in enumerate(read_text(path).splitlines(), 1):
+                value = line.partition(":")[2].strip().strip("'\"")
+                begin = name.find(value) if value else -1
+                if begin >= 0 and begin <= wrong < begin + len(value):
+                    return f"{package.shown(str(path.relative_to(package.folder)))}:{number}", value
+    return None
+
+
+def _at_use(spot: Spot, kind: str, name: str, what: str) -> str:
+    """Say how to change the expression of the name where it is used."""
+    wrong = name[_first_wrong(name, what) :][:1]
+    for node in (n for line in spot.lines for n in _nodes(spot, line)):
+        if not isinstance(node, ast.Call) or not (node.args or node.keywords):
+            continue
+        given = [k.value for k in node.keywords if k.arg in ("node_name", "namespace", "topic", "srv_name")]
+        given += node.args[(at := _TAKEN_AT.get(kind, 9)) : at + 1]
+        if not given:
+            continue
+        text = ast.unparse(given[0])
+        if wrong.isdigit():
+            better = f"{text[:2]}n{text[2:]}" if isinstance(given[0], ast.JoinedStr) else f"'n' + {text}"
+            return f"write `{better}` instead of `{text}`: the name then begins with a letter"
+        return f"write `{text}.replace({wrong!r}, '_')` instead of `{text}`"
+    return f"write {_better(name, what)!r} where this name comes from"
