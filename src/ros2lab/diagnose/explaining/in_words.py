@@ -15,7 +15,7 @@ from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.not_found import no_module, wrong_import
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.message_faults import set_field
+from ros2lab.diagnose.nodes.message_faults import filling, set_field
 from ros2lab.diagnose.nodes.parameter_faults import given_at, of_parameter_file, retyped
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
@@ -71,9 +71,17 @@ def _in_words(
             return Finding(code, cause, "", fix)
         is_declared = groups["wanted"] == "INTEGER" and not groups["value"].lstrip("-").isdigit()
         place = place if is_declared else given_at(groups["name"], look, error.typed) or place
+    elif code == "publish-text" and groups.get("given") and (sent := _published(spot_at(place, look))):
+        do = filling(f"{groups['package']}.msg.{groups['wanted']}", sent, groups["given"])
     elif "what" in groups and "name" in groups:
         do = _field_fix(spot_at(place, look), groups) or do
     return Finding(code, cause, place, do)
+
+
+def _published(spot: Spot) -> str:
+    """Return what a line publishes; empty if it calls no publish()."""
+    calls = (n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish")
+    return next((ast.unparse(call.args[0]) for call in calls if call.args), "")
 
 
 def _of_syntax(report: ErrorReport, look: Look | None) -> Finding:

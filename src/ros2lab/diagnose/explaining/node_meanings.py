@@ -159,9 +159,9 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "write rclpy.init(args=args) as the first line of main, and rclpy.try_shutdown() as its last",
     ),
     meaning(
-        r"rcl_shutdown already called",
+        r"rcl_shutdown already called|Context must be initialized before it can be shutdown",
         "shutdown-twice",
-        "Ctrl-C had already shut rclpy down, and the program does it again; this is harmless.",
+        "rclpy was already shut down, by Ctrl-C or by another line, and this line does it again; this is harmless.",
         "write rclpy.try_shutdown() instead of rclpy.shutdown()",
     ),
     meaning(

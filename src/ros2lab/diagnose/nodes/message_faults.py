@@ -10,7 +10,7 @@ from dataclasses import replace
 from ros2lab.diagnose.code.expression_faults import is_by_comma
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.calls import fitting, meant_call
+from ros2lab.diagnose.sources.calls import fitting, joined, meant_call
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
@@ -306,9 +306,19 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
     elif isinstance(node.args[0], ast.Attribute) and scope.kind(node.args[0].value) == message:
         code, fix = "publish-type", f"write publish({ast.unparse(node.args[0].value)})"
     else:
-        code, fix = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
+        code, fix = "publish-type", _of_other_type(scope, node, message, what)
     cause = f"publish() needs {_described(message)}, but {text} is {_described(given)}."
     yield Finding(code, cause, place, fix, (message,))
+
+
+def _of_other_type(scope: Scope, node: ast.Call, message: str, given: str) -> str:
+    """Say how to make the publisher for the messages that are published with it."""
+    publisher = node.func.value if isinstance(node.func, ast.Attribute) else node
+    made = [value for _, value in scope.assigned(publisher) if isinstance(value, ast.Call) and value.args]
+    if len(made) == 1 and ast.unparse(made[0].args[0]).rpartition(".")[2] == _short(message):
+        written = ast.unparse(made[0]).replace(ast.unparse(made[0].args[0]), given, 1)
+        return f"write `{written}` on line {made[0].lineno}, or publish {_described(message)} here"
+    return f"publish {_described(message)}, or create the publisher with {given}"
 
 
 def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
@@ -324,7 +334,7 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
             "logger-arguments",
             f"A logger's {function.attr}() takes one string, but is given {len(node.args)} values.",
             scope.source.at(node),
-            f"write {function.attr}({_one_text(node.args)})",
+            f"write {function.attr}({joined(node.args)})",
         )
     elif kind is not None and kind != "str" and not kind.startswith(PUBLISHER):
         yield Finding(
@@ -333,12 +343,3 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
             scope.source.at(node),
             f"write {function.attr}(str({value}))",
         )
-
-
-def _one_text(values: list[ast.expr]) -> str:
-    """Return an f-string that shows several values."""
-    parts = [
-        value.value if isinstance(value, ast.Constant) else f"{{{ast.unparse(value)}}}" for value in values
-    ]
-    text = " ".join(map(str, parts))
-    return f'f"{text}"' if "'" in text else f"f'{text}'"

@@ -10,7 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.taken_names import hiding_methods, taken_attributes
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import meant_call
-from ros2lab.diagnose.sources.construction import lost_constructor
+from ros2lab.diagnose.sources.construction import given_to_super, lost_constructor, super_call
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import (
     CREATORS,
@@ -78,7 +78,7 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
                 "super-misspelt",
                 f"`{ast.unparse(node.func)}` is not how the constructor of Node is called.",
                 owner.source.at(node),
-                "write super().__init__('node_name')",
+                f"write {super_call(sources, owner, given_to_super(constructor))}",
             )
             return
         if node.func.attr == "__init__":
@@ -100,14 +100,14 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
                     "argument-missing",
                     "super().__init__() is called without the node's name.",
                     owner.source.at(node),
-                    "write super().__init__('node_name')",
+                    f"write {super_call(sources, owner)}",
                 )
     if init_line is None:
         yield Finding(
             "super-missing",
             f"The constructor of {owner.definition.name} never calls super().__init__(), so there is no node when it is used.",
             owner.source.at(constructor),
-            "write super().__init__('node_name') as the first line of __init__",
+            f"write {super_call(sources, owner)} as the first line of __init__",
         )
         return
     inherited = members_of("rclpy.node", "Node")[0]
@@ -119,7 +119,7 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
                 "super-late",
                 f"`{ast.unparse(node)}` is used before super().__init__() is called.",
                 owner.source.at(node),
-                "call super().__init__('node_name') as the first line of __init__",
+                f"move the call of super().__init__() from line {init_line} up to above line {node.lineno}",
             )
             return
 
@@ -223,6 +223,7 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
     arguments, source = creation.arguments or {}, creation.source
     place = source.at(creation.call)
     fix = meant_call(source, creation.call) or f"write {_EXAMPLES[creation.method]}"
+    called = getattr(creation.call.func, "attr", creation.method)
     if "queue_size" in arguments:
         cause = "queue_size belongs to ROS 1; in ROS 2 the queue depth is the last argument."
         yield Finding("queue-size", cause, place, fix)
@@ -235,7 +236,9 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
     if missing:
         code = "qos-missing" if missing == ["qos_profile"] else "argument-missing"
         what = "the queue depth" if code == "qos-missing" else " and ".join(missing)
-        yield Finding(code, f"{creation.method} is missing {what}.", place, fix)
+        if code == "qos-missing" and not meant_call(source, creation.call):
+            fix = f"write `{ast.unparse(creation.call)[:-1]}, 10)`"
+        yield Finding(code, f"{called} is missing {what}.", place, fix)
         return
     yield from _type_fault(sources, creation)
     yield from _topic_fault(sources, creation)

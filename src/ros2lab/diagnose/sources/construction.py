@@ -5,10 +5,11 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.spelling import snake_case
 
 _SLIP = re.compile(r"_*(?:init|int|inti)_*")
 _MAKERS = frozenset(("__init__", "__new__", "__call__"))
@@ -83,6 +84,41 @@ def lost_constructor(sources: NodeSources, node_class: NodeClass) -> Function | 
         ),
         None,
     )
+
+
+def super_call(sources: NodeSources, owner: NodeClass, given: Sequence[ast.expr] = ()) -> str:
+    """Return the call of the base class's constructor in a class of nodes.
+
+    Args:
+        sources: the files of the package.
+        owner: the class.
+        given: the arguments that it passes already; empty if it passes none.
+    """
+    if given:
+        return f"super().__init__({', '.join(map(ast.unparse, given))})"
+    own = [parameter.arg for parameter in parameters(owner.methods["__init__"])[1:]]
+    name = snake_case(owner.definition.name)
+    above = next((sources.classes[base] for base in owner.bases if base in sources.classes), None)
+    constructor = above.methods.get("__init__") if above else None
+    wanted = ["node_name"]
+    if constructor is not None:
+        names = [parameter.arg for parameter in parameters(constructor)[1:]]
+        wanted = names[: len(names) - len(constructor.args.defaults)]
+    given_name = next((parameter for parameter in own if "name" in parameter), f"'{name}'")
+    texts = [asked if asked in own or "name" not in asked else given_name for asked in wanted]
+    return f"super().__init__({', '.join(texts)})"
+
+
+def given_to_super(constructor: Function) -> Sequence[ast.expr]:
+    """Return the arguments of the call that was meant to be that of the base class's constructor."""
+    for node in own_nodes(constructor):
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Attribute)
+            and "super" in ast.unparse(node.func)
+        ):
+            return node.args
+    return ()
 
 
 def _begins(method: Function) -> bool:

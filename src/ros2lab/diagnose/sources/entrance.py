@@ -149,12 +149,15 @@ def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
         return
     yield from _init(entrance)
     for call in entrance.calls:
-        if call.name in ("rclpy.init", "rclpy.create_node") and _is_behind_with(call.call, call.function):
+        is_rclpys = call.name == "rclpy.init" or (
+            entrance.makes_node(call) and not _is_entered(entrance, call)
+        )
+        if is_rclpys and (statement := _with_of(call.call, call.function)):
             yield Finding(
                 "context-manager",
-                f"In ROS 2 Jazzy, {call.name}() cannot be used in a `with` statement; later releases allow it.",
+                f"In ROS 2 Jazzy, {call.name.rpartition('.')[2]}() cannot be used in a `with` statement; later releases allow it.",
                 call.source.at(call.call),
-                "call it on a line of its own, and rclpy.try_shutdown() at the end of main",
+                _without_with(statement, call.call),
             )
     if any(call.short in _CALLED_BACK for call in entrance.calls):
         yield from _spin(entrance)
@@ -192,11 +195,13 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
         and not any(keyword.arg == "context" for keyword in init.call.keywords)
     ]
     if len(sure) > 1 and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
+        kept = next((init for init in sure if init.function is entrance.function), sure[0])
+        extra = next(init for init in reversed(sure) if init is not kept)
         yield Finding(
             "rclpy-init-twice",
-            "rclpy.init() is called twice in one program; only the first call is right.",
-            sure[-1].source.at(sure[-1].call),
-            "remove one of the two; the call belongs in main",
+            "rclpy.init() is called twice in one program.",
+            extra.source.at(extra.call),
+            f"remove `{ast.unparse(extra.call)}` on line {extra.call.lineno}; the one in {kept.function.name}() stays",
         )
 
 
@@ -219,7 +224,7 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
             "spin-missing",
             f"{name} makes a node but never spins it, so the program ends at once and no callback is called.",
             node.source.at(node.call),
-            "write rclpy.spin(node) after the node is made",
+            _spin_of(entrance, node),
         )
     if not waits:
         yield from _one_turn(entrance)
@@ -235,6 +240,19 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
             inner.at(later),
             "add all nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()",
         )
+
+
+def _spin_of(entrance: Entrance, node: Call) -> str:
+    """Say which node to spin, and where."""
+    name = entrance.function.name
+    for statement in own_nodes(node.function):
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=variable)], value=value) if value is node.call:
+                if node.function is entrance.function:
+                    return f"write `rclpy.spin({variable})` below line {statement.end_lineno}"
+            case ast.Expr(value=value) if value is node.call and node.function is entrance.function:
+                return f"write `rclpy.spin({ast.unparse(value)})` instead of line {statement.lineno}"
+    return f"write rclpy.spin(...) in {name}(), with the node in the parentheses, after the node is made"
 
 
 def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
@@ -398,9 +416,33 @@ def _names_spin(entrance: Entrance) -> bool:
     return False
 
 
-def _is_behind_with(call: ast.Call, function: Function) -> bool:
-    statements = (node for node in walk(function) if isinstance(node, (ast.With, ast.AsyncWith)))
-    return any(item.context_expr is call for statement in statements for item in statement.items)
+def _with_of(call: ast.Call, function: Function) -> ast.With | None:
+    """Return the `with` statement that enters what a call returns; None if there is none."""
+    statements = (node for node in walk(function) if isinstance(node, ast.With))
+    return next((n for n in statements if any(item.context_expr is call for item in n.items)), None)
+
+
+def _is_entered(entrance: Entrance, call: Call) -> bool:
+    """Return whether a class has an `__enter__` of its own."""
+    classes = entrance.sources.classes
+    lineage = entrance.sources.lineage(classes[call.name])[0] if call.name in classes else ()
+    return any("__enter__" in inner.methods for inner in lineage)
+
+
+def _without_with(statement: ast.With, call: ast.Call) -> str:
+    """Say how to write a call on a line of its own instead of in a `with` statement."""
+    item = next(item for item in statement.items if item.context_expr is call)
+    alone = (
+        f"{ast.unparse(item.optional_vars)} = {ast.unparse(call)}"
+        if item.optional_vars
+        else ast.unparse(call)
+    )
+    rest = [ast.unparse(other) for other in statement.items if other is not item]
+    if rest:
+        return f"write `{alone}` above line {statement.lineno}, and `with {', '.join(rest)}:` there"
+    first, last = statement.body[0].lineno, statement.body[-1].end_lineno or statement.body[-1].lineno
+    lines = f"line {first}" if first == last else f"lines {first} to {last}"
+    return f"write `{alone}` instead of line {statement.lineno}, and move {lines} to the left, below it"
 
 
 def _is_guarded(call: ast.Call, function: Function) -> bool:

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import nearest, snake_case
 
 # The packages that a student may name, even if they are not installed.
 _NAMES = """
@@ -249,7 +249,7 @@ def fields_of(type_name: str | None) -> Mapping[str, str] | None:
     folder = folder_of(package)
     if folder is None or kind not in ("msg", "srv", "action") or not name.isidentifier():
         return None
-    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name.partition("_")[0]).lower()
+    snake = snake_case(name.partition("_")[0])
     text = read_text(folder / kind / f"_{snake}.py")
     match = re.search(
         rf"^class {name}\(.*?_fields_and_field_types = (\{{.*?\}})", text, re.DOTALL | re.MULTILINE

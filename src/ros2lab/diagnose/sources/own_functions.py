@@ -65,6 +65,19 @@ def _file_of(source: PythonSource, module: str) -> PythonSource | None:
     return None
 
 
+def unused_method(source: PythonSource, line: int) -> str:
+    """Return the only method, as `self.tick`, of the class around a line that nothing uses; else empty."""
+    around = [
+        n for n in source.nodes if isinstance(n, ast.ClassDef) and n.lineno <= line <= (n.end_lineno or 0)
+    ]
+    used = {getattr(node, "attr", getattr(node, "id", "")) for node in source.nodes}
+    methods = [n for n in (around[-1].body if around else ()) if isinstance(n, ast.FunctionDef)]
+    free = [
+        n.name for n in methods if n.name not in used and not n.name.startswith("__") and not n.decorator_list
+    ]
+    return f"self.{free[0]}" if len(free) == 1 else ""
+
+
 def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.Constant] | None:
     """Return a constant and its file: the expression, or what is assigned to it once, maybe elsewhere."""
     if isinstance(named, ast.Constant):

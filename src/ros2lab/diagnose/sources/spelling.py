@@ -25,6 +25,11 @@ def nearest(name: object, known: Iterable[object], cutoff: float = 0.7) -> str |
     return close[0] if close else None
 
 
+def snake_case(name: str) -> str:
+    """Return the name of a class as that of a module or a node: `status_publisher` for `StatusPublisher`."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
+
+
 def with_article(noun: str) -> str:
     """Return a noun with `a` or `an` before it, such as `an Odometry`, but `a UInt8`."""
     return f"{'an' if noun[:1] in tuple('AEIOaeio') else 'a'} {noun}"
