@@ -139,6 +139,11 @@ def _of_function(answering: _Answering) -> Finding | None:
     needs = f"rclpy needs {answer if answer.isidentifier() else _class_of(answer)} back from it"
     for node in own_nodes(function):
         if isinstance(node, ast.Return) and (given := _refused(answering, node)):
+            if node.value and given == "bool":
+                given, answer = (
+                    f"`{ast.unparse(node.value)}`",
+                    answer.replace("True", ast.unparse(node.value)),
+                )
             cause = f"{function.name}() returns {given}, but {needs}."
             fix = f"write `return {answer}` instead of what line {node.lineno} returns{answering.more}"
             return Finding("made-wrong", cause, source.at(node), fix)
@@ -165,4 +170,6 @@ def _refused(answering: _Answering, node: ast.Return) -> str:
         return f"`{text}`"  # what it was given, and not the answer
     kind = type_of(source, value)
     is_known = bool(kind) and not re.search(r"Unknown|Any|\bobject\b", kind)
-    return f"`{text}`" if is_known and not re.search(answering.kind.wanted, kind) else ""
+    if not is_known or re.search(answering.kind.wanted, kind):
+        return ""
+    return "bool" if kind == "bool" else f"`{text}`"

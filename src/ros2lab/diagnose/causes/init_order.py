@@ -35,6 +35,32 @@ def of_init_order(error: ErrorText, look: Look) -> Finding | None:
     return _on_import(at_import[-1], spots) if at_import else _without(spots)
 
 
+def of_init_twice(error: ErrorText, look: Look) -> Finding | None:
+    """Return which of two calls of rclpy.init() is one too many; None for any other error."""
+    report = error.reports[-1] if error.reports else None
+    own = own_frames(report.frames) if report else []
+    if report is None or "Context.init() must only be called once" not in report.message or not own:
+        return None
+    found: dict[str, tuple[PythonSource, ast.Call]] = {}
+    for package in look.packages:
+        for source in package.sources.values():
+            found |= {source.at(init): (source, init) for init in _inits(iter(source.nodes), source)}
+    failed = spot_at(place_of(own[:1], look), look)
+    here = found.pop(_at(failed), None)
+    if here is None or len(found) != 1 or failed.function is None:
+        return None
+    other, (source, init) = next(iter(found.items()))
+    is_kept = failed.function.name == "main" or Spot(source, init.lineno).function is None
+    place, written = (other, ast.unparse(init)) if is_kept else (_at(failed), ast.unparse(here[1]))
+    kept = _at(failed) if is_kept else other
+    return Finding(
+        "rclpy-init-twice",
+        f"rclpy.init() is called twice in one program: {other} and {_at(failed)}.",
+        place,
+        f"remove `{written}` here; the call at {kept} stays",
+    )
+
+
 def _is_before_init(report: ErrorReport) -> bool:
     """Return whether an error says that rclpy has no context yet, in its words or by the line that needs it."""
     if report.kind == "NotInitializedException":
@@ -84,9 +110,7 @@ def _statement(spot: Spot) -> ast.stmt | None:
 
 
 def _late(init: ast.Call, spot: Spot) -> Finding:
-    cause = (
-        f"Line {spot.lines[0]} makes a node, but rclpy.init() is only called after it, on line {init.lineno}."
-    )
+    cause = f"Line {spot.lines[0]} needs rclpy.init(), which is only called after it, on line {init.lineno}."
     fix = (
         f"move `{ast.unparse(init)}` from line {init.lineno} to a line of its own above line {spot.lines[0]}"
     )

@@ -356,13 +356,16 @@ def _of_parameter(origin: Origin, call: ast.Call, spot: Spot) -> _Told:
     return cause, origin.place, f"write {meant} instead of {old if old.endswith('.value') else written}"
 
 
-def of_parameter(spot: Spot) -> Finding | None:
+_OF_PARAMETER = re.compile(r"\bParameterValue\b|field must be|incompatible function arguments")
+
+
+def of_parameter(message: str, spot: Spot) -> Finding | None:
     """Return a finding about a line that uses the ParameterValue of a parameter as its value; else None."""
-    source = spot.source
+    source = spot.source if _OF_PARAMETER.search(message) else None
     for node in (n for line in spot.lines for n in Spot(source, line).nodes):
-        if source is None or not isinstance(node, (ast.Name, ast.Attribute)):
+        if source is None or not isinstance(node, (ast.Name, ast.Attribute, ast.Call)):
             continue
-        origins = [*_made(spot, node)] if isinstance(node.ctx, ast.Load) else []
+        origins = [*_made(spot, node)] if isinstance(getattr(node, "ctx", ast.Load()), ast.Load) else []
         asked = {n.attr for n in source.nodes if isinstance(n, ast.Attribute) and n.value is node}
         is_taken_out = any(name.endswith("_value") or name == "type" for name in asked)
         if {origin.kind for origin in origins} == {"ParameterValue"} and not is_taken_out:

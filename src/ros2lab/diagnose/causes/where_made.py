@@ -17,6 +17,7 @@ from ros2lab.diagnose.causes.origins import of_argument, of_origin, of_parameter
 from ros2lab.diagnose.causes.read_keys import of_read_key
 from ros2lab.diagnose.causes.refused_value import of_refused
 from ros2lab.diagnose.causes.terminal_variables import of_variable
+from ros2lab.diagnose.causes.unfit_parameters import of_unfit_parameter
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
@@ -56,7 +57,8 @@ def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding
     """Return what an error's message and its line tell together; None if they tell nothing."""
     kind, message = report.kind, report.message
     return (
-        of_parameter(spot)
+        of_parameter(message, spot)
+        or of_unfit_parameter(message, spot)
         or of_filled(message, spot)
         or of_item(message, spot)
         or of_refused(message, spot)

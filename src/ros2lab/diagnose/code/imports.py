@@ -97,7 +97,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 source.at(imported.line),
                 f"import {ROS_1[top]}, and write the node as a subclass of rclpy.node.Node",
             )
-        elif imported.is_from and top in own_modules:
+        elif imported.is_from and top in own_modules and top not in interfaces.PACKAGES:
             yield from _own_module(source, imported, own_modules)
         elif whole := _bare_sibling(source, imported, own_modules):
             yield bare_import(

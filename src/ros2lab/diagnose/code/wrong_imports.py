@@ -35,7 +35,8 @@ def wrong_imports(
         if isinstance(node, ast.ImportFrom) and (found := _of_names(source, node, own, is_sure=is_sure)):
             yield found
         elif isinstance(node, ast.Import):
-            yield from _of_modules(source, node, own)
+            yield from _of_modules(source, node, own, is_sure=is_sure)
+    yield from _called_modules(source, own)
 
 
 def _of_names(
@@ -47,13 +48,16 @@ def _of_names(
     if not is_known or any(alias.name == "*" for alias in node.names):
         return None
     names = own.get(module) or interfaces.importable_names(module)
-    if names is None and (top in own or not _lacks(module)):
+    is_absent = is_sure and module == top and not interfaces.is_installed(top)
+    if names is None and (top in own or not (is_absent or _lacks(module))):
         return None
     wrong = [alias.name for alias in node.names if alias.name not in (names or ())]
     wrong = [name for name in wrong if f"{module}.{name}" not in own]
     if not wrong:
         return None
     homes = _homes(module, wrong, names, source)
+    if is_absent and not homes:
+        return None  # a library that is not installed here
     cause = (
         f"There is no module {module}"
         if names is None
@@ -93,14 +97,19 @@ def _homes(
         near = nearest(name, known)
         if near and near.lower() == name.lower() and near not in taken:
             found[name] = meant, near
-        elif homes := [
-            *interfaces.homes_for(name, [imported.target for imported in source.imports]),
-            *interfaces.homes_around(name, module),
-        ]:
+        elif homes := _homes_of(name, module, source):
             found[name] = homes[0], name
         elif near:
             found[name] = meant, near
     return found
+
+
+def _homes_of(name: str, module: str, source: PythonSource) -> list[str]:
+    """Return the modules that define a name: for a module of Python those of Python first."""
+    of_ros = interfaces.homes_for(name, [imported.target for imported in source.imports])
+    around = interfaces.homes_around(name, module)
+    is_pythons = module.partition(".")[0] in sys.stdlib_module_names
+    return [*around, *of_ros] if is_pythons else [*of_ros, *around]
 
 
 def _meant(module: str, wrong: Sequence[str], homes: Mapping[str, _Home], *, is_module: bool) -> str:
@@ -168,14 +177,49 @@ def _used(source: PythonSource, name: str) -> list[int]:
     return sorted({node.lineno for node in source.nodes if isinstance(node, ast.Name) and node.id == name})
 
 
+def _called_modules(source: PythonSource, own: Mapping[str, Collection[str]]) -> Iterator[Finding]:
+    """Yield imports of a module of ROS that is then used as the class of that name in it."""
+    called = {ast.unparse(node.func) for node in source.nodes if isinstance(node, ast.Call)}
+    called |= {ast.unparse(base) for n in source.nodes if isinstance(n, ast.ClassDef) for base in n.bases}
+    for imported in source.imports:
+        module, _, name = imported.target.rpartition(".")
+        is_ros = (
+            imported.is_from
+            and module.partition(".")[0] in interfaces.PACKAGES
+            and imported.target not in own
+        )
+        is_used_so = imported.local in called and imported.local not in source.stored
+        if not (is_ros and is_used_so and interfaces.is_module(imported.target)):
+            continue
+        meant = nearest(name, interfaces.importable_names(imported.target) or ())
+        known = [other.target for other in source.imports]
+        homes = interfaces.homes_for(meant, known) if meant else ()
+        if meant and homes and meant.lower() == name.lower():
+            alias = f" as {imported.local}" if imported.local not in (name, meant) else ""
+            used = (
+                ""
+                if imported.local == meant or alias
+                else f", and {meant} instead of {imported.local} where it is used"
+            )
+            cause = f"{imported.target} is a module; the class {meant} is in {homes[0]}."
+            yield Finding(
+                "import-wrong",
+                cause,
+                source.at(imported.line),
+                f"write `from {homes[0]} import {meant}{alias}`{used}",
+            )
+
+
 def _of_modules(
-    source: PythonSource, node: ast.Import, own: Mapping[str, Collection[str]]
+    source: PythonSource, node: ast.Import, own: Mapping[str, Collection[str]], *, is_sure: bool
 ) -> Iterator[Finding]:
     """Yield submodules that a statement such as `import rclpy.nodes` names, and that are not there."""
     for alias in node.names:
         top = alias.name.partition(".")[0]
-        is_known = top in _KNOWN and top not in own
-        meant = interfaces.module_meant(alias.name) if is_known and _lacks(alias.name) else ""
+        is_known = (is_sure or top in _KNOWN) and top not in own
+        is_absent = is_sure and alias.name == top and not interfaces.is_installed(top)
+        is_wrong = is_known and (is_absent or _lacks(alias.name))
+        meant = interfaces.module_meant(alias.name) if is_wrong else ""
         if meant:
             now = f"import {meant} as {alias.asname}" if alias.asname else f"import {meant}"
             lines = sorted(

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
-from ros2lab.diagnose.causes.init_order import of_init_order
+from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
+from ros2lab.diagnose.causes.parameters_given import of_parameters
 from ros2lab.diagnose.causes.refused_names import of_refused_name
 from ros2lab.diagnose.causes.unanswered import of_unanswered
 from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
@@ -141,6 +142,8 @@ def _of_what_was_said(
 ) -> list[Finding]:
     """Return what an error message means, what caused it elsewhere, or what the tool says itself."""
     found = _worded(error, [*known, *checked], look)
+    if look and not (found and found[0] in known) and (fitting := of_parameters(error, look)):
+        return [fitting]
     told = _made_elsewhere(error, known, look) if look else None
     if told and not (found and found[0] in known and stops_build(found[0])):
         return [told]
@@ -168,6 +171,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         of_assertion(error, look)
         or of_test_without_init(error, look)
         or of_init_order(error, look)
+        or of_init_twice(error, look)
         or of_answer(error, look)
         or of_refused_name(error, look)
         or made_twice(error, known, look)

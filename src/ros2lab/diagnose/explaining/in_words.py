@@ -36,8 +36,8 @@ def said_of(
     elif meaning.codes[0] == "import-wrong":
         told = wrong_import(spot_at(place, look), groups, look)
     elif meaning.codes[0] == "entry-point-module":
-        told = no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
-        told = told or wrong_import(spot_at(place, look), groups, look)
+        told = wrong_import(spot_at(place, look), groups, look)
+        told = told or no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
     if told or meaning.cause:
         return [told or _in_words(meaning, groups, place, error, look)]
     report = error.reports[-1] if error.reports else ErrorReport("", "")

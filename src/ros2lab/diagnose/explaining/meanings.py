@@ -71,7 +71,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"launch configuration '(?P<name>[^']+)' does not exist",
         "launch-argument",
         "The launch file uses LaunchConfiguration('{name}'), but does not declare an argument {name}.",
-        "write DeclareLaunchArgument('{name}', default_value='...') into LaunchDescription, before it is used, or write the declared name here",
+        "write DeclareLaunchArgument('{name}', default_value='{name}') as the first entry of LaunchDescription, with the value that you want as its default",
     ),
     meaning(
         r"'tuple' object has no attribute '(?:visit|describe|execute)\w*'",
@@ -213,8 +213,8 @@ MEANINGS: tuple[Meaning, ...] = (
         "",
     ),
     meaning(
-        r"'module' object is not callable",
-        "entry-point-no-function",
+        r"'module' object is not callable|module\(\) takes at most \d arguments",
+        "entry-point-no-function import-wrong",
         "An entry point in setup.py names a module without a function, or a module is called like a function.",
         "write name = package.module:main in setup.py, and build again",
     ),

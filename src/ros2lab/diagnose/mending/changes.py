@@ -24,6 +24,7 @@ from ros2lab.diagnose.sources.interfaces import fields_of, homes_of, launch_clas
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function
 from ros2lab.diagnose.sources.signatures import LISTS, Signature, heads_of, signature_by_name, signature_of
+from ros2lab.diagnose.sources.spelling import snake_case
 from ros2lab.diagnose.sources.static_value import evaluate, is_known
 
 _ALIKE = 0.6  # of two names, as difflib measures it
@@ -113,6 +114,8 @@ def _of_form(node: ast.expr, trial: Trial) -> Iterator[Change]:
     text = ast.unparse(node)
     if isinstance(node, (ast.Name, ast.Attribute)):
         yield Change(Edit(node, f"{text}()"), _FORM)
+    if isinstance(node, ast.Name) and trial.owner and text == trial.owner.definition.name:
+        yield Change(Edit(node, "self"), _SLIP)
     is_whole = isinstance(trial.statement, ast.Expr) and trial.statement.value is node
     if isinstance(node, ast.Call) and not is_whole and not node.args and not node.keywords:
         yield Change(Edit(node, ast.unparse(node.func)), _FORM)
@@ -238,7 +241,11 @@ def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
             text = given[-1] if parameter.takes(last) else as_list(last) if is_list else ""
             yield from [Change(written(*given[:-1], f"{parameter.name}={text}"), PLACE)] if text else []
     for name in trial.names if "missing-argument" in rules else ():
-        yield Change(written(*given, name), PLACE, is_one_of_many=True)
+        if name != "args":  # what main is given
+            yield Change(written(*given, name), PLACE, is_one_of_many=True)
+    lacks = [row.said for row in trial.objections if row.rule == "missing-argument"]
+    if function[:1].isupper() and len(lacks) == 1 and re.search(r"parameter `\w*name` of", lacks[0]):
+        yield Change(written(*given, repr(snake_case(function))), _FORM)
     if len(given) > 1 and rules & {"too-many-positional-arguments", "invalid-argument-type"}:
         yield Change(written(f"[{', '.join(given)}]"), PLACE)
     for number in range(len(given)) if "too-many-positional-arguments" in rules else ():

@@ -10,8 +10,9 @@ from dataclasses import replace
 from ros2lab.diagnose.code.expression_faults import is_by_comma
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.calls import fitting, joined, meant_call
+from ros2lab.diagnose.sources.calls import fitting, meant_call
 from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.joined_texts import joined
 from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.sources.spelling import did_you_mean, with_article

@@ -80,12 +80,13 @@ _BY_USE = {
 }
 
 
-def default_by_use(nodes: Iterable[ast.AST], call: ast.AST) -> str | None:
+def default_by_use(nodes: Iterable[ast.AST], call: ast.AST, *, follows: bool = True) -> str | None:
     """Return a default for a parameter that suits how its value is used; None if that says nothing.
 
     Args:
         nodes: all nodes around the call.
         call: the call that reads the parameter.
+        follows: whether a variable that holds the value is followed to where it is used.
     """
     above = {id(inner): node for node in nodes for inner in children(node)}
     while (node := above.get(id(call))) is not None:
@@ -96,10 +97,20 @@ def default_by_use(nodes: Iterable[ast.AST], call: ast.AST) -> str | None:
                 return _BY_USE[name]
             case ast.BinOp(op=ast.Mult() | ast.Div() | ast.Sub()):
                 return "1.0"
+            case ast.Assign(targets=[target]) if node.value is call and follows:
+                return _default_by_name(nodes, target)
             case ast.stmt():
                 return None
         call = node
     return None
+
+
+def _default_by_name(nodes: Iterable[ast.AST], target: ast.expr) -> str | None:
+    """Return a default that suits how the name is used that holds a parameter's value; else None."""
+    text = ast.unparse(target)
+    alike = (n for n in nodes if isinstance(n, type(target)) and isinstance(n, (ast.Name, ast.Attribute)))
+    loads = [n for n in alike if isinstance(n.ctx, ast.Load) and ast.unparse(n) == text]
+    return next(filter(None, (default_by_use(nodes, load, follows=False) for load in loads)), None)
 
 
 def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:

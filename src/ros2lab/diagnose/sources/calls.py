@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.joined_texts import joined
 from ros2lab.diagnose.sources.own_functions import unused_method
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import (
@@ -397,37 +398,6 @@ def one_each(call: ast.Call) -> list[str]:
         case ast.Call(func=func, args=[ast.List(elts=items)], keywords=[]):
             return [f"{ast.unparse(func)}({ast.unparse(item)})" for item in items]
     return []
-
-
-def _as_template(values: Sequence[ast.expr]) -> str:
-    """Return an f-string of a text with placeholders, which the other values fill; empty if they do not fit."""
-    match values:
-        case [ast.Constant(value=str(text)), *others] if others:
-            pieces = re.split(r"%[-+ #0]*[\d.]*[sdifgrxe]|\{\d*\}", text)
-            if len(pieces) != len(others) + 1:
-                return ""
-            parts: list[ast.expr] = [ast.Constant(pieces[0])]
-            for value, piece in zip(others, pieces[1:], strict=True):
-                parts += [ast.FormattedValue(value, conversion=-1), ast.Constant(piece)]
-            return ast.unparse(ast.JoinedStr(parts))
-    return ""
-
-
-def joined(values: Sequence[ast.expr]) -> str:
-    """Return an f-string of several values with spaces between them, as print writes them.
-
-    Where the first one has as many placeholders of % or of format() as there are other values, they fill these.
-    """
-    if filled := _as_template(values):
-        return filled
-    parts: list[ast.expr] = []
-    for value in values:
-        before = parts[-1].value if parts and isinstance(parts[-1], ast.Constant) else None
-        if parts and not str(before).endswith(" "):
-            parts.append(ast.Constant(" "))
-        is_text = isinstance(value, ast.Constant) and isinstance(value.value, str)
-        parts.append(value if is_text else ast.FormattedValue(value, conversion=-1))
-    return ast.unparse(ast.JoinedStr(parts))
 
 
 def filled(message: str, value: ast.expr | None) -> str:

@@ -152,7 +152,8 @@ def _names_looked_up(module: str) -> frozenset[str] | None:
 def module_meant(name: str) -> str:
     """Return the module that a misspelled dotted name means, or the name itself; empty if there is none."""
     first, *rest = name.split(".")
-    found = first if is_installed(first) else meant(first) or ""
+    of_python = [module for module in sys.stdlib_module_names if not module.startswith("_")]
+    found = first if is_installed(first) else meant(first) or nearest(first, of_python, 0.85) or ""
     for part in rest if found else ():
         inner = _submodules(found)
         close = part if part in inner else nearest(part, inner, 0.6)
