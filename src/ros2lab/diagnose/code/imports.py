@@ -6,7 +6,7 @@ import ast
 import builtins
 import re
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
@@ -110,7 +110,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 source.at(imported.line),
                 f"write {wanted}",
             )
-    yield from wrong_imports(source, {name: bound_names(module) for name, module in own_modules.items()})
+    yield from wrong_imports(source, names_of(source, own_modules))
     for name, node in undefined_names(source):
         if name in sources.members_at(source, node):
             yield Finding(
@@ -200,6 +200,12 @@ def _hands_on(source: PythonSource, name: str, used: ast.AST) -> Function | None
     function = max(around, key=lambda definition: definition.lineno, default=None) if is_handed else None
     is_short = function and function.body[0].lineno > function.lineno and not function.args.kwarg
     return function if is_short else None
+
+
+def names_of(source: PythonSource, modules: Mapping[str, PythonSource]) -> dict[str, frozenset[str]]:
+    """Return the names of each module that a file imports from; none for the other modules."""
+    asked = {source.absolute(node) for node in source.nodes if isinstance(node, ast.ImportFrom)}
+    return {name: bound_names(own) if name in asked else frozenset() for name, own in modules.items()}
 
 
 def bound_names(source: PythonSource) -> frozenset[str]:

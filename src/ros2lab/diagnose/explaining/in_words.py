@@ -16,7 +16,7 @@ from ros2lab.diagnose.explaining.not_found import no_module, wrong_import
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field
-from ros2lab.diagnose.nodes.parameter_faults import given_at, of_parameter_file, retyped
+from ros2lab.diagnose.nodes.parameter_faults import declared_in, given_at, of_parameter_file, retyped
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
@@ -65,6 +65,8 @@ def _in_words(
 ) -> Finding:
     """Return the finding of a meaning, with the names in the message filled in."""
     code, cause = meaning.codes[0], meaning.cause.format(**groups).replace(" ()", "")
+    if code == "launch-argument":
+        groups = {**groups, "default": _default_of(groups["name"], look)}
     do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
     if code == "parameter-type" and groups.get("name"):
         if fix := retyped(groups["name"], groups["value"], groups["wanted"], error.typed):
@@ -76,6 +78,16 @@ def _in_words(
     elif "what" in groups and "name" in groups:
         do = _field_fix(spot_at(place, look), groups) or do
     return Finding(code, cause, place, do)
+
+
+def _default_of(name: str, look: Look | None) -> str:
+    """Return a default for a launch argument: that of the parameter of its name, or else the name itself."""
+    defaults: dict[str, object] = {"use_sim_time": False}  # every node has this one
+    for package in look.packages if look else ():
+        defaults |= declared_in(look.sources(package)) or {} if look else {}
+    value = defaults.get(name)
+    plain = str(value).lower() if isinstance(value, bool) else str(value)
+    return plain if isinstance(value, (bool, int, float, str)) else name
 
 
 def _published(spot: Spot) -> str:

@@ -71,7 +71,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"launch configuration '(?P<name>[^']+)' does not exist",
         "launch-argument",
         "The launch file uses LaunchConfiguration('{name}'), but does not declare an argument {name}.",
-        "write DeclareLaunchArgument('{name}', default_value='{name}') as the first entry of LaunchDescription, with the value that you want as its default",
+        "write DeclareLaunchArgument('{name}', default_value='{default}') as the first entry of LaunchDescription, with the value that you want as its default",
     ),
     meaning(
         r"'tuple' object has no attribute '(?:visit|describe|execute)\w*'",

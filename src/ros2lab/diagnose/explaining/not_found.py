@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ros2lab.diagnose.code.imports import bare_import, bound_names
+from ros2lab.diagnose.code.imports import bare_import, names_of
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.explaining.unbuilt import not_yet_built
 from ros2lab.diagnose.finding import Finding, at, stops_build
@@ -270,13 +270,13 @@ def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look | None) -> Fi
         look: the workspace; None if there is none.
     """
     packages = look.packages if look else []
-    own = {name: bound_names(source) for package in packages for name, source in package.sources.items()}
+    modules = {name: module for package in packages for name, module in package.sources.items()}
     source = spot.source
     if source is None and groups.get("module"):
         source = PythonSource("", "", f"from {groups['module']} import {groups['name']}")
     if source is None:
         return None
-    found = [*wrong_imports(source, own, is_sure=True)]
+    found = [*wrong_imports(source, names_of(source, modules), is_sure=True)]
     if spot.source is None:
         return replace(found[0], place="") if found else None
     here = {source.at(line) for line in spot.lines}

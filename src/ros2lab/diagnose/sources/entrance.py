@@ -155,7 +155,7 @@ def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
         if is_rclpys and (statement := _with_of(call.call, call.function)):
             yield Finding(
                 "context-manager",
-                f"In ROS 2 Jazzy, {call.name.rpartition('.')[2]}() cannot be used in a `with` statement; later releases allow it.",
+                f"In ROS 2 Jazzy, {ast.unparse(call.call.func)}() cannot be used in a `with` statement; later releases allow it.",
                 call.source.at(call.call),
                 _without_with(statement, call.call),
             )
