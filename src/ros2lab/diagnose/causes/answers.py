@@ -139,6 +139,8 @@ def _of_function(answering: _Answering) -> Finding | None:
     needs = f"rclpy needs {f'`{answer}`' if answer.isidentifier() else _class_of(answer)} back from it"
     for node in own_nodes(function):
         if isinstance(node, ast.Return) and (given := _refused(answering, node)):
+            if given == f"`{answer}`":
+                return _replaced(answering)
             if node.value and given == "bool":
                 given, answer = (
                     f"`{ast.unparse(node.value)}`",
@@ -154,6 +156,26 @@ def _of_function(answering: _Answering) -> Finding | None:
     return Finding("made-wrong", cause, source.at(function), fix)
 
 
+def _replaced(answering: _Answering) -> Finding | None:
+    """Return the finding of a function that gives the name of its answer another value."""
+    function, answer = answering.function, answering.answer
+    for node in own_nodes(function):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if name == answer:
+                pairs = zip(value.keys, value.values, strict=True) if isinstance(value, ast.Dict) else ()
+                fields = [
+                    f"`{name}.{getattr(key, 'value', '')} = {ast.unparse(item)}`" for key, item in pairs
+                ]
+                written = (
+                    " and ".join(fields)
+                    or f"`{name}_ = {ast.unparse(value)}`, and set the fields of {name} with it,"
+                )
+                cause = f"Line {node.lineno} replaces {name}, which rclpy needs back from {function.name}() with its fields set."
+                fix = f"write {written} instead of line {node.lineno}"
+                return Finding("made-wrong", cause, answering.source.at(node), fix)
+    return None
+
+
 def _class_of(answer: str) -> str:
     return f"a {re.split(r'[.(]', answer)[0]}"
 
@@ -164,9 +186,15 @@ def _refused(answering: _Answering, node: ast.Return) -> str:
     if value is None:
         return "nothing"
     text = ast.unparse(value)
-    if text == answering.answer or isinstance(value, ast.Await) or "super()" in text:
+    stored = {
+        n.id
+        for n in own_nodes(answering.function)
+        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+    }
+    is_answer = text == answering.answer and text not in stored
+    if is_answer or isinstance(value, ast.Await) or "super()" in text:
         return ""
-    if text in {parameter.arg for parameter in parameters(answering.function)}:
+    if text in {parameter.arg for parameter in parameters(answering.function)} - stored:
         return f"`{text}`"  # what it was given, and not the answer
     kind = type_of(source, value)
     is_known = bool(kind) and not re.search(r"Unknown|Any|\bobject\b", kind)
