@@ -213,7 +213,7 @@ MEANINGS: tuple[Meaning, ...] = (
         "",
     ),
     meaning(
-        r"'module' object is not callable|module\(\) takes at most \d arguments",
+        r"'module' object is not callable",
         "entry-point-no-function import-wrong",
         "An entry point in setup.py names a module without a function, or a module is called like a function.",
         "write name = package.module:main in setup.py, and build again",
