@@ -65,6 +65,12 @@ class Neighbours:
         """Return the command that starts a program among them, and the environment variable that it needs."""
         lists = [
             [*map(str, command)],
-            *([[*map(str, c)] for c in some] for some in (self.before, self.after)),
+            *([_shown(neighbour) for neighbour in some] for some in (self.before, self.after)),
         ]
         return [sys.executable, "-I", "-S", "-c", _STARTER], {_VARIABLE: json.dumps(lists)}
+
+
+def _shown(command: Command) -> list[str]:
+    """Return the words of a command that Python starts with: it would refuse the options of another program."""
+    program, *words = map(str, command)
+    return [program, *(words if program == sys.executable else ())]
