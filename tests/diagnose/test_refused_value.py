@@ -9,7 +9,7 @@ from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_text, of_workspace
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.parameter_faults import value_fix
+from ros2lab.diagnose.nodes.parameter_values import value_fix
 
 NAME = NAMES[1]
 INNER = f"src/{NAME.package}/{NAME.package}"

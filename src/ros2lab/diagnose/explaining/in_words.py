@@ -16,7 +16,8 @@ from ros2lab.diagnose.explaining.not_found import no_module, wrong_import
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field
-from ros2lab.diagnose.nodes.parameter_faults import declared_in, given_at, of_parameter_file, retyped
+from ros2lab.diagnose.nodes.parameter_faults import declared_in, of_parameter_file
+from ros2lab.diagnose.nodes.parameter_values import given_at, retyped
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ros2lab.diagnose.explaining.meaning import Meaning, meaning
 from ros2lab.diagnose.nodes.message_faults import filling
-from ros2lab.diagnose.nodes.parameter_faults import value_fix
+from ros2lab.diagnose.nodes.parameter_values import value_fix
 
 NODE_MEANINGS: tuple[Meaning, ...] = (
     # Nodes

@@ -1,0 +1,333 @@
+"""What is wrong in how a program initializes, spins and ends."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.static_value import dotted
+
+_CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
+# With these a program may last or wait without spinning.
+_WAITING = frozenset(("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep"))
+_SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its timers
+
+
+def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
+    """Yield what is wrong in how a program initializes, spins and ends."""
+    if entrance.node is None:
+        yield from _left_aside(entrance)
+        return
+    yield from _init(entrance)
+    for call in entrance.calls:
+        is_rclpys = call.name == "rclpy.init" or (
+            entrance.makes_node(call) and not _is_entered(entrance, call)
+        )
+        if is_rclpys and (statement := _with_of(call.call, call.function)):
+            yield Finding(
+                "context-manager",
+                f"In ROS 2 Jazzy, {ast.unparse(call.call.func)}() cannot be used in a `with` statement; later releases allow it.",
+                call.source.at(call.call),
+                _without_with(statement, call.call),
+            )
+    if any(call.short in _CALLED_BACK for call in entrance.calls):
+        yield from _spin(entrance)
+
+
+def _left_aside(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a function that makes a node but is never called, in the file of an entrance without a node."""
+    source = entrance.source
+    named = {getattr(node, "id", getattr(node, "attr", "")) for node in source.nodes}
+    for name, (home, function) in entrance.sources.functions.items():
+        if home is not source or entrance.may_do_more or function.name in named:
+            continue
+        if Entrance(entrance.sources, name).node is not None:
+            cause = f"`ros2 run` calls {entrance.function.name}(), which never calls {function.name}(), where the node is made."
+            fix = f"write `{function.name}()` as the last line of {entrance.function.name}()"
+            yield Finding("never-made", cause, source.at(entrance.function), fix)
+
+
+def _init(entrance: Entrance) -> Iterator[Finding]:
+    inits = [call for call in entrance.calls if call.name == "rclpy.init"]
+    node = entrance.node
+    assert node is not None
+    is_called = any(call.short == "init" for call in entrance.calls) or entrance.inits_at_import
+    if not entrance.may_do_more and not is_called:
+        yield Finding(
+            "rclpy-init-missing",
+            "A node is made, but rclpy.init() is not called before it.",
+            node.source.at(node.call),
+            _init_written(entrance),
+        )
+    sure = [
+        init
+        for init in inits
+        if not _is_guarded(init.call, init.function)
+        and not any(keyword.arg == "context" for keyword in init.call.keywords)
+    ]
+    if len(sure) > 1 and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
+        kept = next((init for init in sure if init.function is entrance.function), sure[0])
+        extra = next(init for init in reversed(sure) if init is not kept)
+        yield Finding(
+            "rclpy-init-twice",
+            "rclpy.init() is called twice in one program.",
+            extra.source.at(extra.call),
+            f"remove `{ast.unparse(extra.call)}` on line {extra.call.lineno}; the one in {kept.function.name}() stays",
+        )
+
+
+def _init_written(entrance: Entrance) -> str:
+    """Return how to call rclpy.init in the function of an entrance, with the names that are known there."""
+    names = [argument.arg for argument in entrance.function.args.args]
+    is_imported = any(imported.local == "rclpy" for imported in entrance.source.imports)
+    more = "" if is_imported else ", with `import rclpy` at the top"
+    given = "args=args" if "args" in names else ""
+    return f"write rclpy.init({given}) as the first line of {entrance.function.name}{more}"
+
+
+def _spin(entrance: Entrance) -> Iterator[Finding]:
+    """Yield why no callback is called, only one, or only those of some nodes."""
+    node, name = entrance.node, entrance.function.name
+    assert node is not None
+    waits = entrance.may_do_more or any(call.short in _WAITING for call in entrance.calls)
+    if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance):
+        yield Finding(
+            "spin-missing",
+            f"{name} makes a node but never spins it, so the program ends at once and no callback is called.",
+            node.source.at(node.call),
+            _spin_of(entrance, node),
+        )
+    if not waits:
+        yield from _one_turn(entrance)
+    if not entrance.spins and not entrance.may_do_more and not _names_spin(entrance):
+        yield from _unspun_loop(entrance)
+    yield from _rests(entrance)
+    yield from _idle_executor(entrance)
+    yield from _left_out(entrance)
+    for inner, later in _in_a_row(entrance):
+        yield Finding(
+            "spin-missing",
+            "A spin runs until Ctrl-C, so the second spin is never reached and its node's callbacks are never called.",
+            inner.at(later),
+            "add all nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()",
+        )
+
+
+def _spin_of(entrance: Entrance, node: Call) -> str:
+    """Say which node to spin, and where."""
+    name = entrance.function.name
+    for statement in own_nodes(node.function):
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=variable)], value=value) if value is node.call:
+                if node.function is entrance.function:
+                    return f"write `rclpy.spin({variable})` below line {statement.end_lineno}"
+            case ast.Expr(value=value) if value is node.call and node.function is entrance.function:
+                return f"write `rclpy.spin({ast.unparse(value)})` instead of line {statement.lineno}"
+    return f"write rclpy.spin(...) in {name}(), with the node in the parentheses, after the node is made"
+
+
+def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a loop that sleeps without spinning."""
+    node = entrance.node
+    assert node is not None
+    if any(call.short in _WAITING - {"sleep", "wait"} for call in entrance.calls):
+        return
+    for call in entrance.calls:
+        # A loop in a method of the node is reported as one that keeps callbacks waiting.
+        if (
+            call.name != "time.sleep"
+            or not call.is_repeated
+            or call.function is not node.function
+            or not call.call.args
+        ):
+            continue
+        kept = [
+            n.targets[0]
+            for n in own_nodes(node.function)
+            if isinstance(n, ast.Assign) and n.value is node.call
+        ]
+        name, length = ast.unparse(kept[0]) if kept else "node", ast.unparse(call.call.args[0])
+        yield Finding(
+            "spin-missing",
+            f"This loop sleeps without spinning, so no callback of {name} is ever called.",
+            call.source.at(call.call),
+            f"write rclpy.spin_once({name}, timeout_sec={length}) instead of {ast.unparse(call.call)}",
+        )
+
+
+def _one_turn(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a program that spins once and ends."""
+    name = entrance.function.name
+    once = [
+        spin for spin in entrance.spins if spin.short == "spin_once" and _is_the_only_turn(entrance, spin)
+    ]
+    if once and len(once) == len(entrance.spins):
+        given = ast.unparse(once[-1].call.args[0]) if once[-1].call.args else "node"
+        cause = f"spin_once() calls at most one callback, and {name} does not call it in a loop, so the program then ends."
+        fix = f"write rclpy.spin({given}) instead of {ast.unparse(once[-1].call)}"
+        yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
+
+
+def _rests(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a loop that spins once and sleeps in each round, so that only one callback a round is called."""
+    turns = [turn for turn in entrance.calls if turn.name == "rclpy.spin_once" and turn.is_repeated]
+    for turn in turns:
+        for call in entrance.calls:
+            length = entrance.sources.value(call.source, call.call.args[0]) if call.call.args else None
+            is_sleep = call.name == "time.sleep" and call.is_repeated and call.function is turn.function
+            if is_sleep and isinstance(length, (int, float)) and length >= _SHORT_REST:
+                given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
+                yield Finding(
+                    "callback-waits",
+                    f"spin_once() calls one callback, and then this loop sleeps for {length:g} s, so callbacks run only that often and messages pile up.",
+                    call.source.at(call.call),
+                    f"write rclpy.spin({given}) instead of the loop, and move the loop's other work into a timer callback",
+                )
+
+
+def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
+    """Yield an executor that is spun without any nodes."""
+    shorts = {call.short for call in entrance.calls}
+    made = [
+        call
+        for call in entrance.calls
+        if call.name.startswith("rclpy.executors.") and call.short.endswith("Executor")
+    ]
+    of_executor = [spin for spin in entrance.spins if spin.name != "rclpy.spin" and spin.is_lasting]
+    if (
+        made
+        and of_executor
+        and not {"add_node", "spin_once"} & shorts
+        and len(of_executor) == len(entrance.spins)
+    ):
+        spin = of_executor[0]
+        whole = ast.unparse(spin.call.func).removesuffix(".spin")
+        cause = f"`{ast.unparse(spin.call)}` spins an executor that has no nodes, so no callback is called."
+        yield Finding(
+            "spin-missing",
+            cause,
+            spin.source.at(spin.call),
+            f"write `{whole}.add_node(node)` above this line",
+        )
+
+
+def _is_the_only_turn(entrance: Entrance, turn: Call) -> bool:
+    """Return whether a program spins once and ends: it neither repeats that nor uses the node afterwards."""
+    node = ast.unparse(turn.call.args[0]) if turn.call.args else ""
+    asked = {
+        n.attr
+        for n in own_nodes(turn.function)
+        if isinstance(n, ast.Attribute) and ast.unparse(n.value) == node and n.lineno > turn.call.lineno
+    }
+    is_own = turn.function is entrance.function and turn.call in own_nodes(turn.function)
+    return is_own and not turn.is_repeated and asked <= {"destroy_node"}
+
+
+def _left_out(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a node that is made but never used, while another one is spun."""
+    spun = [spin for spin in entrance.spins if spin.name == "rclpy.spin" and spin.call.args]
+    for spin in spun:
+        for node in own_nodes(spin.function):
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=made)):
+                    pass
+                case _:
+                    continue
+            owner = entrance.sources.classes.get(entrance.sources.resolve(spin.source, made) or "")
+            if (
+                owner is None
+                or not entrance.sources.lineage(owner)[1]
+                or name == ast.unparse(spin.call.args[0])
+            ):
+                continue
+            if any(
+                creation.owner is owner and creation.method in _CALLED_BACK
+                for creation in entrance.sources.creations
+            ):
+                loads = [n for n in walk(spin.function) if isinstance(n, ast.Name) and n.id == name]
+                destroyed = {
+                    id(n.value)
+                    for n in walk(spin.function)
+                    if isinstance(n, ast.Attribute) and n.attr == "destroy_node"
+                }
+                if not any(isinstance(n.ctx, ast.Load) and id(n) not in destroyed for n in loads):
+                    cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(spin.call.args[0])}."
+                    fix = "add both nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()"
+                    if entrance.sources.resolve(spin.source, spin.call.args[0]) == owner.name:
+                        cause = f"`{ast.unparse(spin.call)}` is given the class instead of {name}, the node made from it."
+                        fix = f"write rclpy.spin({name})"
+                    yield Finding("spin-missing", cause, spin.source.at(node), fix)
+
+
+def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
+    """Yield the second of several spins in the same block."""
+    spinning = {id(spin.call): spin.source for spin in entrance.spins if spin.is_lasting}
+    for function in entrance.functions:
+        for node in walk(function):
+            for block in (getattr(node, "body", None), getattr(node, "orelse", None)):
+                calls = [
+                    statement.value
+                    for statement in (block if isinstance(block, list) else ())
+                    if isinstance(statement, ast.Expr)
+                    and isinstance(statement.value, ast.Call)
+                    and id(statement.value) in spinning
+                ]
+                if len(calls) > 1:
+                    yield spinning[id(calls[1])], calls[1]
+
+
+def _names_spin(entrance: Entrance) -> bool:
+    """Return whether a spinning function is passed on, as in `Thread(target=executor.spin)`."""
+    for function in entrance.functions:
+        named = {id(n.func) for n in walk(function) if isinstance(n, ast.Call)}
+        named |= {id(n.value) for n in walk(function) if isinstance(n, ast.Expr)}
+        names = (n for n in walk(function) if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in named)
+        if any(getattr(n, "attr", getattr(n, "id", "")) in SPINNING for n in names):
+            return True
+    return False
+
+
+def _with_of(call: ast.Call, function: Function) -> ast.With | None:
+    """Return the `with` statement that enters what a call returns; None if there is none."""
+    statements = (node for node in walk(function) if isinstance(node, ast.With))
+    return next((n for n in statements if any(item.context_expr is call for item in n.items)), None)
+
+
+def _is_entered(entrance: Entrance, call: Call) -> bool:
+    """Return whether a class has an `__enter__` of its own."""
+    classes = entrance.sources.classes
+    lineage = entrance.sources.lineage(classes[call.name])[0] if call.name in classes else ()
+    return any("__enter__" in inner.methods for inner in lineage)
+
+
+def _without_with(statement: ast.With, call: ast.Call) -> str:
+    """Say how to write a call on a line of its own instead of in a `with` statement."""
+    item = next(item for item in statement.items if item.context_expr is call)
+    alone = (
+        f"{ast.unparse(item.optional_vars)} = {ast.unparse(call)}"
+        if item.optional_vars
+        else ast.unparse(call)
+    )
+    rest = [ast.unparse(other) for other in statement.items if other is not item]
+    if rest:
+        return f"write `{alone}` above line {statement.lineno}, and `with {', '.join(rest)}:` there"
+    first, last = statement.body[0].lineno, statement.body[-1].end_lineno or statement.body[-1].lineno
+    lines = f"line {first}" if first == last else f"lines {first} to {last}"
+    return f"write `{alone}` instead of line {statement.lineno}, and move {lines} to the left, below it"
+
+
+def _is_guarded(call: ast.Call, function: Function) -> bool:
+    branches = [node for node in walk(function) if isinstance(node, (ast.If, ast.ExceptHandler))]
+    return any(call is inner for branch in branches for inner in walk(branch))
+
+
+def _shutdown_between(function: Function, first: ast.Call, last: ast.Call) -> bool:
+    ends = [
+        node.lineno
+        for node in walk(function)
+        if isinstance(node, ast.Call) and (dotted(node.func) or "").endswith("shutdown")
+    ]
+    return any(first.lineno < line < last.lineno for line in ends)
