@@ -42,6 +42,7 @@ PROGRAMS = {
     "is_broken_behind_it": f"{BEGIN}input()\n{BROKEN}{REST}",
     "ends_at_a_key": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}while sys.stdin.read(1) != 'q':\n    publisher.publish(Twist())\n",
     "ends_after_one": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}input()\n",
+    "logs_behind_a_prompt": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}while rclpy.ok():\n    node.get_logger().info('heard ' + input('word? '))\n",
     "is_silent_behind_it": f"{BEGIN}input()\n{REST.replace('publisher.publish(Twist())', 'None')}",
 }
 ANSWERED = ("asks_for_a_number", "asks_for_two", "asks_for_a_word", "reads_single_keys")
@@ -79,6 +80,11 @@ def test_what_is_broken_behind_it_is_seen_to_be(runs: dict[str, Run]) -> None:
     assert runs["is_silent_behind_it"].typed
     assert not runs["is_silent_behind_it"].ended
     assert not runs["is_silent_behind_it"].quiet
+
+
+def test_what_is_logged_behind_a_prompt_is_one_line_and_not_two(runs: dict[str, Run]) -> None:
+    log = [(level, text) for level, text in runs["logs_behind_a_prompt"].log if "heard" in text]
+    assert {level for level, _ in log} == {"INFO"}
 
 
 def test_what_an_answer_ends_has_not_ended_by_itself(runs: dict[str, Run]) -> None:

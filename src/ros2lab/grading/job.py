@@ -378,7 +378,7 @@ def _whole_lines(output: str, begin: int, end: int) -> list[str]:
 
 def _is_known(line: str, known: set[tuple[str, str, str]]) -> bool:
     """Return whether a printed line is a log line that was received."""
-    match = _LOG_LINE.fullmatch(line)
+    match = _LOG_LINE.search(line)  # what a program asks at a keyboard may stand before it
     return (match.groups() if match else ("", "", line)) in known or any(line == text for *_, text in known)
 
 
