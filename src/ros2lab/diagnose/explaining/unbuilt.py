@@ -77,35 +77,38 @@ def no_prerequisite(error: ErrorText, look: Look | None) -> Finding | None:
     """Say why colcon lacks what another package should have installed; None if it does not say that."""
     listed = re.search(r"packages have been built:\n((?:- .+\n?)+)", error.text)
     names = re.findall(r"- +([\w.-]+)", listed[1]) if listed else []
-    builds = [step for step in error.steps if "packages have been built:" in step.text]
-    typed = builds[-1].command if builds else ""
-    failed = re.findall(r"Failed +<<< ([\w.-]+)", error.text)
     if not names:
         return None
-    missing, by_name = (
-        " and ".join(names),
-        {package.name: package for package in look.packages} if look else {},
-    )
-    user = failed[0] if failed else "The package"
-    if look is None or not set(names) <= by_name.keys():
+    failed = re.findall(r"Failed +<<< ([\w.-]+)", error.text)
+    user, missing = failed[0] if failed else "The package", " and ".join(names)
+    by_name = {package.name: package for package in look.packages} if look else {}
+    if look is None or not by_name.keys() >= {*names}:
         cause = f"{user} needs {missing}, which is neither in this workspace nor in one that this terminal has sourced."
         fix = f"source the install/setup.bash of the workspace in which {missing} is built, and build again"
         return Finding("not-built", cause, "", fix, (*names,))
-    for name in names:
-        own = by_name[name].shown("-").removesuffix("-")
-        if stops := [found for found in look.findings if found.place.startswith(own) and stops_build(found)]:
-            return stops[0]
+    homes = tuple(by_name[name].shown("-").removesuffix("-") for name in names)
+    stops = (found for found in look.findings if found.place.startswith(homes) and stops_build(found))
+    return next(stops, None) or _left_out(user, failed, [by_name[name] for name in names], error, look)
+
+
+def _left_out(
+    user: str, failed: Sequence[str], missing: Sequence[SourcePackage], error: ErrorText, look: Look
+) -> Finding:
+    """Say that a build left out packages that another one needs, and how to build them with it."""
+    builds = [step for step in error.steps if "packages have been built:" in step.text]
+    typed = builds[-1].command if builds else ""
+    names = [package.name for package in missing]
     selected = [word for match in _SELECTED.findall(typed) for word in match.split()]
-    again = _up_to(typed, selected or failed or names)
-    by = (
-        "--packages-select builds only the packages that it names" if selected else "this build leaves it out"
-    )
-    is_gone = not selected and any(prefix_of(look.root, name) is None for name in names)
-    if is_gone and "--packages-skip" not in typed:
-        by = f"{missing} is not in install"
-    return Finding(
-        "not-built", f"{user} needs {missing}, and {by}.", by_name[names[0]].shown(""), again, (*names,)
-    )
+    is_gone = any(prefix_of(look.root, name) is None for name in names)
+    if selected:
+        why = "--packages-select builds only the packages that it names"
+    elif is_gone and "--packages-skip" not in typed:
+        why = f"{' and '.join(names)} is not in install"
+    else:
+        why = "this build leaves it out"
+    cause = f"{user} needs {' and '.join(names)}, and {why}."
+    fix = _up_to(typed, selected or failed or names)
+    return Finding("not-built", cause, missing[0].shown(""), fix, (*names,))
 
 
 def _declared(package: SourcePackage) -> set[str]:

@@ -114,18 +114,29 @@ def server_for(
     """
     called = {end.name for end in ends if not end.is_server}
     served = {end.name for end in ends if end.is_server}
-    of_kind = [end for end in ends if end.is_action is client.is_action]
-    lone = [end for end in of_kind if end.is_server and end.name and end.name not in called]
     if client.name in served or not client.name:
         return None
+    of_kind = [end for end in ends if end.is_action is client.is_action]
+    lone = [end for end in of_kind if end.is_server and end.name and end.name not in called]
     near = [server for server in lone if is_near_miss(client.name, server.name)]
-    alike = [server for server in lone if client.type and server.type == client.type]
-    clients = {end.name for end in of_kind if end.type == client.type and not end.is_server} - served
-    is_only = len({server.name for server in alike}) == 1 and len(clients) == 1
-    if not near and is_only and not any(end.is_server and not end.name for end in of_kind):
+    if not near and (server := _only_one_of_its_type(client, of_kind, lone, served)):
         is_own = is_missed or client.type.partition(".")[0] in own
-        near = [server for server in alike if is_own or _are_of_the_same_words(client.name, server.name)]
+        near = [server] if is_own or _are_of_the_same_words(client.name, server.name) else []
     return next(iter(near), None)
+
+
+def _only_one_of_its_type(
+    client: ServiceEnd,
+    of_kind: Collection[ServiceEnd],
+    lone: Collection[ServiceEnd],
+    served: Collection[str],
+) -> ServiceEnd | None:
+    """Return the only server of a client's type, if the client is the only one of that type without a server."""
+    alike = [server for server in lone if client.type and server.type == client.type]
+    clients = {end.name for end in of_kind if end.type == client.type and not end.is_server}
+    is_open = any(end.is_server and not end.name for end in of_kind)  # a server whose name is not known
+    is_only = len({server.name for server in alike}) == 1 and len(clients.difference(served)) == 1
+    return alike[0] if is_only and not is_open else None
 
 
 def service_faults(

@@ -19,44 +19,49 @@ _ALIKE = 0.45  # how similar a pattern and the path of the file that it should m
 def folder_taken(package: SourcePackage, setup: SetupScript, folder: str) -> Finding:
     """Say that data_files holds a folder, where only files may be, and how to leave it out."""
     pattern = next((pattern for pattern in setup.patterns if folder in pattern.files), None)
-    made = next(
-        (
-            node
-            for node in _made(setup)
-            if (
-                pattern.call in ast.walk(node)
-                if pattern
-                else f"'{folder.partition('/')[0]}" in ast.unparse(node)
-            )
-        ),
-        None,
-    )
-    whole = _called(ast.Name("glob"), f"{folder}/*")
-    if pattern is None and made is None:
-        literal = (node for node in setup.source.nodes if isinstance(node, ast.Constant))
-        line = next((node.lineno for node in literal if node.value == folder), setup.line("data_files"))
-        return Finding(
-            "setup-value",
-            f"In setup.py, data_files names the folder {folder}, but only files can be installed.",
-            at(setup.source.shown, line),
-            f"write {whole} instead of ['{folder}'], with `from glob import glob` at the top",
-            ("data_files",),
-        )
-    node: ast.expr = made if made is not None or pattern is None else pattern.call  # type: ignore[assignment]
+    made = next((node for node in _made(setup) if _finds(node, pattern, folder)), None)
+    node = made or (pattern.call if pattern else None)
+    if node is None:
+        return _folder_named(setup, folder)
     written = ast.unparse(node)
     narrower = _narrower(package, pattern) if pattern and node is pattern.call else ""
     fix = f"write {narrower or _only_files(node)} instead of {written}"
     if not narrower and "import os" not in setup.source.text:
         fix += ", with `import os` at the top"
-    inner = any(path.is_file() for path in (package.folder / folder).glob("*"))
-    inner &= not (pattern and pattern.text.rstrip("/") == folder)
-    inner &= not any(file.startswith(f"{folder}/") for file in (pattern.files if pattern else ()))
-    if inner and not folder.endswith("__pycache__"):
-        function = pattern.call.func if pattern else ast.Name("glob")
-        row = f"({f'share/{package.name}/{folder}'!r}, {_called(function, f'{folder}/*')})"
+    if row := _row_of(package, pattern, folder):
         fix += f"; if the files in {folder} are needed, add {row}"
     cause = f"`{written}` in setup.py also finds the folder {folder}, but only files can be installed."
     return Finding("setup-value", cause, at(setup.source.shown, node.lineno), fix, ("data_files",))
+
+
+def _finds(node: ast.ListComp | ast.GeneratorExp, pattern: Pattern | None, folder: str) -> bool:
+    """Return whether a comprehension is what finds a folder: by its pattern, or else by the folder's name."""
+    if pattern:
+        return pattern.call in ast.walk(node)
+    return f"'{folder.partition('/')[0]}" in ast.unparse(node)
+
+
+def _folder_named(setup: SetupScript, folder: str) -> Finding:
+    """Say that data_files names a folder itself."""
+    literal = (node for node in setup.source.nodes if isinstance(node, ast.Constant))
+    line = next((node.lineno for node in literal if node.value == folder), setup.line("data_files"))
+    cause = f"In setup.py, data_files names the folder {folder}, but only files can be installed."
+    whole = _called(ast.Name("glob"), f"{folder}/*")
+    fix = f"write {whole} instead of ['{folder}'], with `from glob import glob` at the top"
+    return Finding("setup-value", cause, at(setup.source.shown, line), fix, ("data_files",))
+
+
+def _row_of(package: SourcePackage, pattern: Pattern | None, folder: str) -> str:
+    """Return the entry of data_files that installs a folder's own files; empty if it has none, or they are installed."""
+    has_files = any(path.is_file() for path in (package.folder / folder).glob("*"))
+    if not has_files or folder.endswith("__pycache__"):
+        return ""
+    if pattern and (
+        pattern.text.rstrip("/") == folder or any(file.startswith(f"{folder}/") for file in pattern.files)
+    ):
+        return ""
+    function = pattern.call.func if pattern else ast.Name("glob")
+    return f"({f'share/{package.name}/{folder}'!r}, {_called(function, f'{folder}/*')})"
 
 
 def _made(setup: SetupScript) -> Iterator[ast.ListComp | ast.GeneratorExp]:
