@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 from workspace_files import NAMES, Files
 
-from ros2lab.diagnose import Finding, of_text
+from ros2lab.diagnose import Finding, of_text, of_workspace
+from ros2lab.diagnose.explaining.needed import of_needed
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import read_error
 
 USAGE = "usage: colcon [-h] [--log-base LOG_BASE]\n              {build,list} ...\ncolcon: error: "
 AFTER = (
@@ -152,3 +155,38 @@ def test_a_terminal_whose_folder_is_gone_gets_a_sentence(tmp_path: Path) -> None
     assert done.returncode == 2
     assert f"{gone} no longer exists" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("between", [",", ";", ", ", " , "])
+def test_package_names_are_separated_by_spaces(tmp_path: Path, between: str) -> None:
+    typed = f"colcon build --packages-select my_bot{between}my_tools"
+    warning = (
+        f"WARNING:colcon.colcon_core.package_selection:ignoring unknown package 'my_bot{between.strip()}'"
+    )
+    found = first(
+        f"$ {typed}\n{warning} in --packages-select\n\nSummary: 0 packages finished [0.6s]{AFTER}",
+        with_tools(),
+        tmp_path,
+    )
+    assert (found.code, found.fix.partition("`,")[0].strip("`")) == (
+        "typed-wrong",
+        "type `colcon build --packages-select my_bot my_tools",
+    )
+
+
+def test_a_launch_file_that_is_started_by_its_path_need_not_be_installed(tmp_path: Path) -> None:
+    files = Files.right(NAMES[1])
+    launch = f"src/{NAMES[1].package}/launch/robot.launch.py"
+    files.texts[f"src/{NAMES[1].package}/tools/robot_too.launch.py"] = files.texts[launch]
+    root = files.write(tmp_path)
+    by_name, by_path = (
+        {
+            finding.code
+            for finding in of_needed(
+                of_workspace(root), read_error(f"$ ros2 launch {words}\n[INFO] on\n"), Look(root)
+            )
+        }
+        for words in ("my_bot robot_too.launch.py", f"src/{NAMES[1].package}/tools/robot_too.launch.py")
+    )
+    assert "not-in-data-files" in by_name
+    assert "not-in-data-files" not in by_path

@@ -120,6 +120,7 @@ UNUSUAL = {
     "class in a table": "\n\nKINDS: dict[str, type[Node]] = {'MODULE': CLASS}\n\n\ndef made(name: str) -> Node:\n    return KINDS[name]()\n",
     "class of a list": "\n\ndef all_of(kinds: list[type[Node]]) -> list[Node]:\n    return [kind() for kind in kinds]\n",
     "class kept": "        self.kind: type[Node] = CLASS\n\n    def another(self) -> Node:\n        return self.kind()\n",
+    "attribute from elsewhere": "\n\ndef prepared() -> Node:\n    node = rclpy.create_node('b')\n    node.cups = 0\n    node.cups += 1\n    return node\n",
     "class itself": "\n    @classmethod\n    def again(cls) -> Node:\n        return cls()\n",
 }  # fmt: skip
 

@@ -30,7 +30,7 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
         word = word_that_ended(run)
         parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
     parts += _unserved(seen, seen.main(name))
-    return f"{name} {'; '.join(parts) or 'ran until the end and uses no topics'}."
+    return f"{name} {'; '.join(parts) or 'used no topics'}."
 
 
 def _unserved(seen: Seen, file: str) -> list[str]:

@@ -92,10 +92,14 @@ def _is_told_elsewhere(row: re.Match[str], said: re.Match[str], source: PythonSo
 
 
 def _may_not_fail(source: PythonSource | None, line: int, groups: dict[str, str]) -> bool:
-    """Return whether a line is not guarded by `try`, and does not use a class that may be a subclass."""
+    """Return whether a line is not guarded by `try`, and uses no class that may be a subclass, nor an added attribute."""
     if source is None:
         return True
-    return not _is_guarded(source, line) and not _is_of_any_class(source, line, groups["owner"])
+    return not (
+        _is_guarded(source, line)
+        or _is_of_any_class(source, line, groups["owner"])
+        or _is_set_from_outside(source, *_owner_and_name(groups))
+    )
 
 
 def _is_sure(said: dict[str, str]) -> bool:
@@ -123,6 +127,13 @@ def _is_guarded(source: PythonSource, line: int) -> bool:
                 if names & _CATCHES:
                     return True
     return False
+
+
+def _is_set_from_outside(source: PythonSource, owner: str, name: str) -> bool:
+    """Return whether a file sets an attribute on an object other than self; messages refuse new attributes."""
+    stored = (n for n in source.nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store))
+    is_message = any(interfaces.fields_of(f"{home}.{owner}") for home in interfaces.homes_of(owner))
+    return not is_message and any(node.attr == name and not is_self_attribute(node) for node in stored)
 
 
 def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:

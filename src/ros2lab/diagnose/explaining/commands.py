@@ -107,6 +107,8 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
 def _of_colcon(line: str, words: list[str], look: Look, said: str) -> Corrected | None:
     folders = {package.shown("").rstrip("/"): package.name for package in look.packages}
     names = {*folders.values()}
+    if any(word in _SELECTING for word in words) and (apart := _apart(line, names)):
+        return apart
     refused = re.search(r"unrecognized arguments:(.*)", said)
     bare = [*itertools.takewhile(lambda word: not word.startswith("-"), words[2:])]
     if refused and not refused[1].lstrip().startswith("-"):
@@ -126,6 +128,15 @@ def _of_colcon(line: str, words: list[str], look: Look, said: str) -> Corrected 
         if before in _SELECTING and word not in names and (near := nearest(word, names, 0.6)):
             return Corrected(line.replace(word, near), f"No package here is called {word}; there is {near}.")
     return None
+
+
+def _apart(line: str, names: Collection[str]) -> Corrected | None:
+    """Correct package names with commas or semicolons between them; None if there are none."""
+    pairs = re.findall(r"([\w-]+)\s*[,;]\s*(?=([\w-]*))", line)
+    joined = {name for pair in pairs for name in pair if name}
+    if not joined or not joined <= {*names}:
+        return None
+    return Corrected(re.sub(r"\s*[,;]\s*", " ", line), "colcon separates package names by spaces alone.")
 
 
 def _of_variable(setting: str) -> Corrected | None:
