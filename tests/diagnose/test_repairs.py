@@ -275,7 +275,7 @@ LIST = """    return LaunchDescription([
         (
             "Node(package='my_bot', executable='talker', condition=LaunchConfiguration('on'))",
             "'LaunchConfiguration' object has no attribute 'evaluate'",
-            "`IfCondition(LaunchConfiguration('on'))` instead of `LaunchConfiguration('on')`",
+            "IfCondition(LaunchConfiguration('on')) instead of LaunchConfiguration('on')",
         ),
         (
             "OpaqueFunction(function=start)",

@@ -326,7 +326,7 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
     """Return what is said of a call that does not return what is needed."""
     name, written = origin.name, ast.unparse(call)
     store = f"{name} = " if name != written else ""
-    if origin.kind in ("Parameter", "ParameterValue"):
+    if origin.kind == "Parameter" or (origin.kind == "ParameterValue" and not _asks_for_field(spot, name)):
         return _of_parameter(origin, call, spot)
     is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
     if origin.kind == "str" and (({"int", "float"} & set(kinds) and store) or (kinds == ["str"] and is_str)):
@@ -339,6 +339,12 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
         cause = f"The parameter {ast.unparse(call.args[0])} is declared without a value, so {name} is None."
         return cause, origin.place, f"write {written[:-1]}, ...), with its default value"
     return of_call_that_gave_none(origin, call, spot)
+
+
+def _asks_for_field(spot: Spot, written: str) -> bool:
+    """Return whether a line asks a ParameterValue for one of its fields, such as `double_value`, or nearly so."""
+    asked = {n.attr for n in spot.nodes if isinstance(n, ast.Attribute) and ast.unparse(n.value) == written}
+    return any(name.endswith("_value") or name == "type" for name in asked)
 
 
 def _of_parameter(origin: Origin, call: ast.Call, spot: Spot) -> _Told:
@@ -366,9 +372,8 @@ def of_parameter(message: str, spot: Spot) -> Finding | None:
         if source is None or not isinstance(node, (ast.Name, ast.Attribute, ast.Call)):
             continue
         origins = [*_made(spot, node)] if isinstance(getattr(node, "ctx", ast.Load()), ast.Load) else []
-        asked = {n.attr for n in source.nodes if isinstance(n, ast.Attribute) and n.value is node}
-        is_taken_out = any(name.endswith("_value") or name == "type" for name in asked)
-        if {origin.kind for origin in origins} == {"ParameterValue"} and not is_taken_out:
+        is_whole = not _asks_for_field(spot, ast.unparse(node))
+        if {origin.kind for origin in origins} == {"ParameterValue"} and is_whole:
             call = origins[0].value
             return (
                 Finding("made-wrong", *_of_parameter(origins[0], call, spot))

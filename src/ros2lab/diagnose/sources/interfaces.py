@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import re
 import sys
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -190,10 +191,12 @@ def _defined_by_python() -> Mapping[str, tuple[str, ...]]:
         if not module.startswith("_") and path.is_file():
             for name in re.findall(r"^(?:class|def) ([A-Za-z]\w*)", read_text(path), re.MULTILINE):
                 found.setdefault(name, []).append(module)
-    for module in sys.builtin_module_names:
-        if not module.startswith("_"):
-            for name in vars(importlib.import_module(module)):
-                found.setdefault(name, []).append(module)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # some of these modules will go, and say so
+        for module in sys.builtin_module_names:
+            if not module.startswith("_"):
+                for name in vars(importlib.import_module(module)):
+                    found.setdefault(name, []).append(module)
     return {name: tuple(dict.fromkeys(modules)) for name, modules in found.items()}
 
 
