@@ -9,6 +9,7 @@ import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 
+from ros2lab.diagnose.explaining.colcon_commands import of_colcon
 from ros2lab.diagnose.explaining.typed_message import as_message, read_as
 from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.look import Look
@@ -37,17 +38,6 @@ _PLACES = {
     "pkg executables": ("package",),
 }
 _MAY_LACK = frozenset(("param list", "pkg executables"))
-# The options of colcon that the names of packages follow.
-_SELECTING = (
-    "--packages-select",
-    "--packages-up-to",
-    "--packages-skip",
-    "--packages-above",
-    "--packages-start",
-    "--packages-end",
-    "--packages-ignore",
-    "--allow-overriding",
-)
 _LEVELS = ("debug", "info", "warn", "error", "fatal")
 # The values that ROS's own variables may have: a pattern, a description and an example.
 _VARIABLES = {
@@ -86,7 +76,8 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
         return None
     match words:
         case ["colcon", "build" | "test", *_]:
-            return _of_colcon(line, words, look, said)
+            better = of_colcon(line, words, look, said)
+            return Corrected(*better) if better else None
         case ["export", setting, *_]:
             return _of_variable(setting)
         case ["ros2", "pkg", "create", *rest] if "already exists" in said and (
@@ -102,41 +93,6 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
     rest = words[1 + len(verb.split()) :]
     command = _Command(line, verb, rest, _Known(look, rest))
     return next(command.faults(), None)
-
-
-def _of_colcon(line: str, words: list[str], look: Look, said: str) -> Corrected | None:
-    folders = {package.shown("").rstrip("/"): package.name for package in look.packages}
-    names = {*folders.values()}
-    if any(word in _SELECTING for word in words) and (apart := _apart(line, names)):
-        return apart
-    refused = re.search(r"unrecognized arguments:(.*)", said)
-    bare = [*itertools.takewhile(lambda word: not word.startswith("-"), words[2:])]
-    if refused and not refused[1].lstrip().startswith("-"):
-        taken = {word for before, word in itertools.pairwise(words) if before in _SELECTING}
-        bare = bare or [word for word in refused[1].split() if word not in taken]
-    meant = [folders.get(word.removeprefix("./").rstrip("/"), word) for word in bare]
-    if bare and (known := [name for name in meant if name in names]):
-        written, better = " ".join(bare), " ".join(known)
-        why = f"colcon {words[1]} accepts package names only after an option such as --packages-select."
-        return Corrected(line.replace(f" {written}", f" --packages-select {better}", 1), why)
-    for before, word in itertools.pairwise(words[1:]):
-        if before.startswith("--") and word in names and before not in _SELECTING:
-            begun = [option for option in _SELECTING if option.startswith(before)]
-            option = begun[0] if begun else nearest(before, _SELECTING, 0.5) or "--packages-select"
-            why = f"colcon {words[1]} has no option {before}; it is {option}."
-            return Corrected(line.replace(before, option, 1), why)
-        if before in _SELECTING and word not in names and (near := nearest(word, names, 0.6)):
-            return Corrected(line.replace(word, near), f"No package here is called {word}; there is {near}.")
-    return None
-
-
-def _apart(line: str, names: Collection[str]) -> Corrected | None:
-    """Correct package names with commas or semicolons between them; None if there are none."""
-    pairs = re.findall(r"([\w-]+)\s*[,;]\s*(?=([\w-]*))", line)
-    joined = {name for pair in pairs for name in pair if name}
-    if not joined or not joined <= {*names}:
-        return None
-    return Corrected(re.sub(r"\s*[,;]\s*", " ", line), "colcon separates package names by spaces alone.")
 
 
 def _of_variable(setting: str) -> Corrected | None:
