@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, is_modul
 from ros2lab.diagnose.sources.other_names import by_another_name
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.setup_script import EntryPoint
 from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
 
 # Faults that keep an executable from the folder where `ros2 run` looks, the likeliest first.
@@ -129,41 +130,49 @@ def no_executable(
         typed: the commands that were typed.
     """
     package = _package(command[1], look) if command else None
-    there = look.executables[package.name] if look and package else None
-    stem = command[2].partition(".")[0] if command else ""
-    if (
-        command
-        and package
-        and there
-        and command[2] not in there
-        and (meant := by_another_name(package, command[2]))
-    ):
-        line = next((line for line in reversed(typed) if f"{command[1]} {command[2]}" in line), "")
-        line = line or f"ros2 run {command[1]} {command[2]}"
-        wrong = re.compile(rf"\b{re.escape(command[1])} +{re.escape(command[2])}\S*")
-        lines = (wrong.sub(f"{command[1]} {point.name}", line) for point in meant)
-        run = ", or ".join(f"`{better}`" for better in lines)
-        what = meant[0].text if len(meant) == 1 else f"{meant[0].module} in setup.py"
-        cause = f"{command[2]} is not the name of an executable: ros2 run needs the name before the = in `{what}`."
-        if len(meant) > 1:
-            cause = (
-                f"{command[2]} is not the name of an executable; {len(meant)} executables in setup.py run it."
-            )
-        return Finding(
-            "executable-missing", cause, at(package.shown("setup.py"), meant[0].line), f"type {run}"
-        )
-    if package and f"{package.name}.{stem}" in package.sources and stem not in (there or ()):
+    if command is None or package is None or look is None:
+        return _fault_of(package, look, _LOSE_EXECUTABLES) or _nowhere(command)
+    there, name = look.executables[package.name] or (), command[2]
+    if there and name not in there and (meant := by_another_name(package, name)):
+        return _called_otherwise(package, name, meant, typed)
+    stem = name.partition(".")[0]
+    if f"{package.name}.{stem}" in package.sources and stem not in there:
         return _fault_of(package, look, _LOSE_EXECUTABLES) or _no_entry_point(package, stem)
-    if command and package and there and command[2] not in there:
-        return _fault_of(package, look, ("replaced",)) or Finding(
-            "executable-missing",
-            f"The package {package.name} has no executable {command[2]}; it has {', '.join(sorted(there))}."
-            f"{did_you_mean(command[2], there)}",
-            package.shown("setup.py"),
-            f"type ros2 run {package.name}, and after it one of these names",
-        )
+    if there and name not in there:
+        return _fault_of(package, look, ("replaced",)) or _unknown_to(package, name, there)
+    return _fault_of(package, look, _LOSE_EXECUTABLES) or _nowhere(command)
+
+
+def _called_otherwise(
+    package: SourcePackage, name: str, meant: Sequence[EntryPoint], typed: Sequence[str]
+) -> Finding:
+    """Say by which names the executables are started that a file's, function's or class's name means."""
+    wrong = re.compile(rf"\b{re.escape(package.name)} +{re.escape(name)}\S*")
+    plain = f"ros2 run {package.name} {name}"
+    line = next((line for line in reversed(typed) if f"{package.name} {name}" in line), plain)
+    run = ", or ".join(f"`{wrong.sub(f'{package.name} {point.name}', line)}`" for point in meant)
+    cause = f"{name} is not the name of an executable; {len(meant)} executables in setup.py run it."
+    if len(meant) == 1:
+        cause = f"{name} is not the name of an executable: ros2 run needs the name before the = in `{meant[0].text}`."
+    place = at(package.shown("setup.py"), meant[0].line)
+    return Finding("executable-missing", cause, place, f"type {run}")
+
+
+def _unknown_to(package: SourcePackage, name: str, there: Collection[str]) -> Finding:
+    """Say which executables a package has instead of one that was typed."""
+    known = f"it has {', '.join(sorted(there))}.{did_you_mean(name, there)}"
+    return Finding(
+        "executable-missing",
+        f"The package {package.name} has no executable {name}; {known}",
+        package.shown("setup.py"),
+        f"type ros2 run {package.name}, and after it one of these names",
+    )
+
+
+def _nowhere(command: tuple[str, str, str] | None) -> Finding:
+    """Say what keeps ROS from finding an executable, where nothing more is known."""
     what = f" {command[2]} in {command[1]}" if command else ""
-    return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(
+    return Finding(
         "executable-missing",
         f"ROS finds no such executable{what}: it is not an entry point in setup.py, has not been built since, or setup.cfg does not put it into lib/<package>.",
         "",
