@@ -153,10 +153,15 @@ def _of_what_was_said(
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = _with_choice(error, look) or found or checked or _in_line(error, known)
-        is_no_tools = not error.reports and (bool(frozen) or is_own_log(error.decisive, look))
-        found = found or ([] if is_no_tools else said_by_tools(error, look))
+        found = found or _said_by_tools(error, look, is_frozen=bool(frozen))
     history = of_history(error.typed, error.text)
     return [*history, *own_shells(error.typed), *frozen, *of_processes(error.text, look), *found]
+
+
+def _said_by_tools(error: ErrorText, look: Look | None, *, is_frozen: bool) -> list[Finding]:
+    """Return what a tool says itself; nothing where a program was only stopped, or logs what it is written to log."""
+    is_no_tools = not error.reports and (is_frozen or is_own_log(error.decisive, look))
+    return [] if is_no_tools else said_by_tools(error, look)
 
 
 def _with_choice(error: ErrorText, look: Look | None) -> list[Finding]:

@@ -6,7 +6,7 @@ import ast
 import difflib
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -109,29 +109,34 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             place,
             f"write '{point.name} = {point.module}:{meant_function(package, point.module)}'",
         )
-    elif source is not None and any(
-        isinstance(n, ast.ClassDef) and n.name == point.function for n in source.tree.body
-    ):
+    elif source is not None:
+        yield from _function_fault(package, source, point, place)
+
+
+def _function_fault(
+    package: SourcePackage, source: PythonSource, point: EntryPoint, place: str
+) -> Iterator[Finding]:
+    """Yield what keeps an entry point's function from being called: it is a class, needs arguments, or is missing."""
+    if any(isinstance(n, ast.ClassDef) and n.name == point.function for n in source.tree.body):
         yield Finding(
             "entry-point-function",
             f"The executable {point.name} calls the class {point.function}, but it must call a function that makes and runs the node.",
             place,
             f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
         )
-    elif source is not None and (function := _demanding(source, point.function)) is not None:
+    elif (function := _demanding(source, point.function)) is not None:
         names = [argument.arg for argument in function.args.args]
-        values = ["None"] * (len(names) - len(function.args.defaults)) + [
-            *map(ast.unparse, function.args.defaults)
-        ]
+        required = names[: len(names) - len(function.args.defaults)]
+        values = [*["None"] * len(required), *map(ast.unparse, function.args.defaults)]
         given = ", ".join(f"{name}={value}" for name, value in zip(names, values, strict=True))
         yield Finding(
             "entry-point-function",
-            f"`ros2 run` calls {point.function}() without arguments, but it requires {', '.join(names[: len(names) - len(function.args.defaults)])}.",
+            f"`ros2 run` calls {point.function}() without arguments, but it requires {', '.join(required)}.",
             source.at(function),
             f"write def {point.function}({given}):",
         )
-    elif source is not None and not source.fault and not _has(source, point.function):
-        yield _missing_function(source, sources, point, place)
+    elif not source.fault and not _has(source, point.function):
+        yield _missing_function(source, package.sources, point, place)
 
 
 def _demanding(source: PythonSource, name: str) -> ast.FunctionDef | None:
@@ -245,17 +250,11 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
     """Return a finding about an entry point whose module does not exist, with the module that was meant."""
     if meant := _of_its_parts(package, point):
         return _put_in_order(package, point, meant, place)
-    sources, listed = package.sources, package.packages or ()
-    installed = [n for n in sources if n != package.name and n.rpartition(".")[0] in listed]
     wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
-    # A file of this name may be in an installed folder; from any other folder it has to be moved.
-    same = [name for name in sources if name.rpartition(".")[2] == wanted.stem]
-    known = [name for name in same if name in installed]
-    paths = [package.folder / wanted.name, *(sources[name].path for name in same)]
-    near = like(wanted) or _unnamed(package, wanted)
-    paths += [wanted.parent / near] if near else []
-    lies = None if known else next((path for path in paths if path and path.exists()), None)
-    if lies is not None:
+    listed = package.packages or ()
+    installed = [n for n in package.sources if n != package.name and n.rpartition(".")[0] in listed]
+    known = [name for name in installed if name.rpartition(".")[2] == wanted.stem]
+    if not known and (lies := _lies(package, wanted)):
         shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
         return Finding(
             "entry-point-module",
@@ -265,21 +264,39 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
             (shown[0],),
         )
     close = nearest(point.module, known or installed) or nearest(point.name, known or installed)
+    return _no_such_module(package, point, place, close, known, is_own=is_own)
+
+
+def _lies(package: SourcePackage, wanted: Path) -> Path | None:
+    """Return the file that has a module's name, or nearly so, in a folder that is not installed; None if none has."""
+    same = [source.path for name, source in package.sources.items() if name.rpartition(".")[2] == wanted.stem]
+    near = like(wanted) or _unnamed(package, wanted)
+    paths = [package.folder / wanted.name, *same, *([wanted.parent / near] if near else [])]
+    return next((path for path in paths if path and path.exists()), None)
+
+
+def _no_such_module(
+    package: SourcePackage,
+    point: EntryPoint,
+    place: str,
+    close: str | None,
+    known: Sequence[str],
+    *,
+    is_own: bool,
+) -> Finding:
+    """Say that no file is a module's, and which module was meant if one is called nearly so."""
     function = point.function or point.module.rpartition(".")[2]
     right = f"{known[0]}:{point.function or 'main'}" if len(known) == 1 else ""
     if not right and close:
         right = f"{close}:{_function_of(package, close, [function]) or meant_function(package, close)}"
-    return Finding(
-        "entry-point-module",
-        f"The entry point {point.name} names the module {point.module}, but "
-        + ("there is no such file." if is_own else "there is no such package in this folder.")
-        + (f" Did you mean {close}?" if close else ""),
-        place,
-        f"write '{point.name} = {right}', and build again"
-        if right
-        else f"create {package.shown('')}{'/'.join(point.module.split('.'))}.py with the function {function}, or remove this entry point",
-        (close,) if close else (),
-    )
+    lacks = "there is no such file." if is_own else "there is no such package in this folder."
+    said = f" Did you mean {close}?" if close else ""
+    cause = f"The entry point {point.name} names the module {point.module}, but {lacks}{said}"
+    fix = f"write '{point.name} = {right}', and build again"
+    if not right:
+        path = f"{package.shown('')}{'/'.join(point.module.split('.'))}.py"
+        fix = f"create {path} with the function {function}, or remove this entry point"
+    return Finding("entry-point-module", cause, place, fix, (close,) if close else ())
 
 
 def _has(source: PythonSource, function: str) -> bool:
