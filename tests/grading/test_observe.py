@@ -325,6 +325,14 @@ rclpy.spin(node)
 
 # What a thread does, and when, is chance; and what is watched in another way than by itself, twice.
 OTHERS = {
+    "brief": """
+rclpy.init()
+node = rclpy.create_node("brief")
+publisher = node.create_publisher(String, "/robot/brief", 10)
+subscription = node.create_subscription(String, "/robot/command", print, 10)
+time.sleep(float(sys.argv[1]))
+raise SystemExit("over")
+""",
     "gated": _GATED,
     "managed": """
 from rclpy.lifecycle import Node as Managed, TransitionCallbackReturn
@@ -630,6 +638,19 @@ def test_a_program_that_dies_of_a_command_is_seen_to(runs: Runs) -> None:
 def test_a_program_that_cannot_start_says_why(runs: Runs) -> None:
     assert "no_such_module" in runs["broken"].ended["broken"]
     assert runs["no_node"].ended == {"no_node": "that was all"}
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.2, 1.0])
+def test_what_is_gone_before_it_does_anything_is_seen_in_no_run(observer: Observer, seconds: float) -> None:
+    """Whether a node that lives for a moment is seen is chance, and no grade may depend on it."""
+    brief = replace(program("brief"), command=[*program("brief").command, str(seconds)])
+    first, beside = observer.watch([Job.alone(brief), Job.together([brief, program("class_node")])])
+    assert not first.nodes
+    assert not first.publishes
+    assert not first.qos
+    assert "/brief" not in beside.nodes
+    assert "/status" in beside.nodes
+    assert first.early == ["brief"]
 
 
 def test_a_program_that_takes_no_ros_arguments_is_started_without_them(runs: Runs) -> None:

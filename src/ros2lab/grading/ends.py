@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -63,6 +63,17 @@ def add_types(ends: dict[str, dict[str, list[str]]], topic: str, infos: Iterable
             types = ends.setdefault(topic, {}).setdefault(node_name(info), [])
             if info.topic_type not in types:
                 types.append(info.topic_type)
+
+
+def left(
+    ends: Mapping[str, Mapping[str, list[str]]], gone: Collection[str]
+) -> dict[str, dict[str, list[str]]]:
+    """Return the ends of topics, sorted, without those of some nodes, and without topics that have no others."""
+    found = {
+        topic: {node: types for node, types in sorted(nodes.items()) if node not in gone}
+        for topic, nodes in sorted(ends.items())
+    }
+    return {topic: nodes for topic, nodes in found.items() if nodes}
 
 
 def quality(role: str, info: Any) -> str:

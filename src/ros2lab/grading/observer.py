@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ros2lab.assignments import Assignment
+from ros2lab.grading import ends
 from ros2lab.grading.ear import TEXT, gaps
 from ros2lab.grading.given import Given
 from ros2lab.grading.quiet import STEP, Quiet, silent_after, unfollowing
@@ -353,7 +354,7 @@ class Conductor:
         return max(gaps(times)[0 if self.plan["is_stepped"] else 1 :], default=0.0)
 
     def _end(self, watch: Watch) -> None:
-        ended_before = self._alive == 0
+        ended_before, gone = self._alive == 0, watch.glimpsed()
         participants = watch.participants()
         if participants > self.plan["programs"] and not self.plan["nodes"]:
             watch.notes.add(f"{participants} DDS participants for {self.plan['programs']} programs.")
@@ -370,13 +371,19 @@ class Conductor:
         final = {topic: ear.plain(ear.last) for topic, ear in sorted(watch.ears.items()) if ear.last}
         if ended_before and not self._quiet:
             self._quiet = watch.part()
+        names = sorted(watch.names - gone)
+        publishes, subscribes = ends.left(watch.publishes, gone), ends.left(watch.subscribes, gone)
         self._say(
             "result",
-            nodes=sorted(watch.names),
-            enclaves={name: sorted(watch.enclaves.get(name, ())) for name in sorted(watch.names)},
-            publishes=_sorted(watch.publishes),
-            subscribes=_sorted(watch.subscribes),
-            qos={topic: sorted(ends) for topic, ends in sorted(watch.qos.items()) if ends},
+            nodes=names,
+            enclaves={name: sorted(watch.enclaves.get(name, ())) for name in names},
+            publishes=publishes,
+            subscribes=subscribes,
+            qos={
+                topic: sorted(watch.qos[topic])
+                for topic in sorted({*publishes, *subscribes})
+                if watch.qos.get(topic)
+            },
             parameters=self._first_values,
             quiet=self._quiet,
             log=self._quiet_log,
@@ -384,7 +391,7 @@ class Conductor:
             stalled=self._stalled,
             commanded=watch.command_topic(),
             commands=self._commands,
-            services=_sorted(watch.services),
+            services=ends.left(watch.services, gone),
             calls=self._calls,
             given=sorted(self._given.names) if self._given else [],
             tried=self._given.tried if self._given else [],
@@ -413,10 +420,6 @@ class Conductor:
         os.write(1, line.encode())
         self._say("mark", line=line, number=number)
         self._go.acquire()
-
-
-def _sorted(ends: dict[str, dict[str, list[str]]]) -> dict[str, dict[str, list[str]]]:
-    return {topic: dict(sorted(nodes.items())) for topic, nodes in sorted(ends.items())}
 
 
 def main() -> None:

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
-from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.parameter import parameter_value_to_python
@@ -212,6 +211,11 @@ class Watch(ObservedDomain):
                 names, self.patience, 2 if self.is_stepped else 1
             )
         return is_new
+
+    def glimpsed(self) -> set[str]:
+        """Return the nodes that had gone before they answered or were heard: that one is seen is chance."""
+        heard = (self.publishes.get(topic, ()) for topic, ear in self.ears.items() if ear.total)
+        return self.names.difference(self.nodes(), self.values, *heard)
 
     def _look_for_services(self, nodes: Iterable[str]) -> None:
         for name in sorted(set(nodes))[:NODES]:
@@ -432,7 +436,7 @@ class Watch(ObservedDomain):
 
     def take_answer(self, name: str, answer: GetParameters.Response) -> None:
         """Store the parameter values that a node has answered."""
-        values = map(_parameter, answer.values)
+        values = [plain(parameter_value_to_python(value)) for value in answer.values]
         self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
 
     def has_lost(self) -> bool:
@@ -441,7 +445,3 @@ class Watch(ObservedDomain):
 
 
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}  # rcl_interfaces/msg/Log
-
-
-def _parameter(value: ParameterValue) -> Any:
-    return plain(parameter_value_to_python(value))
