@@ -9,6 +9,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
+from ros2lab.grading.deaf import without_deaf
 from ros2lab.grading.deeds import PUBLISHES, READS
 from ros2lab.grading.evidence import Evidence, Executable, Run, WrittenEnd
 from ros2lab.grading.player import (
@@ -182,6 +183,8 @@ class Case:
                 found[name].sort(
                     key=lambda player: (*self._rank(player)[:4], (player.number, player.node) in busy)
                 )
+            if part.commands:
+                found[name] = without_deaf(found[name])
         return found
 
     def _read_in(self, number: int, run: Run) -> Iterator[Player]:

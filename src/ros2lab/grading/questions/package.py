@@ -202,17 +202,19 @@ def _crashed(case: Case, part: Part) -> list[str]:
 
 
 def _idle(case: Case) -> list[str]:
-    """Return the executables named for a part that run on without a node while other programs play it."""
-    idle = {
-        run.programs[0]
+    """Return the executables named for a part that run on without a node, or deaf, while other programs play it."""
+    alone = {
+        run.programs[0]: run
         for run in case.evidence.runs
-        if run.setting == "alone" and run.programs[0] in run.stopped and not run.nodes
+        if run.setting == "alone" and run.programs[0] in run.stopped
     }
     return [
         name
         for name, players in case.players.items()
-        if name in idle and players and not case.executables[name].absent
+        if name in alone and players and not case.executables[name].absent
         if all(player.program != name for player in players)
+        # Whoever takes the commands plays their part, but for the deaf.
+        if not alone[name].nodes or alone[name].commanded == case.assignment.parts[name].topic
     ]
 
 
