@@ -870,6 +870,39 @@ def test_a_docstring_describes_what_it_tells_from_others(
     assert found.sources["functions"] == [described, 5]
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 20])
+def test_sentences_by_turns_are_generated(look: Callable[[Texts], Files], count: int) -> None:
+    """A few sentences for all say as little as one does; that each has its own cannot be told from work."""
+    said = ("Do the work of {}", "Part for {} here", "Care about {}", "Help with {}")[:count]
+    said = said if count < 5 else tuple(f"Tell {letter * 5} of {{}}" for letter in "abcdefghijklmnop")
+    names = ("go", "halt", "turn", "wait", "look", "call", "rest", "back")
+    code = [
+        f'def {name}():\n    """{said[number % len(said)].format(name)}."""\n    print(1)\n    print(2)\n'
+        for number, name in enumerate(names)
+    ] + [
+        f'class {name.title()}er:\n    """{said[number % len(said)].format(f"{name.title()}er")}."""\n    x = 1\n    y = 2\n'
+        for number, name in enumerate(names)
+    ]
+    text = _used("\n\n".join(code))
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    whole = [8, 8] if count > 4 else [0, 8]
+    assert (found.sources["functions"], found.sources["classes"]) == (whole, whole)
+
+
+def test_each_kind_may_be_described_in_one_way(look: Callable[[Texts], Files]) -> None:
+    """Such as the classes of three nodes, and their callbacks."""
+    kinds = (
+        ('class {}:\n    """Node for the {}."""\n    x = 1\n    y = 2\n', ("Status", "Command", "Speed")),
+        (
+            'def {}():\n    """Callback called by {}."""\n    print(1)\n    print(2)\n',
+            ("tick", "take", "told"),
+        ),
+    )
+    text = _used("\n\n".join(form.format(name, name) for form, names in kinds for name in names))
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert (found.sources["functions"], found.sources["classes"]) == ([3, 3], [3, 3])
+
+
 def test_some_may_be_described_alike(look: Callable[[Texts], Files]) -> None:
     """Such as the answers to commands: what tells that nobody wrote it is only that most are."""
     alike = [

@@ -255,20 +255,23 @@ def _said_of_many(found: Iterable[_Describable]) -> set[str]:
 
 
 def _generated(found: Iterable[_Describable]) -> set[str]:
-    """Return the texts that most described definitions share, apart from names: a program can write them.
+    """Return the few texts that most described definitions share, apart from names: a program can write them.
 
-    A person may have written them if only words as short as an article or a preposition are left.
+    A person may have written them if only words as short as an article or a preposition are left, and may say the
+    same of a few of one kind, such as of the callbacks; hardly of classes and of functions.
     """
-    names: dict[str, set[str]] = {}
+    sharing: dict[str, dict[str, str]] = {}  # by text, the names with their kinds
     for definition in found:
         for text in definition.texts if definition.names else ():
-            names.setdefault(definition.rest(text), set()).add(definition.names[0])
-    most = max(MOST_NAMES_OF_ONE, len({name for sharing in names.values() for name in sharing}) / 2)
-    return {
-        text
-        for text, sharing in names.items()
-        if len(sharing) > most and any(len(word) > LONGEST_ARTICLE for word in text.split())
+            sharing.setdefault(definition.rest(text), {})[definition.names[0]] = definition.kind
+    alike = {
+        text: kinds
+        for text, kinds in sharing.items()
+        if len(kinds) > MOST_NAMES_OF_ONE - (len({*kinds.values()}) > 1)
+        and any(len(word) > LONGEST_ARTICLE for word in text.split())
     }
+    is_most = len({*itertools.chain(*alike.values())}) > len({*itertools.chain(*sharing.values())}) / 2
+    return {*alike} if is_most else set()
 
 
 def _describable(source: PythonSource, running: Collection[ast.AST]) -> Iterator[_Describable]:
