@@ -99,7 +99,6 @@ class Files:
         ends: the publishers and subscriptions that the code creates.
         ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not
             known.
-        simulated: the modules that say or ask whether time is simulated.
         declared: the parameters that the code declares, with their defaults; None for an unknown default.
         notes: what was not looked at, and why.
         unread: the facts that are empty because our reader failed, and why it did.
@@ -131,7 +130,6 @@ class Files:
     idle: dict[str, list[int]] = field(default_factory=dict)
     ends: list[WrittenEnd] = field(default_factory=list)
     ends_elsewhere: list[WrittenEnd] | None = None
-    simulated: list[str] = field(default_factory=list)
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

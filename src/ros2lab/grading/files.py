@@ -51,7 +51,6 @@ from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
-_OF_CLOCKS = ("use_sim_time", "ros_time_is_active")  # how rclpy sets and asks which clock a node follows
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
@@ -139,7 +138,6 @@ class _PackageReader:
             "ends_elsewhere": lambda: ends_elsewhere(
                 root, self.paths, self.sources, itertools.chain(*self.ends)
             ),
-            "simulated": lambda: _simulated(self.sources),
             "declared": lambda: {
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
@@ -195,7 +193,6 @@ def _loose(
         "ends_elsewhere": lambda: ends_elsewhere(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
-        "simulated": lambda: _simulated(loose),
         "findings": lambda: diagnosed(
             lambda: [finding for source in loose for finding in text_faults(source)]
         ),
@@ -239,17 +236,6 @@ def _entrances(packages: Iterable[Package]) -> set[str] | None:
             return None
         found |= {point.function for point in points}
     return found
-
-
-def _simulated(sources: Iterable[PythonSource]) -> list[str]:
-    """Return the modules, by the last parts of their names, that set or ask whether nodes follow `/clock`."""
-    return sorted(
-        {
-            source.name.rpartition(".")[2]
-            for source in sources
-            if any(name in source.text for name in _OF_CLOCKS)
-        }
-    )
 
 
 def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[Place]]:

@@ -18,6 +18,8 @@ from ros2lab.grading.keyboard import Keyboard
 from ros2lab.grading.neighbours import Neighbours
 from ros2lab.grading.shares import shared_out
 
+OTHERWISE = "A program does something else on a stepped clock."
+UNTOLD = "untold"  # the setting of programs that are told nothing of a clock
 DOMAINS = itertools.cycle(
     range(1, 102)
 )  # Linux assigns their ports to nothing else; each World has its own network
@@ -43,8 +45,8 @@ class Program:
         enclave: the enclave that its nodes report, such as `/program_1`; empty if it does not matter whose
             they are.
         keys: the lines that are typed for it, if it has a keyboard.
-        has_clock: whether its nodes follow `/clock` of their own accord, or ask for it; then no clock is
-            stepped, because nobody else would step one.
+        has_clock: whether it does something else on the real clock than on one that is stepped; then none is
+            stepped.
     """
 
     name: str
@@ -64,6 +66,11 @@ class Program:
             *(word for parameter in self.parameters for word in ("-p", parameter)),
         ]
         return [*self.command, *(("--ros-args", *given) if given and self.takes_arguments else ())]
+
+
+def on_the_real_clock(why: str) -> str:
+    """Return the note that programs were watched on the real clock, with the reason as a sentence."""
+    return f"It was watched on the real clock, which costs nothing: {why}"
 
 
 class Job:
@@ -116,7 +123,8 @@ class Job:
             "has_flags": has_flags,
             "has_keys": any(program.keys for program in self.programs),
         }
-        self.notes: list[str] = []
+        is_told = is_stepped and not self.is_stepped
+        self.notes = [on_the_real_clock(OTHERWISE)] if is_told else list[str]()
         self.seconds = math.inf  # that it may take on one clock
         self.unfinished = ""
         # What was seen before it was watched on the real clock.
@@ -130,9 +138,9 @@ class Job:
         return cls([program], _setting(program), has_commands=has_commands, is_stepped=is_stepped)
 
     @classmethod
-    def untold(cls, program: Program) -> Job:
-        """Watch a program by itself as `ros2 run` starts it, on the real clock and briefly."""
-        return cls([program], "untold", has_commands=False, is_stepped=False, is_brief=True)
+    def untold(cls, programs: Sequence[Program]) -> Job:
+        """Watch programs together as `ros2 run` starts them, on the real clock, and say few commands."""
+        return cls(programs, UNTOLD, is_stepped=False, is_again=True)
 
     @classmethod
     def together(cls, programs: Sequence[Program]) -> Job:

@@ -27,7 +27,7 @@ from ros2lab.assignments import Assignment
 from ros2lab.grading.box import Limits
 from ros2lab.grading.bubblewrap import PACKAGE
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.job import STOP_TIMEOUT, Job
+from ros2lab.grading.job import STOP_TIMEOUT, Job, on_the_real_clock
 from ros2lab.grading.sandbox import ROS_SETTINGS, World
 
 # Jobs watched at once: each room costs a second of processor time, which pays off only on a core of its own.
@@ -244,7 +244,7 @@ class _Room:
             return
         job.kill()
         job.is_stepped = False
-        job.notes.append(f"It was watched on the real clock, which costs nothing: {why}")
+        job.notes.append(on_the_real_clock(why))
         self._begin(job)
 
     def _obey(self, job: Job, message: dict[str, Any]) -> None:

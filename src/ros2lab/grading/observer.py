@@ -346,6 +346,8 @@ class Conductor:
             )
         elif not watch.is_answering:
             watch.until(lambda: False, REACTION_TIMEOUT)
+        elif self.plan["is_again"]:  # what comes of a command is known, and is missed if it does not come
+            watch.until(lambda: False, watch.late)
 
     def _period(self, topic: str) -> float:
         """Return the longest gap between messages on a topic before any command, in s; 0 if there is none."""

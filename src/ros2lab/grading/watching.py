@@ -8,8 +8,9 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
-from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
-from ros2lab.grading.job import Job, Program
+from ros2lab.grading.clocks import otherwise
+from ros2lab.grading.evidence import KEYBOARD, Build, Files, Run
+from ros2lab.grading.job import UNTOLD, Job, Program
 from ros2lab.grading.keyboard import answers, is_ended_by_one
 from ros2lab.grading.observe import Observer
 from ros2lab.grading.other_values import asked, changed, doubtful
@@ -41,20 +42,23 @@ def watch(
         built: the result of its build.
         show: called with what is being done.
     """
-    programs = [_program(executable, built, facts) for executable in built.executables if executable.command]
+    programs = [
+        Program(executable.name, executable.command, built.environ)
+        for executable in built.executables
+        if executable.command
+    ]
     asking = {executable.name for executable in built.executables if KEYBOARD in executable.absent}
     launches = [*_launches(submission, facts, built)] if built.is_built else []
     if not programs and not launches:
         return []
     watching = _Watching(observer, facts, programs, launches, show)
-    watching.untold(_simulated(facts, built))
     while True:
         watching.each()
         watching.again_unchecked()
         watching.at_a_keyboard(asking)
         watching.launched_and_changed()
-        if watching.untold(_clocked(watching.runs)):
-            continue  # programs that follow a clock that nobody publishes do less than was seen
+        if watching.is_otherwise_on_the_real_clock():
+            continue
         watching.changed_otherwise()
         watching.without_launch_files()
         watching.given()
@@ -84,21 +88,13 @@ class _Watching:
         self._is_shared = False  # whether that run tells what each program does
         self._ended: set[str] = set()  # the programs that ended in that run
         self._is_given_up = False  # whether that run was given up
-        self._known: set[str] = set()  # the programs that were checked for following `/clock` untold
+        self._compared: set[str] = set()  # the programs that were compared on both clocks
+        self._as_started: list[Run] = []  # runs on the real clock, as `ros2 run` starts programs
 
-    def untold(self, names: Collection[str]) -> bool:
-        """Check which programs follow `/clock` without being told; return whether any new one does."""
-        programs = [
-            program
-            for program in self._programs
-            if program.name in {*names} - self._known and not program.has_clock
-        ]
-        self._known |= {program.name for program in programs}
-        if not programs:
-            return False
-        self._show("watching what may follow a simulated clock")
-        runs = self._observer.watch([*map(Job.untold, programs)])
-        found = {run.programs[0] for run in runs if run.clocked}
+    def is_otherwise_on_the_real_clock(self) -> bool:
+        """Find the programs that do something else on the real clock; return whether there is a new one."""
+        found = {*otherwise(self.runs, self._as_started)}
+        self._as_started = []
         self._programs = [
             replace(program, has_clock=program.has_clock or program.name in found)
             for program in self._programs
@@ -203,9 +199,11 @@ class _Watching:
                 together = [Job.again(self._programs, groups.pop(0))]
             jobs += [Job.shared(group, has_commands=False) for group in groups]
         jobs += together
+        jobs += self._to_compare()
         if jobs:
             self._show("watching them with changed parameters, and as they are launched")
-        self.runs += _watched(self._observer, jobs)
+        for run in _watched(self._observer, jobs):
+            (self._as_started if run.setting == UNTOLD else self.runs).append(run)
 
     def changed_otherwise(self) -> None:
         """Watch again each program whose period did not follow its parameter.
@@ -240,6 +238,18 @@ class _Watching:
             if self._programs and not is_for_nothing and _is_waiting(self._assignment, self.runs):
                 self._show("watching them with what they may wait for")
                 self.runs += self._observer.watch([Job.given(self._programs, has_flags=has_flags)])
+
+    def _to_compare(self) -> list[Job]:
+        """Return the jobs that show on the real clock, once, what programs did on the stepped one: together or alone."""
+        stepped = {
+            run.programs[0] for run in self.runs if run.setting == "alone" and run.clock == "stepped"
+        } - self._compared
+        self._compared |= stepped
+        if not stepped:
+            return []
+        if self._is_shared:
+            return [Job.untold(self._programs)]
+        return [Job.untold([program]) for program in self._programs if program.name in stepped]
 
     def _is_torn(self) -> bool:
         """Return whether a program ended, or lost the stepped clock, only when it ran beside the others."""
@@ -279,27 +289,6 @@ def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
         again += job.apart() if is_open else []
         runs += [*shares, *([] if is_open or (job.is_shared and not job.is_again) else [run])]
     return runs + observer.watch(again)
-
-
-def _program(executable: Executable, built: Build, facts: Files) -> Program:
-    # Code that sets or asks for the clock may behave differently on a stepped one.
-    has_clock = not {*executable.modules, executable.stem}.isdisjoint(facts.simulated)
-    return Program(executable.name, executable.command, built.environ, has_clock=has_clock)
-
-
-def _simulated(facts: Files, built: Build) -> list[str]:
-    """Return the programs whose nodes a parameter file may tell to follow `/clock`."""
-    is_set = any(
-        values.get("use_sim_time") for nodes in facts.parameter_files.values() for values in nodes.values()
-    )
-    return [executable.name for executable in built.executables] if is_set else []
-
-
-def _clocked(runs: Iterable[Run]) -> list[str]:
-    """Return the programs whose nodes followed `/clock` when a launch file, or nobody, told them to."""
-    runs = [*runs]
-    clocked = {node for run in runs for node in run.clocked}
-    return [run.programs[0] for run in runs if run.setting == "alone" and not clocked.isdisjoint(run.nodes)]
 
 
 def _is_idle(run: Run) -> bool:
