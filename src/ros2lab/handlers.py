@@ -14,9 +14,9 @@ def _is_no_error(kind: type) -> bool:
     return issubclass(kind, BaseException) and not issubclass(kind, Exception) and kind is not BaseException
 
 
-_EVERY_ERROR = frozenset(("", "Exception", "BaseException"))
+EVERY_ERROR = frozenset(("", "Exception", "BaseException"))
 # By what a program is asked to end: rclpy's own, and all of Python's that are no errors.
-_ENDS = frozenset(
+ENDS = frozenset(
     (
         "ExternalShutdownException",
         *(name for name, value in vars(builtins).items() if isinstance(value, type) and _is_no_error(value)),
@@ -52,13 +52,13 @@ class Handlers:
         *tells, last = handler.body
         if tells and isinstance(last, ast.Raise) and last.exc is None:
             return True
-        return _EVERY_ERROR.isdisjoint(self._caught(handler))
+        return EVERY_ERROR.isdisjoint(self.caught(handler))
 
     def is_of_an_end(self, handler: ast.ExceptHandler) -> bool:
         """Return whether an `except` catches nothing but that the program is asked to end, such as by Ctrl-C."""
-        return {name.rpartition(".")[2] for name in self._caught(handler)} <= _ENDS
+        return {name.rpartition(".")[2] for name in self.caught(handler)} <= ENDS
 
-    def _caught(self, handler: ast.ExceptHandler) -> set[str]:
+    def caught(self, handler: ast.ExceptHandler) -> set[str]:
         """Return the names of the errors that an `except` catches; an empty one if it catches every one."""
         found, followed = set[str](), set[str]()
         waiting = [handler.type]
@@ -90,5 +90,5 @@ def _bound(node: ast.AST) -> Iterable[tuple[str, ast.expr]]:
             yield name, value
         case ast.ImportFrom(names=aliases):
             yield from ((alias.asname, ast.Name(alias.name)) for alias in aliases if alias.asname)
-        case ast.ClassDef(name=name, bases=[base]) if (dotted(base) or "").rpartition(".")[2] in _ENDS:
+        case ast.ClassDef(name=name, bases=[base]) if (dotted(base) or "").rpartition(".")[2] in ENDS:
             yield name, base

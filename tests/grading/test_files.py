@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sysconfig
+import textwrap
 from collections.abc import Callable
 from pathlib import Path
 
@@ -1051,6 +1052,73 @@ def test_a_handler_that_changes_nothing_is_none(look: Callable[[Texts], Files], 
     assert [one for one, places in found.items() if places] == [kind] * bool(kind)
 
 
+_OWN = "class Own(Exception):\n    pass\n\n\nclass Less(Own):\n    pass\n\n\n"
+_TRIED = {  # what a method tries, and what it catches first and then; the last one is asked for
+    "a line for the log": ("self.get_logger().info('well')", ["ValueError"], False),
+    "a line with a count": ("self.count += 1\nself.get_logger().info(f'{self.count}')", ["KeyError"], False),
+    "a printed line": ("print('here', self.count)", ["Exception"], False),
+    "a choice of constants": ("if self.count > 3:\n    self.count = 0\nelse:\n    pass", ["OSError"], False),
+    "a function that is only made": ("def later():\n    return open('a')", ["OSError"], False),
+    "the making of its node": ("super().__init__('node')", ["ZeroDivisionError"], False),
+    "what it raises anyway": ("print('now')\nraise ValueError('now')", ["ValueError"], False),
+    "what always fails": ("x = 1 / 0", ["ZeroDivisionError"], False),
+    "an index that is never there": ("x = {}['a']", ["KeyError"], False),
+    "what was caught within": ("try:\n    work()\nexcept Exception:\n    pass", ["ValueError"], False),
+    "what was caught before": ("work()", ["Exception", "ValueError"], False),
+    "what a wider one has caught": ("work()", ["LookupError", "KeyError"], False),
+    "an error that nobody raises": ("work()", ["Own"], False),
+    "a derived error that nobody raises": ("raise Own() if self.count else self.why", ["Less"], False),
+    "a line, and Ctrl-C besides": (
+        "self.get_logger().info('well')",
+        ["(ValueError, KeyboardInterrupt)"],
+        False,
+    ),
+    "Ctrl-C at a line": ("self.get_logger().info('well')", ["KeyboardInterrupt"], True),
+    "Ctrl-C after an error": ("work()", ["Exception", "KeyboardInterrupt"], True),
+    "an attribute that may be missing": ("print(self.count)", ["AttributeError"], True),
+    "what a property may raise": ("self.count = self.later", ["ValueError"], True),
+    "a letter that a terminal lacks": ("print(self.count)", ["UnicodeEncodeError"], True),
+    "values that are taken apart": ("x, y = word", ["ValueError"], True),
+    "an error that is raised": ("if self.count:\n    raise Own('enough')", ["Own"], True),
+    "an error that is raised as another": ("if self.count:\n    raise Less", ["Own"], True),
+    "a narrower one before": ("work()", ["KeyError", "LookupError"], True),
+    "all, after one": ("work()", ["ValueError", "Exception"], True),
+    "a number in a message": ("self.speed = float(msg.data)", ["ValueError"], True),
+    "a field of a message": ("self.word = msg.data.lower()", ["AttributeError"], True),
+    "a choice by a message": ("if msg.data == 'go':\n    self.get_logger().info('go')", ["Exception"], True),
+    "a parameter": (
+        "self.speed = self.get_parameter('speed').value",
+        ["ParameterNotDeclaredException"],
+        True,
+    ),
+    "a word that is looked up": ("self.state = STATES[word]", ["KeyError"], True),
+    "a division": ("self.rate = 1.0 / self.period", ["ZeroDivisionError"], True),
+    "a condition that is refused": ("if self.count < 0:\n    raise ValueError('less')", ["ValueError"], True),
+    "a sum of what may be anything": ("self.count += 1", ["TypeError"], True),
+    "a message": ("self.publisher_.publish(String(data='well'))", ["Exception"], True),
+    "a file": ("with open('a') as file:\n    self.text = 'read'", ["OSError"], True),
+    "a module": ("import serial", ["ImportError"], True),
+    "its node": ("super().__init__('node')", ["Exception"], True),
+    "a node's own error": ("super().__init__('node')", ["InvalidNodeNameException"], True),
+    "an assertion": ("assert self.count", ["AssertionError"], True),
+    "a format": ("print(f'{self.count:d}')", ["ValueError"], True),
+}
+
+
+@pytest.mark.parametrize(("body", "kinds", "is_handled"), _TRIED.values(), ids=_TRIED)
+def test_a_handler_of_what_never_fails_handles_nothing(
+    look: Callable[[Texts], Files], body: str, kinds: list[str], is_handled: bool
+) -> None:
+    tried = textwrap.indent(body, "    ")
+    caught = "".join(f"except {kind}:\n    print('caught')\n" for kind in kinds)
+    method = textwrap.indent(f"try:\n{tried}\n{caught}", "        ")
+    text = f"import rclpy\n\n\n{_OWN}class A:\n    def __init__(self, msg, word):\n{method}\n    def later(self):\n        pass\n\nA(1, 2)\n"
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
+    found = look(texts | {"robot_controller/node.py": text}).handlers
+    last = text[: text.rindex("except ")].count("\n") + 1
+    assert any(place.line == last for places in found.values() for place in places) == is_handled
+
+
 _ENDS_OF_OTHER_NAMES = {
     "an alias": "Stop = KeyboardInterrupt\n{}except Stop:\n    pass\n",
     "an alias of an alias": "A = KeyboardInterrupt\nStop: type = A\n{}except (Stop, SystemExit):\n    pass\n",
@@ -1078,7 +1146,7 @@ def test_an_end_stays_one_under_another_name(look: Callable[[Texts], Files], mod
     [
         "Wrong = ValueError\n{}except Wrong:\n    pass\n",
         "from rclpy.exceptions import InvalidHandle as Wrong\n{}except (Wrong, KeyboardInterrupt):\n    pass\n",
-        "class Wrong(Exception):\n    pass\n\n{}except Wrong:\n    pass\n",
+        "class Wrong(Exception):\n    pass\n\ndef tell():\n    raise Wrong\n\n{}except Wrong:\n    pass\n",
     ],
 )
 def test_an_error_is_named_under_another_name(look: Callable[[Texts], Files], module: str) -> None:

@@ -46,6 +46,7 @@ from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import Submission
 from ros2lab.grading.unread import read_all, told
+from ros2lab.grading.vain_handlers import VainHandlers
 from ros2lab.grading.written_ends import ends_elsewhere, written_ends
 from ros2lab.handlers import Handlers
 
@@ -240,10 +241,18 @@ def _entrances(packages: Iterable[Package]) -> set[str] | None:
 
 def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[Place]]:
     places: dict[str, list[Place]] = {"by name": [], "wholesale": [], "of an end": []}
-    known: dict[str, Handlers] = {}
+    known = {source.name: Handlers(source.nodes) for source in sources}
+    vain = VainHandlers(node for source in sources for node in source.nodes)
+    handled = {
+        handler
+        for source in sources
+        for node in source.nodes
+        if isinstance(node, ast.Try)
+        for handler in {*node.handlers}.difference(vain.of(node, known[source.name]))
+    }
     for source, node in code:
-        if source in sources and isinstance(node, ast.ExceptHandler):
-            of_file = known.setdefault(source.name, Handlers(source.nodes))
+        if isinstance(node, ast.ExceptHandler) and node in handled:
+            of_file = known[source.name]
             if of_file.only_raises_again(node):
                 continue
             key = (

@@ -234,7 +234,7 @@ def _truth(test: ast.expr) -> bool | None:
 
 def _cannot_fail(statement: ast.stmt) -> bool:
     """Return whether a statement only assigns constants, what types make of constants, or other names."""
-    made = [node for node in ast.walk(statement) if _is_made_of_constants(node)]
+    made = [node for node in ast.walk(statement) if is_made_of_constants(node)]
     return all(
         node in made
         or (
@@ -245,7 +245,7 @@ def _cannot_fail(statement: ast.stmt) -> bool:
     )
 
 
-def _is_made_of_constants(node: ast.AST) -> bool:
+def is_made_of_constants(node: ast.AST) -> bool:
     """Return whether a node calls a built-in type with constants only, such as `float("2.0")`."""
     match node:
         case ast.Call(func=ast.Name(id=name), args=[*given], keywords=[]):

@@ -1,0 +1,187 @@
+"""Handlers of errors that nothing raises: they handle nothing.
+
+What comes from outside may fail: a message, a parameter, a file, an index, a number to divide by, any function that
+is not known here. Constants, a node's own attributes and lines for the log do not.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+
+from ros2lab.diagnose.sources.node_source import LOG_METHODS
+from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.grading.paths import is_made_of_constants
+from ros2lab.handlers import ENDS, EVERY_ERROR, Handlers
+
+_KNOWN = frozenset(
+    ("get_logger", "get_clock", "now", "get_name", "get_namespace")
+)  # never fail without arguments
+_OF_A_NODE = frozenset(
+    ("RuntimeError", "TypeError", *EVERY_ERROR)
+)  # what Python's errors a node's making may raise
+
+# What does not fail, and what does only if something in it does.
+_FIRM = (
+    ast.Constant, ast.Pass, ast.Break, ast.Continue, ast.Global, ast.Nonlocal, ast.Lambda, ast.FunctionDef,
+    ast.AsyncFunctionDef, ast.expr_context, ast.boolop, ast.cmpop, ast.unaryop,
+)  # fmt: skip
+_OF_PARTS = (
+    ast.Expr, ast.Assign, ast.AnnAssign, ast.NamedExpr, ast.Return, ast.If, ast.IfExp, ast.JoinedStr, ast.BoolOp,
+    ast.UnaryOp, ast.Compare, ast.List, ast.Tuple, ast.Set, ast.Dict, ast.keyword,
+)  # fmt: skip
+_FIRM_OPERATORS = (ast.Add, ast.Sub, ast.Mult)
+
+
+class VainHandlers:
+    """What can be raised in the code of some files.
+
+    Args:
+        nodes: everything in the files.
+    """
+
+    def __init__(self, nodes: Iterable[ast.AST]) -> None:
+        nodes = [*nodes]
+        self._bases = {
+            node.name: {_last(dotted(base) or "?") for base in node.bases}
+            for node in nodes
+            if isinstance(node, ast.ClassDef)
+        }
+        self._functions = {
+            node.name for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+        }
+        used = [node.exc for node in nodes if isinstance(node, ast.Raise) and node.exc is not None]
+        used += [node.func for node in nodes if isinstance(node, ast.Call)]
+        self._made = {
+            _last(dotted(name.func if isinstance(name, ast.Call) else name) or "?") for name in used
+        }
+
+    def of(self, node: ast.Try, known: Handlers) -> list[ast.ExceptHandler]:
+        """Return the handlers of a `try` that never catch anything.
+
+        Args:
+            node: the `try`.
+            known: what the names of its file stand for.
+        """
+        vain, before = list[ast.ExceptHandler](), set[str]()
+        for handler in node.handlers:
+            names = {_last(name) for name in known.caught(handler)}
+            errors = names - ENDS  # Ctrl-C comes anywhere
+            is_taken = all(self._is_among(name, before) for name in errors)
+            is_vain = (
+                is_taken
+                or all(map(self._is_never_made, errors))
+                or _Tried(errors, self._functions).is_vain(node.body)
+            )
+            if errors and is_vain:
+                vain.append(handler)
+            before |= names
+        return vain
+
+    def _is_among(self, name: str, others: Collection[str]) -> bool:
+        """Return whether an error of this name is also one of the others."""
+        if not EVERY_ERROR.isdisjoint(others):
+            return name not in EVERY_ERROR or name in others
+        return any(other in self._family(name) for other in others)
+
+    def _family(self, name: str) -> set[str]:
+        """Return the names of an error and of all that it is derived from, as far as they are known."""
+        found, waiting = set[str](), [name]
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                kind = getattr(builtins, name, None)
+                waiting += self._bases.get(name, ())
+                waiting += [base.__name__ for base in kind.__mro__[:-1]] if isinstance(kind, type) else []
+        return found
+
+    def _is_never_made(self, name: str) -> bool:
+        """Return whether an error is a class of the files, and neither it nor one derived from it is made or raised."""
+        derived = {other for other in self._bases if name in self._family(other)}
+        return name in self._bases and derived.isdisjoint(self._made)
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """What a `try` tries.
+
+    Attributes:
+        errors: the names of the errors that are caught.
+        computed: the names of what the files compute when an attribute is asked for, and of all functions.
+    """
+
+    errors: Collection[str]
+    computed: Collection[str]
+
+    def is_vain(self, body: Sequence[ast.stmt]) -> bool:
+        """Return whether nothing of a block can raise such an error, or it does so whatever comes."""
+        *others, last = body
+        is_raised = isinstance(last, ast.Raise) and not (last.exc and self._may_fail(last.exc))
+        return not any(map(self._may_fail, others if is_raised else body))
+
+    def _catches(self, *names: str) -> bool:
+        return not {*names}.isdisjoint(self.errors)
+
+    def _may_fail(self, node: ast.AST) -> bool:
+        if isinstance(node, _FIRM):
+            return False
+        if isinstance(getattr(node, "ctx", None), ast.Store) and isinstance(node, (ast.Tuple, ast.List)):
+            return True  # there may be more values, or fewer
+        if isinstance(node, _OF_PARTS):
+            return any(map(self._may_fail, ast.iter_child_nodes(node)))
+        parts: Iterable[ast.AST] | None = None  # what may fail of it; None if it may itself
+        match node:
+            case ast.Name():
+                parts = None if self._catches("NameError", "UnboundLocalError") else ()
+            case ast.Attribute(value=ast.Name(id="self")) | ast.Attribute(value=ast.Name(), ctx=ast.Store()):
+                parts = None if self._is_computed(node.attr) else ()
+            case ast.Try(handlers=handlers):
+                is_open = not any(
+                    handler.type is None or dotted(handler.type) in EVERY_ERROR for handler in handlers
+                )
+                after = [part for handler in handlers for part in handler.body]
+                parts = [*(node.body if is_open else ()), *after, *node.orelse, *node.finalbody]
+            case ast.FormattedValue(value=value, format_spec=None):
+                parts = (value,)
+            case ast.BinOp(left=ast.Constant(), right=ast.Constant()):
+                parts = ()
+            case ast.Subscript(value=ast.Constant() | ast.Dict() | ast.List() as value, slice=ast.Constant()):
+                parts = (value,)
+            case ast.BinOp(left=left, right=right) if isinstance(node.op, _FIRM_OPERATORS):
+                parts = None if self._catches("TypeError") else (left, right)
+            case ast.AugAssign(target=target, value=value) if isinstance(node.op, _FIRM_OPERATORS):
+                parts = None if self._catches("TypeError") else (target, value)
+            case ast.Call():
+                parts = self._given(node)
+        return parts is None or any(map(self._may_fail, parts))
+
+    def _is_computed(self, attribute: str) -> bool:
+        """Return whether to ask for an attribute, or to set it, may raise such an error."""
+        is_foreign = any(not hasattr(builtins, name) for name in self.errors)
+        return is_foreign or self._catches("AttributeError", "TypeError") or attribute in self.computed
+
+    def _given(self, call: ast.Call) -> Sequence[ast.AST] | None:
+        """Return what is given to a call that does not fail by itself; None if it may."""
+        given = [*call.args, *call.keywords]
+        match call.func:
+            case ast.Attribute(attr=name, value=logger) if name in LOG_METHODS and _is_logger(logger):
+                return given
+            case ast.Attribute(attr="__init__", value=ast.Call(func=ast.Name(id="super"))):
+                is_pythons = all(hasattr(builtins, name) for name in self.errors)
+                return given if is_pythons and not self._catches(*_OF_A_NODE) else None
+            case ast.Attribute(attr=name, value=of) if name in _KNOWN and not given:
+                return [of]
+            case ast.Name(id="print"):
+                return None if self._catches("OSError", "BrokenPipeError", "UnicodeEncodeError") else given
+        return [] if is_made_of_constants(call) else None
+
+
+def _is_logger(node: ast.AST) -> bool:
+    return "log" in ast.unparse(node).lower()
+
+
+def _last(name: str) -> str:
+    return name.rpartition(".")[2]
