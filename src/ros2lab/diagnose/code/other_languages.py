@@ -6,7 +6,7 @@ import keyword
 import re
 from collections.abc import Iterator
 
-from ros2lab.diagnose.code.repair import Repair
+from ros2lab.diagnose.code.repair import USUAL, Repair
 from ros2lab.diagnose.sources.spelling import plain_signs
 
 
@@ -66,7 +66,7 @@ _FOREIGN = (
         "a function begins with `def`, without a type in front of it",
     ),
     _rule(
-        r"^(\s*)(?!if\b|elif\b|while\b|return\b|del\b)[A-Za-z_][\w.:<>]*[&*]?\s+(?:\w+\s+)?((?:self\.)?\w+\s*=(?!=).*?);?\s*$",
+        r"^(\s*)(?!if\b|elif\b|while\b|return\b|del\b|self\b)[A-Za-z_][\w.:<>]*[&*]?\s+(?:\w+\s+)?((?:self\.)?\w+\s*=(?!=).*?);?\s*$",
         r"\1\2",
         "a variable is created by giving it a value, without a type or a keyword in front of it",
     ),
@@ -97,7 +97,7 @@ def in_pythons_words(number: int, line: str) -> Iterator[Repair]:
             for pattern, new, said in _FOREIGN
             if (changed := pattern.sub(new, text)) != text
         ][:30]
-        yield from (Repair(number, text, why) for text, why in versions)
+        yield from (Repair(number, text, why, USUAL - 0.15) for text, why in versions)
 
 
 def _names(number: int, line: str) -> Iterator[Repair]:

@@ -1,0 +1,264 @@
+"""Slips of typing on one line of Python, undone in every way: a character more, less or another, a word, a quote."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import keyword
+import re
+from collections.abc import Collection, Iterator
+
+from ros2lab.diagnose.code.repair import RARE, SELDOM, USUAL, Repair
+
+_TOKEN = re.compile(
+    r"""(?P<comment>\#.*)|(?P<text>[rbfuRBFU]{0,2}(?:"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'))|(?P<word>[A-Za-z_]\w*)"""
+    r"""|(?P<number>\d(?:[\w.]|(?<=e)[+-])*)|(?P<sign>->|:=|\*\*|//|<<|>>|[-+*/%&|^=!<>]=|\S)"""
+)
+_SIMILAR = 0.74  # of a word to the keyword that it misspells
+_SHOWN = 60  # characters of code in a sentence
+_NAMES = {
+    ":": "a colon",
+    ",": "a comma",
+    ".": "a dot",
+    "=": "a single =",
+    "==": "==",
+    "+": "a +",
+    "(": "an opening bracket (",
+    "[": "an opening bracket [",
+    "{": "an opening brace {",
+    ")": "a closing bracket )",
+    "]": "a closing bracket ]",
+    "}": "a closing brace }",
+}
+# What is inserted between two tokens: none after which a space belongs stands without it.
+_INSERTED = {sign: {",": ", ", "+": " + ", "=": "="}.get(sign, sign) for sign in _NAMES if sign != "=="}
+_CLOSERS, _OPENERS, _QUOTES = ")]}", "([{", "'\""
+_ENDS = (
+    ":",
+    ",",
+    ")",
+    "]",
+    "}",
+    "))",
+    "):",
+    "),",
+    "],",
+    "},",
+    ")),",
+    ")]",
+    "])",
+)  # what a line's end may lack
+_WORDS = (*keyword.kwlist, "match", "case")
+_MOST_TOKENS = 80  # of a line that is edited everywhere
+
+
+class _Line:
+    """A line of a file, in tokens, even if Python cannot tell them apart."""
+
+    def __init__(self, number: int, text: str) -> None:
+        self.number, self.text = number, text
+        self.tokens = [found for found in _TOKEN.finditer(text) if found.lastgroup != "comment"]
+        self.end = self.tokens[-1].end() if self.tokens else len(text.rstrip())
+
+    def spliced(self, start: int, end: int, new: str, why: str, cost: float = USUAL) -> Repair:
+        return Repair(self.number, f"{self.text[:start]}{new}{self.text[end:]}", why, cost)
+
+    def beside(self, at: int) -> str:
+        """Say between which two tokens, or beside which, a place lies."""
+        before = next((token[0] for token in reversed(self.tokens) if token.end() <= at), "")
+        after = next((token[0] for token in self.tokens if token.start() >= at), "")
+        if before and after:
+            return f"between `{_short(before)}` and `{_short(after)}`"
+        return f"before `{_short(after)}`" if after else f"at the end of `{self.to(self.end)}`"
+
+    def to(self, at: int) -> str:
+        """Return the code up to a place, short enough for a sentence."""
+        return _short(self.text[:at].strip())
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
+
+
+def edits_of(number: int, text: str, known: Collection[str]) -> Iterator[Repair]:
+    """Yield a line with one slip undone, wherever it may be.
+
+    Args:
+        number: of the line.
+        text: the line.
+        known: the names that its file uses.
+    """
+    line = _Line(number, text)
+    if 0 < len(line.tokens) <= _MOST_TOKENS:
+        yield from ends_of(number, text)
+        for edits in (
+            _with_quotes,
+            _inserted,
+            _removed,
+            _exchanged,
+            _quoted_through,
+            _other_quotes,
+            _in_braces,
+            _other_words,
+        ):
+            yield from edits(line)
+        yield from _parted(line, known)
+
+
+def ends_of(number: int, text: str) -> Iterator[Repair]:
+    """Yield a line with something added at its end, or with `=` instead of `==`: slips that Python sees only later."""
+    line = _Line(number, text)
+    for end in _ENDS if line.tokens else ():
+        what = " and ".join(_NAMES[sign] for sign in end)
+        why = f"{what} {'is' if len(end) == 1 else 'are'} missing {line.beside(line.end)}"
+        yield line.spliced(line.end, line.end, end, why, USUAL + (len(end) - 1) / 4)
+    if len(line.tokens) > 1 and line.tokens[-1][0] in (",", ":"):
+        at = line.tokens[-1].start()
+        for closer in _CLOSERS:
+            yield line.spliced(at, at, closer, f"{_NAMES[closer]} is missing {line.beside(at)}")
+    for token in line.tokens:
+        if token[0] in ("==", ":"):
+            why = f"there should be a single = instead of {token[0]} after `{line.to(token.start())}`"
+            yield line.spliced(*token.span(), "=", why)
+
+
+def _inserted(line: _Line) -> Iterator[Repair]:
+    """Yield a line with a sign inserted between two tokens."""
+    for at in dict.fromkeys(place for token in line.tokens for place in token.span()):
+        before, after = line.text[:at].rstrip()[-1:], line.text[at:].lstrip()
+        space = line.text[at : len(line.text) - len(after)]
+        for sign, new in _INSERTED.items():
+            is_empty = sign == "(" and after.startswith(")") and re.match(r"\w", before)
+            is_usual = _is_usual(sign, before) and not (sign == "(" and after.startswith("("))
+            cost = SELDOM - 0.1 if is_empty else USUAL if is_usual else RARE if before else SELDOM
+            why = f"{_NAMES[sign]} is missing {line.beside(at)}"
+            if space and sign in ".([{":
+                yield line.spliced(at, at + len(space), sign, why, cost - 0.1)
+            yield line.spliced(at, at, new.rstrip() if space or not after else new, why, cost)
+        if joined := re.match(r"[\w.]+(?=\)*$)", after) if before in _QUOTES else None:
+            end = at + len(space) + joined.end()
+            why = f"a + is missing {line.beside(at)}"
+            yield line.spliced(at, end, f" + str({joined[0]})", why, RARE - 0.1)
+
+
+def _with_quotes(line: _Line) -> Iterator[Repair]:
+    """Yield a line with a quote inserted at the edge of a word, if one is missing."""
+    for quote in _QUOTES:
+        if line.text.count(quote) % 2:
+            for edge in re.finditer(r"\b|(?<=\S)(?=\s)|(?<=[^\w\s])(?=[^\w\s])", line.text[: line.end]):
+                at = edge.start()
+                before, after = line.text[at - 1 : at], line.text[at : at + 1]
+                opens, closes = re.match(r"[\s(\[{=,:]", before or " "), re.match(r"[\s)\]},:]", after or " ")
+                cost = USUAL if bool(opens) != bool(closes) else SELDOM
+                yield line.spliced(at, at, quote, f"a quote {quote} is missing after `{line.to(at)}`", cost)
+
+
+def _is_usual(sign: str, before: str) -> bool:
+    """Return whether a sign often stands here: a call's bracket after a name, a list's after another sign."""
+    if sign in _OPENERS:
+        is_after_name = re.match(r"[\w)\]]", before) is not None
+        return bool(before) and is_after_name == (sign == "(")
+    if sign in _CLOSERS:
+        return re.match(r"[\w)\]}'\"]", before) is not None or before + sign == "()"
+    return sign not in "+=:"
+
+
+def _removed(line: _Line) -> Iterator[Repair]:
+    """Yield a line without one of its signs."""
+    for token in line.tokens:
+        if token.lastgroup == "sign":
+            why = f"the character {token[0]} does not belong after `{line.to(token.start())}`"
+            before, after = (
+                line.text[token.start() - 1 : token.start()],
+                line.text[token.end() : token.end() + 1],
+            )
+            is_joining = re.fullmatch(r"\w\w", before + after) is not None
+            is_closing = token[0] in _CLOSERS and token is line.tokens[-1]
+            cost = RARE if is_joining else SELDOM - 0.2 if is_closing else SELDOM
+            yield line.spliced(*token.span(), "", why, cost)
+
+
+def _exchanged(line: _Line) -> Iterator[Repair]:
+    """Yield a line with one of its signs replaced by another."""
+    for token in line.tokens:
+        if token.lastgroup != "sign":
+            continue
+        groups = ([*_OPENERS], [*_CLOSERS], [":", ",", ".", "=", "=="])
+        for sign in next((group for group in groups if token[0] in group), groups[-1]):
+            if sign != token[0]:
+                before = line.to(token.start())
+                new = f"{sign} " if sign == "," and line.text[token.end() : token.end() + 1].strip() else sign
+                why = f"there should be {_NAMES[sign]} instead of {token[0]} after `{before}`"
+                yield line.spliced(*token.span(), new, why, SELDOM)
+
+
+def _quoted_through(line: _Line) -> Iterator[Repair]:
+    """Yield a line with quotes around a whole element, value or line."""
+    pairs = [*itertools.pairwise(line.tokens)]
+    begins = [
+        line.tokens[0].start(),
+        *(after.start() for before, after in pairs if before.lastgroup == "sign"),
+    ]
+    ends = [line.end, *(before.end() for before, after in pairs if after.lastgroup == "sign")]
+    for begin, end in itertools.product(begins, ends):
+        inner = line.text[begin:end]
+        if inner and not any(quote in inner for quote in _QUOTES):
+            why = f"there are no quotes around the text `{_short(inner)}`"
+            # The shortest is meant: a value, and not what it is called.
+            yield line.spliced(begin, end, f"'{inner}'", why, SELDOM + len(inner) / 1000)
+
+
+def _other_quotes(line: _Line) -> Iterator[Repair]:
+    """Yield a line with other quotes around a string that contains the quote which ends it."""
+    for quote, other in itertools.permutations(_QUOTES):
+        places = [found.start() for found in re.finditer(rf"(?<!\\){quote}", line.text)]
+        for first, last in itertools.combinations(places, 2):
+            inner = line.text[first + 1 : last]
+            if quote in inner and other not in inner:
+                why = f"the string contains a {quote}, which ends it too early"
+                yield line.spliced(first, last + 1, f"{other}{inner}{other}", why)
+                yield line.spliced(first + 1, last, inner.replace(quote, other), why)
+
+
+def _in_braces(line: _Line) -> Iterator[Repair]:
+    """Yield a line with a brace more, or less, in a string."""
+    for token in line.tokens:
+        if token.lastgroup == "text" and "f" in token[0][:2].lower():
+            for found in re.finditer(r"\{[^{}]*", token[0][:-1]):
+                end = token.start() + found.end()
+                yield line.spliced(end, end, "}", "a brace } is missing in the string")
+            for found in re.finditer(r"[{}]", token[0]):
+                at = token.start() + found.start()
+                yield line.spliced(
+                    at, at + 1, "", f"there is one brace {found[0]} too many in the string", SELDOM
+                )
+
+
+def _other_words(line: _Line) -> Iterator[Repair]:
+    """Yield a line with a word replaced by the keyword of which it is a misspelling."""
+    for token in line.tokens:
+        if token.lastgroup != "word":
+            continue
+        close = difflib.get_close_matches(token[0], _WORDS, n=2, cutoff=_SIMILAR)
+        for word in {*close, *(word for word in _WORDS if sorted(word) == sorted(token[0].lower()))}:
+            if word != token[0]:
+                why = f"`{token[0]}` should be `{word}`"
+                yield line.spliced(*token.span(), word, why, USUAL - 0.1)
+
+
+def _parted(line: _Line, known: Collection[str]) -> Iterator[Repair]:
+    """Yield a line with a word parted in two of which its file knows one, with a sign or a space between them."""
+    for token, after in itertools.pairwise([*line.tokens, None]):
+        if token is None or token.lastgroup != "word" or token[0] in known:
+            continue
+        near = {*known, *(other[0] for other in line.tokens if other is not token)}
+        is_before_text = after is not None and after[0][0] in _QUOTES and after.start() == token.end()
+        for cut in range(1, len(token[0])):
+            left, right = token[0][:cut], token[0][cut:]
+            is_prefix = is_before_text and re.fullmatch("[rbfRBF]{1,2}", right) is not None
+            count = (left in near) + (right in near) + 2 * is_prefix
+            signs = (" ",) if keyword.iskeyword(left) or keyword.iskeyword(right) else ("(", "[", ".", ", ")
+            for sign in signs if count else ():
+                why = f"{_NAMES.get(sign.strip(), 'a space')} is missing between `{left}` and `{right}`"
+                at = token.start() + cut
+                yield line.spliced(at, at, sign, why, USUAL if count > 1 else SELDOM - 0.3)

@@ -1,0 +1,206 @@
+"""How little sense code makes: what Python can read after a repair, but nobody would have meant."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+from collections.abc import Callable, Collection, Iterator
+
+_PENALTY = 3.0  # of each oddity, in the cost of a repair
+_TEXT = re.compile(r"""'(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*\"""")
+_JOINED = re.compile(
+    r"""(?<![\w'"])(?:'[^']*'|"[^"]*") *(?:'[^']*'|"[^"]*")"""
+)  # two strings without a comma
+_BUILTINS = frozenset(dir(builtins)) | {"__file__", "__name__", "__doc__"}
+_PLAIN = (ast.Constant, ast.JoinedStr, ast.List, ast.Dict, ast.Set, ast.Tuple)
+_IDLE = (ast.Name, ast.Attribute, ast.Compare, ast.BinOp, ast.Subscript, ast.Lambda, *_PLAIN)
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def nonsense(tree: ast.Module, first: int, last: int, before: str, after: str) -> float:
+    """Return what the oddities of some repaired lines cost: unknown names, idle values, calls of plain values.
+
+    Args:
+        tree: the repaired file.
+        first: the number of the first repaired line.
+        last: the number of the last.
+        before: the text of these lines before the repair.
+        after: their text after it.
+    """
+    known = _bound(tree) | _BUILTINS
+    near = [node for node in ast.walk(tree) if _is_within(node, first, last)]
+    new = {text for text in _texts(near) if text not in {old[1:-1] for old in _TEXT.findall(before)}}
+    odd: float = sum(is_odd(node) for node in near for is_odd in _ODDITIES)
+    names = [n for n in near if isinstance(n, ast.Name)]
+    own = (
+        {n.id for n in names if isinstance(n.ctx, ast.Store)} - _bound(tree, near) if first == last else set()
+    )
+    odd += sum(isinstance(n.ctx, ast.Load) and (n.id in own or n.id not in known) for n in names)
+    # What is used by itself elsewhere is seldom a member: `TOPIC.QOS` for `TOPIC, QOS`.
+    bare = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    odd += sum(isinstance(node, ast.Attribute) and node.attr in bare for node in near) / 10
+    odd += sum(_is_code(text, known) for text in new) + sum(1 for _ in _lost(tree, first, last))
+    odd += sum(2 if new & _texts([node.value]) else 1 for node in _idle(tree, first, last, new))
+    return _PENALTY * (odd + max(len(_JOINED.findall(after)) - len(_JOINED.findall(before)), 0))
+
+
+def _is_within(node: ast.AST, first: int, last: int) -> bool:
+    """Return whether a statement begins on some lines, or an expression touches them."""
+    line = getattr(node, "lineno", 0)
+    is_begun = line >= first or isinstance(node, ast.expr)
+    return is_begun and line <= last and getattr(node, "end_lineno", 0) >= first
+
+
+def _bound(tree: ast.AST, but: Collection[ast.AST] = ()) -> set[str]:
+    """Return the names that code binds anywhere, or anywhere but in some nodes."""
+    names, left_out = set[str](), {id(node) for node in but}
+    for node in ast.walk(tree):
+        if id(node) in left_out:
+            continue
+        match node:
+            case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name):
+                names.add(name)
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
+                names.add(name)
+            case ast.alias(name=name, asname=local):
+                names.add((local or name).partition(".")[0])
+            case (
+                ast.ExceptHandler(name=str(name))
+                | ast.MatchAs(name=str(name))
+                | ast.MatchStar(name=str(name))
+            ):
+                names.add(name)
+    return names
+
+
+def _is_called_in_vain(node: ast.AST) -> bool:
+    """Return whether a plain value, or what a call has just returned, is called."""
+    return isinstance(node, ast.Call) and isinstance(node.func, (*_PLAIN, ast.Call))
+
+
+def _has_no_such_member(node: ast.AST) -> bool:
+    match node:
+        case ast.Attribute(value=ast.Constant(value=value), attr=name):
+            return not hasattr(value, name)
+    return False
+
+
+def _is_indexed_in_vain(node: ast.AST) -> bool:
+    match node:
+        case ast.Subscript(value=ast.Constant(value=int() | float()) | ast.Set()):
+            return True
+        case ast.Subscript(value=ast.List() | ast.Tuple() | ast.Constant(), slice=key):
+            return isinstance(key, ast.Tuple) or (
+                isinstance(key, ast.Constant) and isinstance(key.value, str)
+            )
+    return False
+
+
+def _is_reckoned_in_vain(node: ast.AST) -> bool:
+    """Return whether a sign stands before, or between, what it is not written for."""
+    match node:
+        case ast.UnaryOp(op=ast.UAdd()) | ast.UnaryOp(operand=ast.Constant(value=str())):
+            return True
+        case ast.BinOp(left=left, op=sign, right=right):
+            literals = [side for side in (left, right) if isinstance(side, ast.Constant)]
+            kinds = {type(side.value) for side in literals}
+            if any(isinstance(side, ast.Name) and side.id in ("self", "rclpy") for side in (left, right)):
+                return True
+            if len(literals) == 2 and kinds == {float}:
+                return True
+            if str in kinds and isinstance(sign, ast.Add):
+                return len(kinds) > 1
+            usual = (ast.Mod, ast.Mult, *((ast.Div,) if literals == [right] else ()))  # a path may be divided
+            return str in kinds and not isinstance(sign, usual)
+    return False
+
+
+def _is_made_in_vain(node: ast.AST) -> bool:
+    """Return whether a dictionary or a set has members that cannot be in one."""
+    match node:
+        case ast.Dict(keys=keys):
+            return any(isinstance(key, (ast.Tuple, ast.Compare)) for key in keys)
+        case ast.Set(elts=values):
+            is_key = isinstance(values[0], ast.Constant) and not all(
+                isinstance(v, ast.Constant) for v in values
+            )
+            return is_key or any(isinstance(value, (ast.Dict, ast.List, ast.Set)) for value in values)
+    return False
+
+
+def _is_listed_in_vain(node: ast.AST) -> bool:
+    """Return whether a name is given several values, the first a string, where an operator was left out."""
+    match node:
+        case ast.Assign(
+            targets=[ast.Name() | ast.Attribute()],
+            value=ast.Tuple(elts=[ast.Constant(value=str()), *_]) as value,
+        ):
+            return value.col_offset == value.elts[0].col_offset  # no brackets
+    return False
+
+
+def _is_annotated_in_vain(node: ast.AST) -> bool:
+    values = (ast.Tuple, ast.Compare, ast.Call, ast.List, ast.Dict)
+    return isinstance(node, ast.AnnAssign) and isinstance(node.annotation, values)
+
+
+def _holds_a_method(node: ast.AST) -> bool:
+    """Return whether a function contains one with a parameter `self`, which was to be a method."""
+    inner = [n for n in ast.walk(node) if isinstance(n, _FUNCTIONS) and n is not node]
+    is_function = isinstance(node, _FUNCTIONS)
+    return is_function and any(n.args.args and n.args.args[0].arg == "self" for n in inner)
+
+
+_ODDITIES: tuple[Callable[[ast.AST], bool], ...] = (
+    _is_called_in_vain,
+    _has_no_such_member,
+    _is_indexed_in_vain,
+    _is_reckoned_in_vain,
+    _is_made_in_vain,
+    _is_listed_in_vain,
+    _is_annotated_in_vain,
+    _holds_a_method,
+)
+
+
+def _idle(tree: ast.Module, first: int, last: int, new: set[str]) -> Iterator[ast.Expr]:
+    """Yield statements that only name a value, and calls in the body of a class; docstrings are none, if not new."""
+    for owner in ast.walk(tree):
+        for part in ("body", "orelse", "finalbody"):
+            body = getattr(owner, part, None)
+            for place, node in enumerate(body if isinstance(body, list) else ()):
+                if not isinstance(node, ast.Expr) or not _is_within(node, first, last):
+                    continue
+                value = node.value.value if isinstance(node.value, ast.Constant) else None
+                is_doc = value is ... or (isinstance(value, str) and place == 0 and value not in new)
+                if not is_doc and (isinstance(owner, ast.ClassDef) or isinstance(node.value, _IDLE)):
+                    yield node
+
+
+def _lost(tree: ast.Module, first: int, last: int) -> Iterator[str]:
+    """Yield names in statements at the top of a file that only its functions bind."""
+    at_top = [node for node in tree.body if not isinstance(node, (*_FUNCTIONS, ast.ClassDef))]
+    bound = _bound(ast.Module(at_top, [])) | {getattr(node, "name", "") for node in tree.body} | _BUILTINS
+    for statement in at_top:
+        if _is_within(statement, first, last):
+            yield from (n.id for n in ast.walk(statement) if isinstance(n, ast.Name) and n.id not in bound)
+
+
+def _texts(near: list[ast.AST]) -> set[str]:
+    """Return the strings of at least two characters in some code."""
+    values = (node.value for node in near if isinstance(node, ast.Constant))
+    return {value for value in values if isinstance(value, str) and len(value) > 1}
+
+
+def _is_code(text: str, known: set[str]) -> bool:
+    """Return whether a string has swallowed code: a name beside a sign, a quote beside a comma, half a bracket."""
+    named = re.findall(r"[+(]\s*(\w+)\b|\b(\w+)\s*(?:[+(]|\.\w)", text)
+    names = {name for pair in named for name in pair if len(name) > 2}
+    is_listed = re.search(r"""['"]\s*[,)\]]|[,(\[]\s*['"]""", text) is not None
+    return (
+        is_listed
+        or re.search(r"==|\w\(", text) is not None
+        or text.count("(") != text.count(")")
+        or not names.isdisjoint(known - _BUILTINS)
+    )

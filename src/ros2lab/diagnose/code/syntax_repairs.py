@@ -1,0 +1,205 @@
+"""Changes after which Python reads a file: every slip of typing near the fault undone, and the likeliest taken."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from ros2lab.diagnose.code.block_edits import depth_of, moves_of
+from ros2lab.diagnose.code.line_edits import edits_of, ends_of
+from ros2lab.diagnose.code.other_languages import in_pythons_words
+from ros2lab.diagnose.code.repair import Repair
+from ros2lab.diagnose.code.sense import nonsense
+
+_LONGEST = 500  # characters that a line may have for changes to be tried
+_TRIED = (4, 2, 1, 1)  # changes that are tried for the first fault of a file, for the second, and so on
+_MOST_READ = 100_000  # lines that are parsed in all, about half a second
+_END = 10**9  # stands for the line of the error in a file that has none
+_UNREAD = 100.0  # what a fault costs that stays
+_NO_SENSE = 6.0  # what a repair costs that is worse than none
+_MOST_BELOW = 40  # lines of a statement below the one that Python names
+_SHOWN = 100
+
+
+def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
+    """Return the changes that let Python read a text; if none do, those that let it read furthest."""
+    lines = text.splitlines()
+    if max(map(len, lines), default=0) > _LONGEST or not fault.lineno or "codec" in (fault.msg or ""):
+        return []
+    return _cheapest(lines, _Reader(), _TRIED)[1]
+
+
+def _cheapest(lines: list[str], reader: _Reader, tried: Sequence[int]) -> tuple[float, list[Repair]]:
+    """Return the changes that together mend a file at the least cost, and that; so many are tried at each step."""
+    number = reader.stops_at(lines)
+    if number == _END:
+        return 0.0, []
+    options = _options(lines, number, reader) if tried and number else []
+    found = list[tuple[float, list[Repair]]]()
+    for cost, repair in options[: tried[0] if tried else 0]:
+        more, others = _cheapest(repair.applied(lines), reader, tried[1:])
+        found.append((cost + more, [repair, *others]))
+        if more == 0.0:  # it was the last fault: the others cost more
+            break
+    return min(found, key=lambda way: way[0], default=(_UNREAD, []))
+
+
+class _Reader:
+    """Parses texts, up to a total number of lines."""
+
+    def __init__(self) -> None:
+        self.left, self.said = _MOST_READ, ""
+        self.tree: ast.Module | None = None
+        self.reach = 0  # the last line of what Python does not understand
+
+    def stops_at(self, lines: list[str]) -> int:
+        """Return the line at which Python stops; `_END` if it reads all, 0 if that cannot be found out."""
+        self.left -= len(lines)
+        self.tree, self.reach = None, 0
+        if self.left < 0:
+            return 0
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                self.tree = ast.parse("\n".join(lines) + "\n")
+        except SyntaxError as error:
+            self.said = error.msg or ""
+            self.reach = (error.end_lineno if "forgot a comma" in self.said else error.lineno) or 1
+            return error.lineno or 1
+        except (ValueError, RecursionError, MemoryError):
+            return 0
+        self.reach = _END
+        return _END
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The function or statement around a fault: if a change does not mend it, the file need not be read."""
+
+    lines: list[str]
+    first: int
+
+    def changed(self, repair: Repair) -> list[str]:
+        """Return what Python is to read, with a change."""
+        inner = replace(repair, line=repair.line - self.first + 1).applied(self.lines)
+        return ["if True:", *inner] if depth_of(self.lines[0]) else inner
+
+    def is_mended_by(self, repair: Repair, reader: _Reader) -> bool:
+        """Return whether Python reads it with a change, or the change lies outside."""
+        is_inside = self.first <= repair.line and repair.last < self.first + len(self.lines)
+        return not is_inside or reader.stops_at(self.changed(repair)) == _END
+
+
+_BEGINS = re.compile(r"\s*(?:async def|def|class|@|import|from|if|for|while|try|with|match)\b|[A-Za-z_]\w*")
+
+
+def _part(lines: list[str], place: int, reader: _Reader) -> _Part | None:
+    """Return the function or statement around a line, by its indentation; None if it has another fault by itself."""
+    for pattern in (r"\s+(?:async )?def\b", r"\S"):
+        begin = next(
+            (
+                n
+                for n in range(place, 0, -1)
+                if re.match(pattern, lines[n - 1]) and _BEGINS.match(lines[n - 1])
+            ),
+            1,
+        )
+        depth = depth_of(lines[begin - 1])
+        ends = (n for n in range(place + 1, len(lines) + 1) if _BEGINS.match(lines[n - 1]))
+        end = next((n for n in ends if depth_of(lines[n - 1]) <= depth), len(lines) + 1)
+        part = _Part(lines[begin - 1 : end - 1], begin)
+        offset = begin - 1 - (depth > 0)
+        if reader.stops_at(part.changed(Repair(begin, lines[begin - 1], ""))) + offset == place:
+            return part
+    return None
+
+
+def _options(lines: list[str], number: int, reader: _Reader) -> list[tuple[float, Repair]]:
+    """Return the changes after which Python reads all, or else further, with their costs, the cheapest first."""
+    said, reach, place = reader.said, reader.reach, min(number, len(lines))
+    changes = dict[tuple[int, str, tuple[str, ...]], Repair]()
+    for repair in _changes(lines, place, said):
+        same = changes.setdefault((repair.line, repair.new, repair.below), repair)
+        if repair.cost < same.cost:
+            changes[repair.line, repair.new, repair.below] = repair
+    part = _part(lines, place, reader)
+    some = [repair for repair in changes.values() if part is None or part.is_mended_by(repair, reader)]
+    for repairs in (some, changes.values()):
+        if found := _further(lines, max(reach, place), repairs, reader):
+            return sorted(found, key=lambda option: option[0])
+    return []
+
+
+def _further(
+    lines: list[str], before: int, repairs: Iterable[Repair], reader: _Reader
+) -> list[tuple[float, Repair]]:
+    """Return the changes after which Python reads all, or else further, and that make sense; with their costs."""
+    whole, further = list[tuple[float, Repair]](), list[tuple[float, Repair]]()
+    for repair in repairs:
+        end = reader.stops_at(repair.applied(lines))
+        if reader.reach > max(before, repair.last):
+            (whole if end == _END else further).append((_cost(repair, reader.tree, lines), repair))
+    return [option for option in whole or further if option[0] < _NO_SENSE]
+
+
+def _cost(repair: Repair, tree: ast.Module | None, lines: list[str]) -> float:
+    before, after = "\n".join(lines[repair.line - 1 : repair.last]), "\n".join((repair.new, *repair.below))
+    # Whoever leaves a bracket out leaves a line with more of one kind than of the other.
+    more_open = max(_unpaired(after) - _unpaired(before), 0)
+    odd = nonsense(tree, repair.line, repair.last, before, after) if tree else 0.0
+    return repair.cost + more_open / 5 + odd
+
+
+def _unpaired(text: str) -> int:
+    """Return by how many the opening and the closing brackets of a text differ."""
+    return abs(sum(text.count(sign) for sign in "([{") - sum(text.count(sign) for sign in ")]}"))
+
+
+def _changes(lines: list[str], place: int, said: str) -> Iterator[Repair]:
+    """Yield the changes near a fault that may mend it."""
+    above = next((n for n in range(place - 1, 0, -1) if lines[n - 1].strip()), 0)
+    known = _names(lines, {place, above})
+    yield from _left_out(place, lines[place - 1])
+    yield from moves_of(lines, place, above, said)
+    for number in dict.fromkeys((place, above, *map(int, re.findall(r"on line (\d+)", said)))):
+        if number and not ("indent" in said and number != above):
+            yield from in_pythons_words(number, lines[number - 1])
+            yield from edits_of(number, lines[number - 1], known)
+    for number in _around(lines, place):
+        yield from ends_of(number, lines[number - 1])
+
+
+def _names(lines: list[str], but: set[int]) -> set[str]:
+    """Return the names in all lines but the faulty ones."""
+    text = "\n".join(line for number, line in enumerate(lines, 1) if number not in but)
+    return {*re.findall(r"[A-Za-z_]\w*", text), *dir(builtins)}
+
+
+def _around(lines: list[str], place: int) -> Iterator[int]:
+    """Yield the lines of code of the statement around a line, which may have begun above and may end below."""
+    depth = depth_of(lines[place - 1])
+    for number in range(place - 1, max(place - _MOST_BELOW, 0), -1):
+        line = lines[number - 1]
+        if line.strip():
+            yield number
+            if depth_of(line) < depth or (
+                depth_of(line) == depth and not re.match(r"\s*[)\]}]", lines[place - 1])
+            ):
+                break
+    for number in range(place + 1, min(place + _MOST_BELOW, len(lines)) + 1):
+        line = lines[number - 1]
+        if line.strip() and depth_of(line) < depth:
+            break
+        if line.strip():
+            yield number
+
+
+def _left_out(place: int, line: str) -> Iterator[Repair]:
+    """Yield the removal of a line that is not code: a git conflict marker, a code fence or a prompt."""
+    if re.match(r"\s*(?:([<=>`~|-])\1{2,}|[$%] )", line):
+        why = f"`{line.strip()[:_SHOWN]}` is not Python: it was left by git, a web page or a terminal"
+        yield Repair(place, "", why)

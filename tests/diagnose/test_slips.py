@@ -1,0 +1,210 @@
+"""What Python cannot read is explained by the slip of typing that made it so, and mended as it was."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+from slips import Slip, unreadable
+
+from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.syntax_repairs import repairs_of
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+PACKAGE = Path(__file__).parents[2] / "robot_controller"
+LISTENER = """\
+from functools import partial
+
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import Float32, String
+
+
+class Listener(Node):
+
+    TOPICS = {"left": ("ear/left", Float32), "right": ("ear/right", Float32)}
+
+    def __init__(self, name="listener"):
+        super().__init__(name)
+        self.level = self.declare_parameter("level", 0.5).value
+        self.said = self.create_publisher(String, "said", 10)
+        for side, (topic, kind) in self.TOPICS.items():
+            self.create_subscription(kind, topic, partial(self.hear, side), 10)
+        self.create_timer(1.0, self.tell)
+
+    def hear(self, side, msg):
+        if msg.data == 0.0 or side not in self.TOPICS:
+            return
+        if abs(msg.data) > self.level:
+            self.said.publish(String(data=f"{side}: {msg.data:.2f}"))
+        else:
+            self.get_logger().debug("quiet on the %s" % side)
+
+    def tell(self):
+        self.get_logger().info("listening to " + ", ".join(self.TOPICS))
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    node = Listener()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.destroy_node()
+
+
+if __name__ == "__main__":
+    main()
+"""
+_SOME = 20  # slips of each file
+
+
+def mended(slip: Slip) -> str:
+    """Return a file as it is after the repairs that are told."""
+    source = PythonSource("file", "file.py", slip.text, False, Path("file.py"))
+    assert not source.tree.body
+    assert source.fault is not None
+    lines = slip.text.splitlines()
+    for repair in repairs_of(slip.text, source.fault):
+        lines = repair.applied(lines)
+    return "\n".join(lines) + "\n"
+
+
+def is_undone(slip: Slip, text: str) -> bool:
+    try:
+        return ast.dump(ast.parse(mended(slip))) == ast.dump(ast.parse(text))
+    except SyntaxError:
+        return False
+
+
+@pytest.mark.parametrize(
+    "name", ["LISTENER", "setup.py", "robot_controller/command_subscriber.py", "launch/robot.launch.py"]
+)
+def test_nine_of_ten_slips_of_typing_are_undone_to_the_letter(name: str) -> None:
+    text = LISTENER if name == "LISTENER" else (PACKAGE / name).read_text()
+    slips = unreadable(text, _SOME, seed=len(text))
+    left = [(slip.kind, slip.line) for slip in slips if not is_undone(slip, text)]
+    assert len(slips) == _SOME
+    assert len(left) <= _SOME // 10, left
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("from rclpy.node import Node", "form rclpy.node import Node"),
+        ("from rclpy.node import Node", "from rclpy.node imoprt Node"),
+        ("from rclpy.node import Node", "from rclpy,node import Node"),
+        ("import rclpy", "imoprt rclpy"),
+        ("class Listener(Node):", "class Listener(Node)"),
+        ("class Listener(Node):", "clas Listener(Node):"),
+        ("    def tell(self):", "    edf tell(self):"),
+        ("    def tell(self):", "    def tellself):"),
+        ("    def hear(self, side, msg):", "    def hear(self side, msg):"),
+        ("            return", "            Return msg"),
+        ("        else:", "        esle:"),
+        ("        else:", "        else"),
+        (
+            "        if msg.data == 0.0 or side not in self.TOPICS:",
+            "        if msg.data = 0.0 or side not in self.TOPICS:",
+        ),
+        ("        super().__init__(name)", "        super()__init__(name)"),
+        ("        super().__init__(name)", "        super().__init__(name"),
+        ("        self.create_timer(1.0, self.tell)", "        self create_timer(1.0, self.tell)"),
+        ("        self.create_timer(1.0, self.tell)", "        self.create_timer(1.0 self.tell)"),
+        ("        self.create_timer(1.0, self.tell)", "        self.create_timer 1.0, self.tell)"),
+        (
+            '        self.said = self.create_publisher(String, "said", 10)',
+            '        self.said = self.create_publisher(String, "said, 10)',
+        ),
+        (
+            '        self.said = self.create_publisher(String, "said", 10)',
+            '        self.said = self.create_publisherString, "said", 10)',
+        ),
+        (
+            '            self.get_logger().debug("quiet on the %s" % side)',
+            '            self.get_logger(.debug("quiet on the %s" % side)',
+        ),
+        ("    rclpy.init(args=args)", "    rclpy init(args=args)"),
+        ('if __name__ == "__main__":', 'if __name__ = "__main__":'),
+        ("    try:", "    rty:"),
+        ("    except KeyboardInterrupt:", "    execpt KeyboardInterrupt:"),
+        ("        pass", "    pass"),
+    ],
+)
+def test_a_slip_in_a_node_is_undone(right: str, wrong: str) -> None:
+    assert LISTENER.count(f"{right}\n") == 1 or right.strip() in ("return", "pass", "else:")
+    text = LISTENER.replace(f"{right}\n", f"{wrong}\n", 1)
+    line = LISTENER.splitlines().index(right) + 1
+    if wrong.strip().startswith("Return"):
+        right += " msg"
+    assert mended(Slip("", line, text)).splitlines()[line - 1] == right
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("version='0.0.1',", "version=0.0.1,"),
+        ("description='a robot that obeys',", "description=a robot that obeys,"),
+        ("('share/' + package_name, ['package.xml']),", "('share/ + package_name, ['package.xml']),"),
+        ("('share/' + package_name, ['package.xml']),", "('share/' + package_name, ['package.xml]),"),
+        ("('share/' + package_name, ['package.xml']),", "('share/' + package_name, ['package.xml'),"),
+        ("'talker = robot.talker:main',", "talker = robot.talker:main,"),
+        ("'console_scripts': [", "'console_scripts: ["),
+    ],
+)
+def test_a_slip_in_a_setup_script_is_undone(right: str, wrong: str) -> None:
+    text = """from setuptools import setup
+
+package_name = 'robot'
+
+setup(
+    name=package_name,
+    version='0.0.1',
+    packages=[package_name],
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
+        ('share/' + package_name, ['package.xml']),
+    ],
+    description='a robot that obeys',
+    entry_points={
+        'console_scripts': [
+            'talker = robot.talker:main',
+        ],
+    },
+)
+"""
+    assert text.count(right) == 1
+    line = next(number for number, told in enumerate(text.splitlines(), 1) if right in told)
+    assert mended(Slip("", line, text.replace(right, wrong))).splitlines()[line - 1].strip() == right
+
+
+def test_a_method_that_has_moved_out_is_moved_back_as_a_whole() -> None:
+    right = LISTENER.replace(LISTENER.splitlines()[9] + "\n\n", "")
+    made = next(
+        n for n in ast.walk(ast.parse(right)) if isinstance(n, ast.FunctionDef) and n.name == "__init__"
+    )
+    first, last, lines = made.lineno - 1, made.end_lineno, right.splitlines()
+    moved = [line.removeprefix("    ") for line in lines[first:last]]
+    text = "\n".join([*lines[:first], *moved, *lines[last:], ""])
+    source = PythonSource("ear", "ear.py", text, False, Path("ear.py"))
+    assert not source.tree.body
+    found = syntax_finding("node-syntax", source)
+    assert found.place == f"ear.py:{first + 1}"
+    assert f"lines {first + 1} to {last}" in found.fix
+    assert "begins with 4 spaces" in found.fix
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = 1\nthis is no code at all, but a sentence, is it not?\n",
+        "{{% if robot %}}\nimport rclpy\n{{% endif %}}\n",
+    ],
+)
+def test_what_nothing_mends_is_not_explained_by_more_nonsense(text: str) -> None:
+    source = PythonSource("file", "file.py", text, False, Path("file.py"))
+    assert not source.tree.body
+    assert "write `'" not in syntax_finding("node-syntax", source).fix
