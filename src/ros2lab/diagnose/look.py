@@ -17,6 +17,7 @@ from ros2lab.diagnose.code.hidden_names import hidden_names
 from ros2lab.diagnose.code.imports import hidden_types, import_faults, shadow_faults
 from ros2lab.diagnose.code.line_ends import line_end_faults
 from ros2lab.diagnose.code.locks import lock_faults
+from ros2lab.diagnose.code.lost_parameters import lost_parameters
 from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.code.private_names import private_name_faults
 from ros2lab.diagnose.code.syntax import syntax_finding
@@ -263,7 +264,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     for source in sources.sources.values():
         yield from guarded(_syntax_faults, source)
         yield from guarded(import_faults, sources, source)
-    for rule in (node_faults, message_faults, expression_faults):
+    for rule in (lost_parameters, node_faults, message_faults, expression_faults):
         yield from guarded(rule, sources)
     yield from guarded(life_faults, sources, mains)
     for rule in (

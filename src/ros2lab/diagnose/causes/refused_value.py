@@ -7,7 +7,9 @@ import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.causes.refused_lists import of_list
+from ros2lab.diagnose.causes.wrong_literals import of_wrong_literal
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
@@ -16,25 +18,32 @@ _SAYS = re.compile(r"The '(?P<field>\w+)' field must be (?P<what>.+)")
 _RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>\d+)\]")
 
 
-def of_refused(message: str, spot: Spot) -> Finding | None:
+def of_refused(message: str, spot: Spot, look: Look | None = None) -> Finding | None:
     """Return a finding about the value that a field refuses; None if it is not clear which value that is.
 
     Args:
         message: what the message's class says.
         spot: the line.
+        look: the workspace.
     """
     said = _SAYS.search(message)
     if said is None or spot.source is None:
         return None
     given = [value for name, value in _given(spot) if name == said["field"]]
+    if literal := of_wrong_literal(message, spot, given, look):
+        return literal
     if len({ast.unparse(value) for value in given}) != 1:
         return None
-    if listed := of_list(said["field"], said["what"], given[0], spot):
-        return listed
+    return of_list(said["field"], said["what"], given[0], spot) or _of_number(spot, given[0], said)
+
+
+def _of_number(spot: Spot, value: ast.expr, said: re.Match[str]) -> Finding | None:
+    """Return a finding about a number that is outside the range of a field, or no float; None for any other."""
+    assert spot.source is not None
     if outside := _RANGE.match(said["what"]):
-        return _outside(spot.source, given[0], said["field"], outside)
+        return _outside(spot.source, value, said["field"], outside)
     if said["what"].startswith("of type 'float'"):
-        return _no_float(spot.source, given[0], said["field"], spot.line)
+        return _no_float(spot.source, value, said["field"], spot.line)
     return None
 
 

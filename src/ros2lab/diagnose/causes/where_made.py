@@ -18,6 +18,7 @@ from ros2lab.diagnose.causes.read_keys import of_read_key
 from ros2lab.diagnose.causes.refused_value import of_refused
 from ros2lab.diagnose.causes.terminal_variables import of_variable
 from ros2lab.diagnose.causes.unfit_parameters import of_unfit_parameter
+from ros2lab.diagnose.causes.wrong_literals import of_wrong_literal
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
@@ -61,7 +62,8 @@ def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding
         or of_unfit_parameter(message, spot)
         or of_filled(message, spot)
         or of_item(message, spot)
-        or of_refused(message, spot)
+        or of_refused(message, spot, look)
+        or (of_wrong_literal(message, spot, (), look) if kind in ("TypeError", "error") else None)
         or of_class_body(kind, message, spot)
         or of_format(kind, message, spot)
         or of_part(kind, spot)

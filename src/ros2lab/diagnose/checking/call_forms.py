@@ -6,7 +6,7 @@ import ast
 from collections.abc import Mapping, Sequence
 
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.calls import example_of, meant_call, one_each, whole_call
+from ros2lab.diagnose.sources.calls import example_of, fitting, meant_call, one_each, whole_call
 from ros2lab.diagnose.sources.own_functions import own_function
 from ros2lab.diagnose.sources.python_source import PythonSource, parameters
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of
@@ -41,7 +41,8 @@ def given_another(source: PythonSource, call: ast.Call, value: ast.expr, wanted:
 
     Forms that pass the value on to a function among the other arguments come first.
     """
-    example = example_of(Parameter("", wanted, "", is_positional=True))
+    meant = fitting(wanted, value) if isinstance(value, ast.Constant) else ""
+    example = meant or example_of(Parameter("", wanted, "", is_positional=True))
     passed_on = {
         id(argument): _called_with(source, argument, value)
         for argument in _values(call)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ast
 import builtins
+import itertools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ros2lab.diagnose.checking.checked_copies import Row, checked
+from ros2lab.diagnose.checking.checked_copies import Row, checked, first_that_stands
 from ros2lab.diagnose.checking.trials import Edit
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
@@ -48,6 +49,32 @@ def called_at_once(look: Look) -> Iterator[Finding]:
         for source in sources.sources.values():
             found = [*_given_calls(sources, source)] if source.path and not source.fault else []
             yield from _called(source, found) if found else ()
+
+
+def swapped_functions(look: Look) -> Iterator[Finding]:
+    """Yield each call that is given a value where it needs a function, and the function in another place."""
+    for package in look.packages:
+        for source in look.sources(package).sources.values():
+            (rows,) = checked(source, [source.text.encode()]) if source.path and not source.fault else ([],)
+            for row in rows:
+                if row.rule == "invalid-argument-type" and _FUNCTION.search(row.said):
+                    yield from _swapped(source, row.line)
+
+
+def _swapped(source: PythonSource, line: int) -> Iterator[Finding]:
+    """Yield the call on a line that the type checker accepts with two arguments swapped."""
+    for call in (node for node in source.nodes if isinstance(node, ast.Call) and node.lineno == line):
+        texts = [*map(ast.unparse, call.args)]
+        named = [ast.unparse(keyword) for keyword in call.keywords]
+        ways = []
+        for first, second in itertools.combinations(range(len(texts)), 2):
+            new = [*texts]
+            new[first], new[second] = texts[second], texts[first]
+            ways.append(f"{ast.unparse(call.func)}({', '.join([*new, *named])})")
+        if good := first_that_stands(source, call, ways):
+            cause = f"The arguments of {ast.unparse(call.func)} are in the wrong order: it is given a value where it needs the function to call."
+            yield Finding("argument-order", cause, source.at(call), f"write `{good}`")
+            return
 
 
 def _given_calls(sources: NodeSources, source: PythonSource) -> Iterator[_Given]:

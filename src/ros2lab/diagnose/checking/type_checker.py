@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import difflib
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ros2lab.diagnose.checking.call_forms import (
@@ -20,13 +20,14 @@ from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain, types_named
+from ros2lab.diagnose.code.lost_parameters import CODE, definitions
 from ros2lab.diagnose.finding import SAID, Finding, shown_path, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.construction import is_of_construction
-from ros2lab.diagnose.sources.node_source import is_self_attribute
+from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, children, read_source, read_text
 from ros2lab.diagnose.sources.spelling import nearest
 
@@ -66,6 +67,8 @@ def type_faults(
         place = f"{shown}:{row['line']}"
         if said is None or place in told or shown in unread or _is_told_elsewhere(row, said, source):
             continue
+        if row["rule"] in _OF_ARGUMENTS and _is_of_def(said["owner"], owners, known):
+            continue
         if source in owners and is_of_construction(owners[source], source, int(row["line"]), said[0]):
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
@@ -75,6 +78,18 @@ def type_faults(
         told.add(place)
         source = source or read_source(Path("/", row["file"]), Path(row["file"]).stem, shown)
         yield _finding(row, groups, Spot(source, int(row["line"])), look)
+
+
+_OF_ARGUMENTS = frozenset(("too-many-positional-arguments", "unknown-argument", "missing-argument"))
+
+
+def _is_of_def(name: str, owners: Mapping[PythonSource, NodeSources], known: Iterable[Finding]) -> bool:
+    """Return whether the def of a function is wrong, and not its calls."""
+    told = {finding.place for finding in known if finding.code == CODE}
+    named = (
+        (found for source in owners for found in definitions(source) if found.name == name) if told else ()
+    )
+    return any(definition.source.at(definition.function) in told for definition in named)
 
 
 def _launch_files(look: Look) -> Iterator[str]:

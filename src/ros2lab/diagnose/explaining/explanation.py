@@ -11,8 +11,10 @@ from pathlib import Path
 from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
+from ros2lab.diagnose.causes.later_calls import of_later_call
 from ros2lab.diagnose.causes.parameters_given import of_parameters
 from ros2lab.diagnose.causes.refused_names import of_refused_name
+from ros2lab.diagnose.causes.taken import of_taken
 from ros2lab.diagnose.causes.unanswered import of_unanswered
 from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
 from ros2lab.diagnose.causes.where_made import where_made
@@ -175,6 +177,8 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
     return (
         of_assertion(error, look)
         or of_test_without_init(error, look)
+        or of_taken(error, look)
+        or of_later_call(error, known, look)
         or of_init_order(error, look)
         or of_init_twice(error, look)
         or of_answer(error, look)

@@ -22,6 +22,7 @@ from ros2lab.diagnose.sources.node_source import (
 )
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, returns_value, walk
 from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.unbound_names import unbound_names
 
 _EXAMPLES = {
     "create_publisher": "create_publisher(String, 'topic', 10)",
@@ -414,6 +415,8 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
     if function.decorator_list and not is_static:
         return
     is_method = isinstance(given, ast.Attribute) and not is_static
+    if is_method and (not names or "self" in unbound_names(creation.source, function)):
+        return  # told of every method that lacks self
     takes = len(names) - is_method
     least = takes - len(function.args.defaults)
     wanted = {"create_subscription": (1, 2), "create_timer": (0, 0), "create_service": (2, 2)}.get(
@@ -428,14 +431,23 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
         return
     first = "self" if is_method else ""
     rest = _CALLED_WITH[creation.method]
-    right = ", ".join(text for text in (first, rest) if text)
+    right = ", ".join(text for text in (first, _named_in_body(creation, function, rest)) if text)
     has = ", ".join(names) or "nothing"
     called_with = "the message" if rest == "msg" else rest or "nothing"
     yield Finding(
         "callback-arguments",
-        f"{function.name} is a method, but its first parameter, self, is missing."
-        if takes < 0
-        else f"{function.name} takes ({has}), but the callback of {creation.method} is called with {called_with}.",
+        f"{function.name} takes ({has}), but the callback of {creation.method} is called with {called_with}.",
         f"{creation.source.shown}:{function.lineno}",
         f"write def {function.name}({right}):",
     )
+
+
+def _named_in_body(creation: Creation, function: Function, rest: str) -> str:
+    """Return what a callback is called with, by the names that its body uses for that, if it defines none."""
+    wanted = rest.split(", ")
+    used = unbound_names(creation.source, function)
+    returned = [
+        n.value.id for n in own_nodes(function) if isinstance(n, ast.Return) and isinstance(n.value, ast.Name)
+    ]
+    used = sorted(used, key=lambda name: name in returned)  # a service returns its response
+    return ", ".join(used) if rest and len(used) == len(wanted) else rest

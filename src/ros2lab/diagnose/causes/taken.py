@@ -1,0 +1,95 @@
+"""Functions of the student's files that are given other arguments than they take: which side is wrong."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.code.lost_parameters import (
+    Definition,
+    calls_of,
+    definitions,
+    lost_by,
+    lost_parameters,
+    named_by,
+    surplus,
+    without_self,
+)
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import place_of, spot_at
+from ros2lab.diagnose.sources.python_source import parameters
+
+_SAYS = re.compile(
+    r"(?P<name>[\w.<>]+)\(\) (?:takes (?:from \d+ to )?(?P<takes>\d+) positional arguments? but (?P<given>\d+) w"
+    r"|missing \d+ required positional|got an unexpected keyword argument)"
+)
+
+
+def of_taken(error: ErrorText, look: Look) -> Finding | None:
+    """Return the finding about a def that lacks a parameter with which it is called; None if a call is wrong."""
+    report = error.reports[-1] if error.reports else None
+    if report is None or report.kind not in ("TypeError", "NameError"):
+        return None
+    said = _SAYS.match(report.message)
+    if said is None:
+        return _of_name(error, look) if report.kind == "NameError" else None
+    lacking = int(said["given"]) - int(said["takes"]) if said["takes"] else 0
+    for definition, calls in _named(said["name"], look):
+        is_taken = not said["takes"] or len(parameters(definition.function)) == int(said["takes"])
+        if not is_taken:
+            continue
+        if definition.lacks_self or (lacking > 0 and _begins_without_self(definition)):
+            return without_self(definition)
+        if lost := lost_by(definition, calls, lacking):
+            return lost
+        if lacking > 0 and (more := _by_callers(definition, calls, lacking)):
+            return more
+    return None
+
+
+def _named(name: str, look: Look) -> Iterator[tuple[Definition, list]]:  # type: ignore[type-arg]
+    """Yield the functions that Python calls so, each with its calls."""
+    wanted = name.rpartition("<locals>.")[2]
+    for package in look.packages:
+        sources = look.sources(package)
+        for source in sources.sources.values():
+            for definition in definitions(source):
+                if definition.name == wanted:
+                    yield definition, [*calls_of(sources, definition)]
+
+
+def _begins_without_self(definition: Definition) -> bool:
+    """Return whether a method that is given one argument too many does not begin with self."""
+    names = [parameter.arg for parameter in parameters(definition.function)]
+    is_plain = definition.owner is not None and not definition.function.decorator_list
+    return is_plain and names[:1] not in (["self"], ["cls"], ["this"], ["mcs"])
+
+
+def _by_callers(definition: Definition, calls: Sequence, lacking: int) -> Finding | None:  # type: ignore[type-arg]
+    """Return the finding about a def that takes less than all its callers pass; None if only one does."""
+    more = [call for call in calls if surplus(call, definition) == lacking]
+    if calls and not (len(more) == len(calls) > 1):
+        return None
+    names = named_by(more[0], lacking) if more else ["value", *(f"value_{n}" for n in range(2, lacking + 1))]
+    function, takes = definition.function, len(parameters(definition.function)) - bool(definition.owner)
+    who = f"each of its {len(calls)} callers passes" if calls else "whoever calls it passes"
+    cause = (
+        f"{function.name}() takes {takes or 'no'} argument{'s' * (takes != 1)}, but {who} {takes + lacking}."
+    )
+    return Finding(
+        "callback-arguments", cause, definition.source.at(function), f"write `{definition.with_more(names)}`"
+    )
+
+
+def _of_name(error: ErrorText, look: Look) -> Finding | None:
+    """Return the finding about the function that fails at a name that its def lacks; None if it lacks none."""
+    spot = spot_at(place_of(own_frames(error.reports[-1].frames), look), look)
+    if spot.source is None or spot.function is None:
+        return None
+    place = spot.source.at(spot.function)
+    of_file = (
+        lost for p in look.packages for lost in lost_parameters(look.sources(p)) if lost.place == place
+    )
+    return next(of_file, None)

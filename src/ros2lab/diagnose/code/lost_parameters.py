@@ -1,0 +1,216 @@
+"""Functions whose `def` lacks a parameter: self, or one that the body uses and that callers pass."""
+
+from __future__ import annotations
+
+import ast
+import copy
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
+from ros2lab.diagnose.sources.spelling import snake_case
+from ros2lab.diagnose.sources.unbound_names import unbound_names
+
+CODE = "callback-arguments"
+_OF_CLASSES = frozenset(("__new__", "__init_subclass__", "__class_getitem__"))
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A function of the files, or a method.
+
+    Attributes:
+        owner: the class whose body contains it; None for any other function.
+    """
+
+    source: PythonSource
+    function: Function
+    owner: ast.ClassDef | None
+
+    @property
+    def name(self) -> str:
+        """What Python calls it, such as `Buoy.__init__`, apart from functions around it."""
+        return f"{self.owner.name}.{self.function.name}" if self.owner else self.function.name
+
+    @property
+    def lacks_self(self) -> bool:
+        """Whether it is a method whose first parameter, self, is missing for certain."""
+        function = self.function
+        if self.owner is None or function.name in _OF_CLASSES or _is_static(function):
+            return False
+        arguments = function.args
+        if not parameters(function) and not arguments.vararg:
+            uses = {n.attr for n in walk(self.owner) if isinstance(n, ast.Attribute) and _is_self(n.value)}
+            return function.name.startswith("__") or function.name in uses or _uses_self(self)
+        return _uses_self(self) or (function.name.startswith("__") and self._begins_with_a_value)
+
+    @property
+    def _begins_with_a_value(self) -> bool:
+        """Whether its first parameter is only a value, and other methods of its class begin with self."""
+        assert self.owner is not None
+        first, *_ = [p.arg for p in parameters(self.function)] or [""]
+        others = [
+            parameters(n)[:1]
+            for n in self.owner.body
+            if isinstance(n, ast.FunctionDef) and n is not self.function
+        ]
+        asked = [n.value for n in walk(self.function) if isinstance(n, ast.Attribute)]
+        is_object = first in ("self", "cls", "") or any(
+            isinstance(n, ast.Name) and n.id == first for n in asked
+        )
+        return not is_object and any(names and names[0].arg == "self" for names in others)
+
+    def with_more(self, names: Sequence[str], stars: tuple[str, str] = ("", "")) -> str:
+        """Return the line of its def with more parameters.
+
+        Args:
+            names: what to add after the parameters that it has.
+            stars: what to add as `*args` and as `**kwargs`; empty adds none.
+        """
+        function, arguments = self.function, copy.deepcopy(self.function.args)
+        if self.lacks_self:
+            arguments.args.insert(0, ast.arg("self"))
+        arguments.args += [ast.arg(name) for name in names]
+        arguments.defaults += [ast.Constant(None) for _ in names if arguments.defaults]
+        arguments.vararg = ast.arg(stars[0]) if stars[0] else arguments.vararg
+        arguments.kwarg = ast.arg(stars[1]) if stars[1] else arguments.kwarg
+        returns = f" -> {ast.unparse(function.returns)}" if function.returns else ""
+        word = "async def" if isinstance(function, ast.AsyncFunctionDef) else "def"
+        return f"{word} {function.name}({ast.unparse(arguments)}){returns}:"
+
+
+def definitions(source: PythonSource) -> Iterator[Definition]:
+    """Yield all functions of a file, also those inside others."""
+    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
+    owners = {
+        id(inner): node for node in source.nodes if isinstance(node, ast.ClassDef) for inner in node.body
+    }
+    for node in source.nodes:
+        if isinstance(node, kinds):
+            yield Definition(source, node, owners.get(id(node)))
+
+
+def lost_parameters(sources: NodeSources) -> Iterator[Finding]:
+    """Yield functions whose def lacks what their body uses: self, or what a caller passes."""
+    for source in sources.sources.values():
+        for definition in definitions(source):
+            if definition.lacks_self:
+                yield without_self(definition)
+            elif unbound_names(source, definition.function) and (
+                lost := lost_by(definition, [*calls_of(sources, definition)])
+            ):
+                yield lost
+
+
+def without_self(definition: Definition) -> Finding:
+    """Return the finding about a method without self."""
+    cause = f"{definition.function.name} is a method, but its first parameter, self, is missing."
+    place = definition.source.at(definition.function)
+    return Finding(CODE, cause, place, f"write `{definition.with_more([])}`")
+
+
+def lost_by(definition: Definition, calls: Sequence[ast.Call], lacking: int = 0) -> Finding | None:
+    """Return the finding about a def that lacks the parameters that its body uses; None if it lacks none.
+
+    Args:
+        definition: the function.
+        calls: its calls, as far as they are known.
+        lacking: how many arguments more than it takes it is given, as Python says; 0 if only the calls tell.
+    """
+    function = definition.function
+    names = unbound_names(definition.source, function)
+    stars = _starred(function, names, function.args.vararg), _double_starred(function, names)
+    plain = [name for name in names if name not in stars]
+    if not names or function.args.vararg:
+        return None
+    fitting = [call for call in calls if _passes(call, definition, plain, stars, lacking)]
+    if not fitting and lacking != len(plain) and not (calls and any(stars) and lacking):
+        return None
+    if len(plain) > 1 and fitting:
+        plain = _as_passed(fitting[0], plain)
+    what = ", ".join([*plain, *(f"{'*' * n}{name}" for n, name in enumerate(stars, 1) if name)])
+    cause = (
+        f"{function.name}() uses {what}, which it is called with, but its def has no parameter of that name."
+    )
+    fix = f"write `{definition.with_more(plain, stars)}`"
+    return Finding(CODE, cause, definition.source.at(function), fix)
+
+
+def surplus(call: ast.Call, definition: Definition) -> int:
+    """Return how many positional arguments more than a function takes a call passes; negative for fewer."""
+    takes = len(parameters(definition.function)) - (definition.owner is not None)
+    return len(call.args) - takes
+
+
+def _passes(
+    call: ast.Call, definition: Definition, names: Sequence[str], stars: tuple[str, str], lacking: int
+) -> bool:
+    """Return whether a call passes what a def lacks: so many more values, or keywords of these names."""
+    if any(isinstance(argument, ast.Starred) for argument in call.args):
+        return False
+    known = {p.arg for p in (*parameters(definition.function), *definition.function.args.kwonlyargs)}
+    keywords = [keyword.arg for keyword in call.keywords if keyword.arg and keyword.arg not in known]
+    more = surplus(call, definition) if lacking == 0 else lacking
+    by_name = sum(keyword in names for keyword in keywords)
+    is_open = more > len(names) - by_name and bool(stars[0])
+    is_named = by_name == len(keywords) or bool(stars[1])
+    return more + len(keywords) > 0 and is_named and (max(more, 0) == len(names) - by_name or is_open)
+
+
+def _as_passed(call: ast.Call, names: Sequence[str]) -> list[str]:
+    """Return parameters in the order in which a call passes variables of the same names, the others between."""
+    given = [getattr(value, "attr", getattr(value, "id", "")) for value in call.args[-len(names) :]]
+    rest = [name for name in names if name not in given]
+    return [name if name in names else rest.pop(0) for name in given if name in names or rest] + rest
+
+
+def calls_of(sources: NodeSources, definition: Definition) -> Iterator[ast.Call]:
+    """Yield the calls of a function or, for `__init__`, of its class, found by their names."""
+    is_made = definition.owner is not None and definition.function.name == "__init__"
+    name = definition.owner.name if definition.owner and is_made else definition.function.name
+    for source in sources.sources.values():
+        for node in source.nodes:
+            if isinstance(node, ast.Call) and name in (
+                getattr(node.func, "attr", ""),
+                getattr(node.func, "id", ""),
+            ):
+                yield node
+
+
+def named_by(call: ast.Call, number: int) -> list[str]:
+    """Return names for the last arguments of a call, after what is passed there."""
+    found: list[str] = []
+    for value in call.args[-number:]:
+        name = getattr(value, "attr", getattr(value, "id", "")) or "value"
+        name = snake_case(name).strip("_") or "value"
+        found.append(name if name not in found else f"{name}_{len(found) + 1}")
+    return found
+
+
+def _starred(function: Function, names: Sequence[str], known: ast.arg | None) -> str:
+    given = [n.value for n in walk(function) if isinstance(n, ast.Starred) and known is None]
+    return next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
+
+
+def _double_starred(function: Function, names: Sequence[str]) -> str:
+    given = [n.value for n in walk(function) if isinstance(n, ast.keyword) and n.arg is None]
+    return next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
+
+
+def _is_static(function: Function) -> bool:
+    return any(not _keeps_self(decorator) for decorator in function.decorator_list)
+
+
+def _keeps_self(decorator: ast.expr) -> bool:
+    """Return whether a method with a decorator has self all the same, as a property does."""
+    return "property" in ast.unparse(decorator) or getattr(decorator, "attr", "") in ("setter", "getter")
+
+
+def _is_self(node: ast.expr) -> bool:
+    return isinstance(node, ast.Name) and node.id == "self"
+
+
+def _uses_self(definition: Definition) -> bool:
+    return "self" in unbound_names(definition.source, definition.function)

@@ -1,0 +1,305 @@
+"""Follow a value back to the literals that it was made of, through variables, attributes, arguments and sums."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.given_names import argument_of
+from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.static_value import evaluate
+
+_DEEPEST = 8  # variables and calls through which a value is followed
+_MOST = 500  # expressions that are looked at
+# Functions that return one of their arguments, or one of the values in them.
+_PASSED_ON = frozenset(("max", "min", "abs", "round", "copy", "deepcopy"))
+_TAKEN_OUT = frozenset(("next", "choice", "sum", "max", "min"))
+_GONE_THROUGH = frozenset(
+    ("list", "tuple", "sorted", "reversed", "iter", "count", "cycle", "repeat", "range", "set", "deque")
+)
+Path = tuple[int | None, ...]  # the index of the item that is taken out, or None for any
+Leaf = tuple[PythonSource, ast.expr]
+
+
+class Literals:
+    """The literals behind values, in the files of a package."""
+
+    def __init__(self, sources: NodeSources) -> None:
+        self._sources = sources
+        self._seen: set[tuple[int, Path]] = set()
+
+    def behind(
+        self, source: PythonSource, value: ast.expr, path: Path = (), depth: int = _DEEPEST
+    ) -> Iterator[Leaf]:
+        """Yield the constants of which a value may be made, and divisions, each with its file.
+
+        Args:
+            source: the file.
+            value: the expression.
+            path: which items are taken out of it, the outermost first.
+            depth: how many more names and calls to follow.
+        """
+        key = (id(value), path)
+        if depth < 0 or key in self._seen or len(self._seen) > _MOST:
+            return
+        self._seen.add(key)
+        for inner, inner_path in _parts(value, path):
+            if inner is value and inner_path == path:
+                yield source, value
+            else:
+                yield from self.behind(source, inner, inner_path, depth)
+        if isinstance(value, (ast.Name, ast.Attribute)):
+            for home, given, more in self._bound(source, value):
+                yield from self.behind(home, given, (*more, *path), depth - 1)
+        elif isinstance(value, ast.Call):
+            for home, function in self._called(source, value):
+                returned = [n.value for n in own_nodes(function) if isinstance(n, ast.Return) and n.value]
+                for given in returned:
+                    yield from self.behind(home, given, path, depth - 1)
+
+    def _bound(
+        self, source: PythonSource, name: ast.Name | ast.Attribute
+    ) -> Iterator[tuple[PythonSource, ast.expr, Path]]:
+        """Yield what a name or an attribute is bound to: a file, an expression, and which of its items."""
+        if isinstance(name, ast.Name):
+            function = _function_at(source, name.lineno)
+            rows = [*_bindings(own_nodes(function), name.id)] if function else []
+            rows = rows or [*_bindings(own_nodes(source.tree), name.id)]
+            yield from ((source, value, path) for value, path in rows)
+            names = [p.arg for p in (*parameters(function), *function.args.kwonlyargs)] if function else ()
+            if function and name.id in names:
+                yield from ((home, value, ()) for home, value in self._given(source, function, name.id))
+            imported = (source.resolve(name) or "").rpartition(".") if not rows else ("", "", "")
+            if home := self._sources.sources.get(imported[0]):
+                yield from ((home, value, path) for value, path in _bindings(home.tree.body, imported[2]))
+        else:
+            for home, owner in self._owners(source, name):
+                of_self = _bindings(tuple(walk(owner)), f"self.{name.attr}")
+                of_class = _bindings(owner.body, name.attr)
+                yield from ((home, value, path) for value, path in (*of_self, *of_class))
+                yield from ((home, value, ()) for home, value in self._of_fields(owner, name.attr))
+            if not is_self_attribute(name):
+                yield from ((home, value, ()) for home, value in self._of_namedtuple(name.attr))
+
+    def _owners(
+        self, source: PythonSource, name: ast.Attribute
+    ) -> Iterator[tuple[PythonSource, ast.ClassDef]]:
+        """Yield the classes that an attribute may belong to: the one around self, or the only one that has it."""
+        if is_self_attribute(name) or ast.unparse(name.value) in ("cls", "type(self)"):
+            around = [n for n in source.nodes if isinstance(n, ast.ClassDef) and _contains(n, name.lineno)]
+            yield from ((source, owner) for owner in around[-1:])
+            return
+        called = ast.unparse(name.value)
+        known = [c for c in self._sources.classes.values() if name.attr in _attributes(c.definition)]
+        named = [c for c in known if c.definition.name == called]
+        fields = {field for i in source.imports for field in interfaces.fields_of(i.target) or ()}
+        if named or (len(known) == 1 and name.attr not in fields):
+            owner = (named or known)[0]
+            yield owner.source, owner.definition
+
+    def _of_fields(self, owner: ast.ClassDef, name: str) -> Iterator[Leaf]:
+        """Yield what the calls of a dataclass or a named tuple pass for one of its fields."""
+        made = [ast.unparse(node) for node in (*owner.decorator_list, *owner.bases)]
+        if not any(re.search(r"\b(?:dataclass|NamedTuple)\b", text) for text in made):
+            return
+        declared = [n.target for n in owner.body if isinstance(n, ast.AnnAssign)]
+        yield from self._given_by_place(owner.name, [ast.unparse(target) for target in declared], name)
+
+    def _of_namedtuple(self, name: str) -> Iterator[Leaf]:
+        """Yield what is passed for a field of `Joint = namedtuple('Joint', 'name low high')`."""
+        for node in (node for source in self._sources.sources.values() for node in source.tree.body):
+            match node:
+                case ast.Assign(
+                    targets=[ast.Name(id=made)],
+                    value=ast.Call(
+                        func=ast.Name(id="namedtuple") | ast.Attribute(attr="namedtuple"), args=[_, fields]
+                    ),
+                ):
+                    known = evaluate(fields, {}, {})
+                    names = known.replace(",", " ").split() if isinstance(known, str) else known
+                    if isinstance(names, (list, tuple)) and name in names:
+                        yield from self._given_by_place(made, names, name)
+
+    def _given_by_place(self, function: str, names: Sequence[str], name: str) -> Iterator[Leaf]:
+        for source, call in self._calls(function):
+            given = dict(zip(names, call.args, strict=False))
+            given |= {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
+            if name in given:
+                yield source, given[name]
+
+    def _given(self, source: PythonSource, function: Function, name: str) -> Iterator[Leaf]:
+        """Yield what callers pass for a parameter of a function, or its default."""
+        owner = next((n for n in source.nodes if isinstance(n, ast.ClassDef) and function in n.body), None)
+        is_made = owner is not None and function.name == "__init__"
+        defaults = dict(
+            zip(
+                reversed([p.arg for p in parameters(function)]),
+                reversed(function.args.defaults),
+                strict=False,
+            )
+        )
+        defaults |= {
+            p.arg: d for p, d in zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True) if d
+        }
+        called = False
+        for home, call in self._calls(owner.name if owner and is_made else function.name):
+            given = argument_of(function, call, name) or defaults.get(name)
+            called = True
+            if given is not None:
+                yield (source if given is defaults.get(name) else home), given
+        if not called and name in defaults:
+            yield source, defaults[name]
+
+    def _calls(self, name: str) -> Iterator[tuple[PythonSource, ast.Call]]:
+        """Yield the calls of a function or class, also those for which it is passed on: `submit(work, 3)`."""
+        for source in self._sources.sources.values():
+            for node in source.nodes:
+                if isinstance(node, ast.Call):
+                    yield from (
+                        (source, call) for call in (node, *_passed_on(node)) if _last(call.func) == name
+                    )
+
+    def _called(self, source: PythonSource, call: ast.Call) -> Iterator[tuple[PythonSource, Function]]:
+        """Yield the functions of the files that a call may mean."""
+        name = _last(call.func)
+        if name == "result" and not call.args:
+            submitted = [n for n in source.nodes if isinstance(n, ast.Call) and _last(n.func) == "submit"]
+            for inner in (inner for node in submitted for inner in _passed_on(node)):
+                yield from self._called(source, inner)
+        known = self._sources.functions.get(self._sources.resolve(source, call.func) or "")
+        if known:
+            yield known
+        elif isinstance(call.func, ast.Attribute):
+            own = [c for c in self._sources.classes.values() if name in c.methods]
+            yield from ((c.source, c.methods[name]) for c in own if len(own) == 1)
+
+
+def _last(function: ast.expr) -> str:
+    return getattr(function, "attr", getattr(function, "id", ""))
+
+
+def _passed_on(call: ast.Call) -> Iterator[ast.Call]:
+    """Yield the calls that another call makes later: of a function that it is given, with the arguments after it."""
+    if _last(call.func).startswith(("create_", "add_")):
+        return  # what follows a callback is not for it
+    keywords = {keyword.arg: keyword.value for keyword in call.keywords}
+    if isinstance(target := keywords.get("target"), (ast.Name, ast.Attribute)):
+        yield ast.Call(target, list(getattr(keywords.get("args"), "elts", [])), [])
+    for number, given in enumerate(call.args):
+        if getattr(given, "is_function", False) or (isinstance(given, ast.Name) and given.id[:1].isupper()):
+            yield ast.Call(given, call.args[number + 1 :], call.keywords)
+
+
+def _parts(value: ast.expr, path: Path) -> Iterator[tuple[ast.expr, Path]]:
+    """Yield the parts of which a value is made, with the items taken out of each; itself if it is a literal."""
+    match value:
+        case ast.Constant() | ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=ast.Constant()) if not path:
+            yield value, path
+        case ast.UnaryOp(operand=operand):
+            yield operand, path
+        case ast.BinOp(op=ast.Div()):
+            yield value, path
+        case ast.BinOp(left=left, op=ast.Mult(), right=right) if path:
+            yield (right if isinstance(right, (ast.List, ast.Tuple)) else left), path
+        case ast.BinOp(left=left, right=right):
+            yield from ((left, path), (right, path))
+        case ast.BoolOp(values=values):
+            yield from ((part, path) for part in values)
+        case ast.IfExp(body=body, orelse=orelse):
+            yield from ((body, path), (orelse, path))
+        case ast.NamedExpr(value=inner) | ast.Await(value=inner) | ast.Starred(value=inner):
+            yield inner, path
+        case ast.Subscript(value=inner, slice=index):
+            number = index.value if isinstance(index, ast.Constant) and isinstance(index.value, int) else None
+            yield inner, (path if isinstance(index, ast.Slice) else (number, *path))
+        case ast.Call():
+            yield from _of_call(value, path)
+        case _ if path:
+            yield from _of_items(value, path)
+
+
+def _of_items(value: ast.expr, path: Path) -> Iterator[tuple[ast.expr, Path]]:
+    """Yield what is taken out of a list or the like that is written there."""
+    match value:
+        case ast.List(elts=items) | ast.Tuple(elts=items) | ast.Set(elts=items) if path:
+            index = path[0]
+            chosen = items if index is None else items[index : index + 1] if index >= 0 else items[index:][:1]
+            yield from ((item, path[1:]) for item in chosen)
+        case ast.Dict(values=values) if path:
+            yield from ((item, path[1:]) for item in values)
+        case ast.ListComp(elt=item) | ast.GeneratorExp(elt=item) | ast.SetComp(elt=item) if path:
+            yield item, path[1:]
+        case ast.DictComp(value=item) if path:
+            yield item, path[1:]
+
+
+def _of_call(call: ast.Call, path: Path) -> Iterator[tuple[ast.expr, Path]]:
+    """Yield the arguments that a function of Python returns as they are, or takes its result out of."""
+    name = _last(call.func)
+    is_single = len(call.args) == 1
+    if name in _TAKEN_OUT and is_single:
+        yield call.args[0], (None, *path)
+    elif name in _PASSED_ON:
+        yield from ((argument, path) for argument in call.args[: 1 if name == "round" else None])
+    elif name in ("count", "range", "repeat") and path:
+        yield from ((argument, path[1:]) for argument in call.args)
+    elif name in _GONE_THROUGH:
+        yield from ((argument, path) for argument in call.args[:1])
+    elif name in ("values", "items") and path and isinstance(call.func, ast.Attribute):
+        yield call.func.value, (None, *path[1 + (name == "items") :])
+    elif name == "enumerate" and path[1:] and path[1] == 1:
+        yield from ((argument, (None, *path[2:])) for argument in call.args[:1])
+    elif name == "zip" and path[1:] and path[1] is not None:
+        yield from ((argument, (None, *path[2:])) for argument in call.args[path[1] :][:1])
+
+
+def _bindings(nodes: Sequence[ast.AST], name: str) -> Iterator[tuple[ast.expr, Path]]:
+    """Yield what statements bind to a name or to `self.name`, and which of its items."""
+    for node in nodes:
+        match node:
+            case ast.Assign(targets=targets, value=value):
+                for target in targets:
+                    yield from _unpacked(target, value, (), name)
+            case (
+                ast.AnnAssign(target=target, value=ast.expr() as value)
+                | ast.NamedExpr(target=target, value=value)
+            ):
+                yield from _unpacked(target, value, (), name)
+            case ast.AugAssign(target=target, value=value) if ast.unparse(target) == name:
+                yield value, ()
+            case ast.For(target=target, iter=over) | ast.comprehension(target=target, iter=over):
+                yield from _unpacked(target, over, (None,), name)
+
+
+def _unpacked(target: ast.expr, value: ast.expr, path: Path, name: str) -> Iterator[tuple[ast.expr, Path]]:
+    """Yield which part of a value a target gives to a name."""
+    if isinstance(target, (ast.Tuple, ast.List)):
+        for number, inner in enumerate(target.elts):
+            yield from _unpacked(inner, value, (*path, number), name)
+    elif isinstance(target, (ast.Name, ast.Attribute)) and ast.unparse(target) == name:
+        yield value, path
+
+
+def _function_at(source: PythonSource, line: int) -> Function | None:
+    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
+    around = [n for n in source.nodes if isinstance(n, kinds) and _contains(n, line)]
+    return max(around, key=lambda node: node.lineno, default=None)
+
+
+def _contains(node: ast.ClassDef | Function, line: int) -> bool:
+    return node.lineno <= line <= (node.end_lineno or 0)
+
+
+def _attributes(owner: ast.ClassDef) -> set[str]:
+    found = {n.attr for n in walk(owner) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
+    return found | {
+        n.id
+        for s in owner.body
+        for n in walk(s)
+        if isinstance(s, (ast.Assign, ast.AnnAssign))
+        and isinstance(n, ast.Name)
+        and isinstance(n.ctx, ast.Store)
+    }
