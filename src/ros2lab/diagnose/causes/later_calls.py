@@ -10,9 +10,10 @@ from ros2lab.diagnose.checking.called_at_once import called_at_once, swapped_fun
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import place_of, spot_at
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import returned
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 
 _SAYS = re.compile(r"'(?P<kind>\w+)' object is not callable")
 _MAKERS = frozenset(("partial", "partialmethod", "getattr", "wraps"))  # what they return is called later
@@ -24,31 +25,58 @@ def of_later_call(error: ErrorText, known: list[Finding], look: Look) -> Finding
     said = _SAYS.search(report.message) if report else None
     if report is None or said is None or not report.frames or own_frames(report.frames[-1:]):
         return None
+    called = _called_callbacks(sources_around(error, look), gives_none=said["kind"] == "NoneType")
     if said["kind"] != "NoneType":
-        return next(swapped_functions(look), None)
+        return next(swapped_functions(look), None) or next(called, None)
     told = (finding for finding in known if finding.code == "callback-called")
-    return next(told, None) or next(called_at_once(look), None) or next(_called_callbacks(look), None)
+    return next(told, None) or next(called_at_once(look), None) or next(called, None)
 
 
-def _called_callbacks(look: Look) -> Iterator[Finding]:
-    """Yield callbacks that are written as calls, of which only the error tells that they return None."""
-    for package in look.packages:
-        sources = look.sources(package)
-        for creation in sources.creations:
-            given = (creation.arguments or {}).get("callback")
-            if isinstance(given, ast.Call) and _may_give_none(sources, creation.source, given):
-                text = ast.unparse(given)
-                right = f"lambda: {text}" if given.args or given.keywords else ast.unparse(given.func)
-                whole = ast.unparse(creation.call).replace(text, right, 1)
-                cause = f"`{text}` is called right here, so {creation.method} is given its return value, None, instead of a function."
-                yield Finding("callback-called", cause, creation.source.at(given), f"write `{whole}`")
+def sources_around(error: ErrorText, look: Look) -> list[NodeSources]:
+    """Return the files of all packages, and each file of the traceback that belongs to none, such as a script."""
+    every = [look.sources(package) for package in look.packages]
+    known = {source.shown for sources in every for source in sources.sources.values()}
+    for frame in own_frames(error.reports[-1].frames) if error.reports else ():
+        source = spot_at(place_of([frame], look), look).source
+        if source is not None and source.shown not in known:
+            known.add(source.shown)
+            every.append(NodeSources({source.name: source}))
+    return every
 
 
-def _may_give_none(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool:
-    """Return whether a call may return None: not one of a class, nor of what makes functions."""
+def _called_callbacks(every: list[NodeSources], *, gives_none: bool) -> Iterator[Finding]:
+    """Yield callbacks that are written as calls, of which only the error tells what they return."""
+    for sources in every:
+        created = [(c.source, c.call, (c.arguments or {}).get("callback")) for c in sources.creations]
+        for source in sources.sources.values():
+            calls = [node for node in source.nodes if isinstance(node, ast.Call) and node.args]
+            created += [
+                (source, call, call.args[0]) for call in calls if getattr(call.func, "attr", "") == "submit"
+            ]
+        for source, call, given in created:
+            if isinstance(given, ast.Call) and _may_be(sources, source, given, gives_none=gives_none):
+                yield _finding(source, call, given)
+
+
+def _finding(source: PythonSource, call: ast.Call, given: ast.Call) -> Finding:
+    text, name = ast.unparse(given), getattr(call.func, "attr", "")
+    arguments = [*map(ast.unparse, (*given.args, *given.keywords))]
+    right = f"lambda: {text}" if arguments else ast.unparse(given.func)
+    if name == "submit":
+        right = ", ".join([ast.unparse(given.func), *arguments])
+    whole = ast.unparse(call).replace(text, right, 1)
+    cause = f"`{text}` is called right here, so {name}() is given what it returns instead of a function to call later."
+    return Finding("callback-called", cause, source.at(given), f"write `{whole}`")
+
+
+def _may_be(sources: NodeSources, source: PythonSource, call: ast.Call, *, gives_none: bool) -> bool:
+    """Return whether a call may return None, or a value: not one of a class, nor of what makes functions."""
     name = getattr(call.func, "attr", getattr(call.func, "id", ""))
     if name in _MAKERS or name[:1].isupper():
         return False
     known = sources.functions.get(sources.resolve(source, call.func) or "")
     own = known[1] if known else None
-    return not (isinstance(own, ast.FunctionDef) and returned(own))
+    if isinstance(own, ast.FunctionDef):
+        inner = any(isinstance(n, (ast.FunctionDef, ast.Lambda)) for n in own_nodes(own))
+        return not inner and bool(returned(own)) != gives_none
+    return gives_none

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator, Sequence
 
+from ros2lab.diagnose.causes.later_calls import sources_around
 from ros2lab.diagnose.code.lost_parameters import (
     Definition,
     calls_of,
@@ -19,6 +21,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import place_of, spot_at
+from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import parameters
 
 _SAYS = re.compile(
@@ -36,7 +39,7 @@ def of_taken(error: ErrorText, look: Look) -> Finding | None:
     if said is None:
         return _of_name(error, look) if report.kind == "NameError" else None
     lacking = int(said["given"]) - int(said["takes"]) if said["takes"] else 0
-    for definition, calls in _named(said["name"], look):
+    for definition, calls in _named(said["name"], sources_around(error, look)):
         is_taken = not said["takes"] or len(parameters(definition.function)) == int(said["takes"])
         if not is_taken:
             continue
@@ -49,11 +52,10 @@ def of_taken(error: ErrorText, look: Look) -> Finding | None:
     return None
 
 
-def _named(name: str, look: Look) -> Iterator[tuple[Definition, list]]:  # type: ignore[type-arg]
+def _named(name: str, every: Sequence[NodeSources]) -> Iterator[tuple[Definition, list[ast.Call]]]:
     """Yield the functions that Python calls so, each with its calls."""
     wanted = name.rpartition("<locals>.")[2]
-    for package in look.packages:
-        sources = look.sources(package)
+    for sources in every:
         for source in sources.sources.values():
             for definition in definitions(source):
                 if definition.name == wanted:
@@ -67,7 +69,7 @@ def _begins_without_self(definition: Definition) -> bool:
     return is_plain and names[:1] not in (["self"], ["cls"], ["this"], ["mcs"])
 
 
-def _by_callers(definition: Definition, calls: Sequence, lacking: int) -> Finding | None:  # type: ignore[type-arg]
+def _by_callers(definition: Definition, calls: Sequence[ast.Call], lacking: int) -> Finding | None:
     """Return the finding about a def that takes less than all its callers pass; None if only one does."""
     more = [call for call in calls if surplus(call, definition) == lacking]
     if calls and not (len(more) == len(calls) > 1):

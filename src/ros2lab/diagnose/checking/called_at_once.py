@@ -71,8 +71,18 @@ def _swapped(source: PythonSource, line: int) -> Iterator[Finding]:
             new = [*texts]
             new[first], new[second] = texts[second], texts[first]
             ways.append(f"{ast.unparse(call.func)}({', '.join([*new, *named])})")
+        early = [n for n, value in enumerate(call.args) if isinstance(value, ast.Call)]
+        for number in early:
+            inner = call.args[number]
+            assert isinstance(inner, ast.Call)
+            given = [ast.unparse(inner.func), *map(ast.unparse, (*inner.args, *inner.keywords))]
+            ways.append(
+                f"{ast.unparse(call.func)}({', '.join([*texts[:number], *given, *texts[number + 1 :], *named])})"
+            )
         if good := first_that_stands(source, call, ways):
-            cause = f"The arguments of {ast.unparse(call.func)} are in the wrong order: it is given a value where it needs the function to call."
+            is_early = ways.index(good) >= len(ways) - len(early)
+            why = "the function is called right here" if is_early else "its arguments are in the wrong order"
+            cause = f"{ast.unparse(call.func)}() is given a value where it needs the function to call: {why}."
             yield Finding("argument-order", cause, source.at(call), f"write `{good}`")
             return
 

@@ -98,10 +98,30 @@ def lost_parameters(sources: NodeSources) -> Iterator[Finding]:
         for definition in definitions(source):
             if definition.lacks_self:
                 yield without_self(definition)
+            elif other := _by_another_name(definition):
+                yield other
             elif unbound_names(source, definition.function) and (
                 lost := lost_by(definition, [*calls_of(sources, definition)])
             ):
                 yield lost
+
+
+def _by_another_name(definition: Definition) -> Finding | None:
+    """Return the finding about the only parameter that a body does not use, as it uses another name; else None."""
+    function, source = definition.function, definition.source
+    names = unbound_names(source, function)
+    used = [n.id for n in walk(function) if isinstance(n, ast.Name)]
+    free = [p for p in parameters(function)[definition.owner is not None :] if p.arg not in used]
+    if len(names) != 1 or len(free) != 1 or function.args.defaults:
+        return None
+    name, old = names[0], free[0].arg
+    if used.count(name) == 1 and len(parameters(function)) > 1 + (definition.owner is not None):
+        return None  # it may be a slip in the body
+    changed = copy.deepcopy(function)
+    next(p for p in parameters(changed) if p.arg == old).arg = name
+    cause = f"{function.name}() uses {name}, but its parameter is called {old}."
+    right = Definition(source, changed, None).with_more([])
+    return Finding(CODE, cause, source.at(function), f"write `{right}`")
 
 
 def without_self(definition: Definition) -> Finding:

@@ -165,6 +165,8 @@ def _of_the_same(
 ) -> Iterator[Change]:
     """Yield members with similar names; for a call whose value is unused, those that return nothing."""
     before = ast.unparse(node.value)
+    if node.attr in known and any(row.rule == "missing-argument" for row in trial.objections):
+        return  # it is the right one, with an argument too few
     for name in difflib.get_close_matches(node.attr, {*known} - {node.attr}, n=3, cutoff=_ALIKE):
         yield Change(Edit(node, f"{before}.{name}"), _SLIP)
         yield Change(Edit(node, f"{before}.{name}()"), _FORM)
@@ -240,8 +242,10 @@ def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
             is_list = heads_of(parameter.type) <= LISTS
             text = given[-1] if parameter.takes(last) else as_list(last) if is_list else ""
             yield from [Change(written(*given[:-1], f"{parameter.name}={text}"), PLACE)] if text else []
+    calls_back = any(re.search(r"`\w*callback`|`target`", row.said) for row in trial.objections)
     for name in trial.names if "missing-argument" in rules else ():
-        if name != "args":  # what main is given
+        is_function = re.match(r"(?:bound method|def|\() ?", trial.kind(name)) is not None
+        if name != "args" and (is_function or not calls_back):  # args is what main is given
             yield Change(written(*given, name), PLACE, is_one_of_many=True)
     lacks = [row.said for row in trial.objections if row.rule == "missing-argument"]
     if function[:1].isupper() and len(lacks) == 1 and re.search(r"parameter `\w*name` of", lacks[0]):

@@ -33,6 +33,8 @@ _EXAMPLES = {
 }
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
+# What asks for, or sets, the attributes of an object by their names as strings.
+_BY_TEXT = frozenset(("getattr", "setattr", "hasattr", "delattr", "vars", "attrgetter", "methodcaller"))
 _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tuple", "bytes"))
 
 
@@ -131,8 +133,10 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     own = {name for inner in sources.lineage(owner)[0] for name in inner.methods}
     called = {id(node.func) for node in walk(owner.definition) if isinstance(node, ast.Call)}
     told: set[str] = set()
-    # A name that is also a string, as for hasattr(), need not exist.
-    asked = {getattr(n, "value", None) for n in walk(owner.definition) if isinstance(n, ast.Constant)}
+    # A name that is also a string need not exist where attributes are asked for by strings.
+    asks = any(isinstance(n, ast.Name) and n.id in _BY_TEXT for n in walk(owner.definition))
+    texts = [n.value for n in walk(owner.definition) if isinstance(n, ast.Constant)]
+    asked = set(map(str, texts)) if asks else set()
     taken = taken_attributes(owner)
     hiding = dict(hiding_methods(owner, properties))
     told |= set(hiding)
@@ -196,15 +200,22 @@ def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
             f"indent def {name} and its body like the other methods of {owner.definition.name}",
         )
     for local in owner.methods.values():
-        set_here = [
-            node.end_lineno or node.lineno
-            for node in own_nodes(local)
-            if isinstance(node, ast.stmt) and name in _assigned(node)
-        ]
+        set_here = [n for n in own_nodes(local) if isinstance(n, ast.stmt) and name in _assigned(n)]
         if set_here:
             cause = f": {local.name}() sets {name} without self."
-            return cause, f"write `self.{name} = {name}` below line {max(set_here)}, in {local.name}()"
+            if len(set_here) == 1 and not _is_read(local, name):
+                text = re.sub(rf"\b{name}\b", f"self.{name}", ast.unparse(set_here[0]), count=1)
+                return cause, f"write `{text}` on line {set_here[0].lineno}"
+            last = max(node.end_lineno or node.lineno for node in set_here)
+            return cause, f"write `self.{name} = {name}` below line {last}, in {local.name}()"
     return "", f"define {name}, or fix its spelling"
+
+
+def _is_read(function: Function, name: str) -> bool:
+    """Return whether a function, or one inside it, uses a name other than by assigning to it."""
+    return any(
+        isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Load) for n in walk(function)
+    )
 
 
 def _assigned(statement: ast.stmt) -> set[str]:
@@ -268,28 +279,73 @@ def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
             )
     missing = [name for name in CREATORS[creation.method] if name not in kinds]
     # One argument of the wrong kind may be just that; two are swapped, or one before them is missing.
-    if len(wrong) < 2 and not (
-        wrong == ["callback"] and missing == ["qos_profile"] and kinds["callback"] != "number"
+    if (
+        len(wrong) < 2
+        and not _is_displaced(creation, wanted, kinds, wrong)
+        and not (wrong == ["callback"] and missing == ["qos_profile"] and kinds["callback"] != "number")
     ):
         return None
     return Finding(
         "argument-order",
         f"The arguments of {creation.method} are in the wrong order, or one is missing: {' and '.join(wrong)} {'do' if len(wrong) > 1 else 'does'} not belong there.",
         creation.source.at(creation.call),
-        _in_order(creation, wanted, kinds) or f"write them in the order of {_EXAMPLES[creation.method]}",
+        _in_order(sources, creation, wanted, kinds)
+        or f"write them in the order of {_EXAMPLES[creation.method]}",
     )
 
 
-def _in_order(creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None]) -> str:
-    """Say how to write a call with its own arguments in order; empty if one of them fits nowhere."""
+def _is_displaced(
+    creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None], wrong: list[str]
+) -> bool:
+    """Return whether the place of the only misplaced argument is taken by one of no known kind."""
+    if len(wrong) != 1 or kinds[wrong[0]] is None:
+        return False
+    given = (creation.arguments or {})[wrong[0]]
+    is_type = interfaces.homes_of(str(getattr(given, "value", "")))  # only quotes too many
+    homes = [name for name in CREATORS[creation.method] if wanted[name] == kinds[wrong[0]]]
+    return not is_type and any(name in kinds and kinds[name] is None for name in homes)
+
+
+def _in_order(
+    sources: NodeSources, creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None]
+) -> str:
+    """Say how to write a call with its own arguments in order; empty if one of them fits nowhere.
+
+    What is missing comes from the other end of the topic.
+    """
     rest = dict(creation.arguments or {})
+    homes = {
+        name: [given for given in rest if kinds[given] == wanted[name]][:1]
+        for name in CREATORS[creation.method]
+    }
+    for given in [given for given in rest if kinds[given] is None]:
+        # What is of no known kind has the only place that is left.
+        free = [name for name, found in homes.items() if not found and name != "qos_profile"]
+        if len(free) == 1:
+            homes[free[0]] = [given]
     right = []
-    for name in CREATORS[creation.method]:
-        home = next((given for given in rest if kinds[given] == wanted[name]), None)
-        if home is None:
+    for name, found in homes.items():
+        text = ast.unparse(rest.pop(found[0])) if found else _of_other_end(sources, creation, name)
+        if not text:
             return ""
-        right.append(ast.unparse(rest.pop(home)))
+        right.append(text)
     return "" if rest else f"write `{ast.unparse(creation.call.func)}({', '.join(right)})`"
+
+
+def _of_other_end(sources: NodeSources, creation: Creation, name: str) -> str:
+    """Return the message type or the topic that the other end of a topic has; empty if several may be meant."""
+    if name not in ("msg_type", "topic"):
+        return ""
+    mine = {ast.unparse(value) for value in (creation.arguments or {}).values()}
+    others = [
+        c
+        for c in sources.creations
+        if c is not creation and {"msg_type", "topic"} <= (c.arguments or {}).keys()
+    ]
+    other = "topic" if name == "msg_type" else "msg_type"
+    fitting = [c.arguments or {} for c in others if ast.unparse((c.arguments or {})[other]) in mine]
+    found = {ast.unparse(arguments[name]) for arguments in fitting}
+    return found.pop() if len(found) == 1 else ""
 
 
 def _kind(sources: NodeSources, creation: Creation, value: ast.expr) -> str | None:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.joined_texts import joined
-from ros2lab.diagnose.sources.own_functions import unused_method
+from ros2lab.diagnose.sources.own_functions import unused_function
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import (
     ANYTHING,
@@ -55,7 +55,7 @@ def call_faults(
         ):
             continue
         right, wrong, fix, whole = _meant(source, node)
-        if fix and stands_trial and not stands_trial(source, node, whole):
+        if fix and whole and stands_trial and not stands_trial(source, node, whole):
             fix = ""
         signature, given = signature_of(source, node), {keyword.arg for keyword in node.keywords}
         words = set(re.findall(r"[a-z_]+", said.lower()))
@@ -77,6 +77,8 @@ def call_faults(
                 f"does not accept {', '.join(wrong)[:_LONGEST]} as written"
                 if wrong
                 else f"is missing {', '.join(right)}"
+                if right
+                else "has its arguments in the wrong order"
             )
             yield Finding("argument-type", f"{ast.unparse(node.func)} {what}.", source.at(node), fix)
         elif asked:
@@ -118,12 +120,20 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
         whole = filled(message, ast.Tuple(list(call.args)))
         return [], old, f"write `{whole}`", whole
     new = _arranged(signature, call)
-    meant = unused_method(source, call.lineno)
+    meant = unused_function(source, call.lineno)
     new = [text.replace("self.callback", meant) if text not in old and meant else text for text in new]
     whole = f"{name}({', '.join(new)})"
     right, wrong = [text for text in new if text not in old], [text for text in old if text not in new]
     if new == old:
         fix = ""
+    elif right == ["self.callback"] and not _has_callback(source):
+        # Nothing tells which function is meant.
+        return (
+            right,
+            wrong,
+            f"add the function that {name}() should call, without parentheses, as its callback",
+            "",
+        )
     elif len(whole) <= _LONGEST:
         fix = f"write `{whole}`"
     elif new[0].startswith("[") and call.args:
@@ -135,6 +145,12 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
     else:
         fix = f"add `{', '.join(right)}` inside its parentheses" if right else f"remove `{', '.join(wrong)}`"
     return right, wrong, fix, whole
+
+
+def _has_callback(source: PythonSource) -> bool:
+    return any(
+        isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef)) and n.name == "callback" for n in source.nodes
+    )
 
 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:

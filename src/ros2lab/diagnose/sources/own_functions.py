@@ -65,17 +65,24 @@ def _file_of(source: PythonSource, module: str) -> PythonSource | None:
     return None
 
 
-def unused_method(source: PythonSource, line: int) -> str:
-    """Return the only method, as `self.tick`, of the class around a line that nothing uses; else empty."""
-    around = [
-        n for n in source.nodes if isinstance(n, ast.ClassDef) and n.lineno <= line <= (n.end_lineno or 0)
-    ]
+def unused_function(source: PythonSource, line: int) -> str:
+    """Return the only function that a line may pass on and that nothing uses, as `self.tick` or `tick`; else empty.
+
+    The methods of the class around the line come first, then the functions beside it.
+    """
+    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    around = [n for n in source.nodes if isinstance(n, kinds) and n.lineno <= line <= (n.end_lineno or 0)]
     used = {getattr(node, "attr", getattr(node, "id", "")) for node in source.nodes}
-    methods = [n for n in (around[-1].body if around else ()) if isinstance(n, ast.FunctionDef)]
+    for scope in sorted(around, key=lambda node: not isinstance(node, ast.ClassDef)):
+        functions = [n for n in scope.body if isinstance(n, ast.FunctionDef) and not n.decorator_list]
+        free = [n.name for n in functions if n.name not in used and not n.name.startswith("__")]
+        if free:
+            before = "self." if isinstance(scope, ast.ClassDef) else ""
+            return f"{before}{free[0]}" if len(free) == 1 else ""
     free = [
-        n.name for n in methods if n.name not in used and not n.name.startswith("__") and not n.decorator_list
+        n.name for n in source.tree.body if isinstance(n, ast.FunctionDef) and n.name not in {*used, "main"}
     ]
-    return f"self.{free[0]}" if len(free) == 1 else ""
+    return free[0] if len(free) == 1 else ""
 
 
 def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.Constant] | None:
