@@ -72,11 +72,11 @@ def _begins_without_self(definition: Definition) -> bool:
 def _by_callers(definition: Definition, calls: Sequence[ast.Call], lacking: int) -> Finding | None:
     """Return the finding about a def that takes less than all its callers pass; None if only one does."""
     more = [call for call in calls if surplus(call, definition) == lacking]
-    if calls and not (len(more) == len(calls) > 1):
+    if not len(more) == len(calls) > 1:
         return None
-    names = named_by(more[0], lacking) if more else ["value", *(f"value_{n}" for n in range(2, lacking + 1))]
+    names = named_by(more[0], lacking)
     function, takes = definition.function, len(parameters(definition.function)) - bool(definition.owner)
-    who = f"each of its {len(calls)} callers passes" if calls else "whoever calls it passes"
+    who = f"each of its {len(calls)} callers passes"
     cause = (
         f"{function.name}() takes {takes or 'no'} argument{'s' * (takes != 1)}, but {who} {takes + lacking}."
     )

@@ -211,12 +211,14 @@ def named_by(call: ast.Call, number: int) -> list[str]:
 
 def _starred(function: Function, names: Sequence[str], known: ast.arg | None) -> str:
     given = [n.value for n in walk(function) if isinstance(n, ast.Starred) and known is None]
-    return next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
+    by_use = next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
+    return by_use or ("args" if "args" in names and known is None else "")
 
 
 def _double_starred(function: Function, names: Sequence[str]) -> str:
     given = [n.value for n in walk(function) if isinstance(n, ast.keyword) and n.arg is None]
-    return next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
+    by_use = next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
+    return by_use or ("kwargs" if "kwargs" in names else "")
 
 
 def _is_static(function: Function) -> bool:

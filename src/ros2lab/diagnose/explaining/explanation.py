@@ -144,7 +144,11 @@ def _of_what_was_said(
 ) -> list[Finding]:
     """Return what an error message means, what caused it elsewhere, or what the tool says itself."""
     found = _worded(error, [*known, *checked], look)
-    if look and not (found and found[0] in known) and (fitting := of_parameters(error, look)):
+    if (
+        look
+        and not (found and found[0] in known)
+        and (fitting := of_taken(error, look) or of_parameters(error, look))
+    ):
         return [fitting]
     told = _made_elsewhere(error, known, look) if look else None
     if told and not (found and found[0] in known and stops_build(found[0])):
