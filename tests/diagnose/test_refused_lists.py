@@ -45,7 +45,7 @@ WRONG = {
     "a number in a text": ("msg = Int32MultiArray()\n        msg.data = '3'", "msg.data = [3]"),
     "by its name": ("msg = JointState(name='elbow', position=[0.5])", "msg = JointState(name=['elbow'], position=[0.5])"),
     "whole numbers in a list": ("msg = JointState()\n        msg.position = [1, 2.5]", "msg.position = [1.0, 2.5]"),
-    "a list of the object": ("msg = JointState()\n        msg.position = self.steps", "msg.position = [float(one) for one in self.steps]"),
+    "a list of the object": ("msg = JointState()\n        msg.position = self.steps", "self.steps = [1.0, 2.0]"),
     "numbers as names": ("msg = JointState()\n        msg.name = [1, 2]", "msg.name = ['1', '2']"),
     "floats for whole numbers": ("msg = UInt8MultiArray()\n        msg.data = [1.0, 2.0]", "msg.data = [1, 2]"),
     "one message": ("msg = Marker()\n        msg.points = Point()", "msg.points = [Point()]"),
@@ -77,7 +77,8 @@ def test_what_is_told_is_taken(tmp_path: Path, lines: str, fix: str) -> None:
     finding, *_ = of_text(printed, tmp_path)
     assert fix in finding.fix, finding
     assert "179769" not in finding.cause
-    mended = "\n        ".join(
-        [*map(str.strip, lines.splitlines()[:-1]), finding.fix.removeprefix("write ").strip("`")]
-    )
-    assert run(tmp_path, ARM.replace("LINES", mended)) == ""
+    written = ARM.replace("LINES", lines).splitlines()
+    number = int(finding.place.rpartition(":")[2]) - 1
+    begin = written[number][: len(written[number]) - len(written[number].lstrip())]
+    written[number] = begin + finding.fix.removeprefix("write ").strip("`")
+    assert run(tmp_path, "\n".join(written)) == ""

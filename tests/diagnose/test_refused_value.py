@@ -64,7 +64,7 @@ BYTE = "The 'data' field must be an unsigned integer in [0, 255]"
     ("line", "message", "part", "fix"),
     [
         ("msg.linear.x = speed", FLOAT, "", "write 1.0 instead of 1"),
-        ("msg.linear.x, msg.angular.z = x, z", FLOAT, "", "write float(x) instead of x"),
+        ("msg.linear.x, msg.angular.z = x, z", FLOAT, "", "write `TABLE = {'stop': (0.0, 0)}`"),
         (
             "msg = Twist(linear=Vector3(x=speed), angular=Vector3(z=turn))",
             FLOAT,
@@ -75,7 +75,7 @@ BYTE = "The 'data' field must be an unsigned integer in [0, 255]"
             "msg.linear = Vector3(x=self.number)",
             FLOAT,
             "",
-            "write float(self.number) instead of self.number",
+            "write `self.number = 0.0`",
         ),
         (
             "self.count.publish(UInt8(data=self.number))",

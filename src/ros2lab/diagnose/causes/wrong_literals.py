@@ -49,6 +49,8 @@ def of_wrong_literal(
     if field is not None:
         path = (None,) if "sequence" in field[0] else ()
         found = [leaf for value in given for leaf in _wrong(sources, source, value, field["kind"], path)]
+        if field["kind"] == "float" and any(_counts(source, value) for value in given):
+            return None  # it is converted where it is sent
         what = f"The field {field['field']} holds {_in_words(field['kind'])}"
         return _told(found, field["kind"], what, spot) if found else None
     wanted = "number" if _OF_TEXT.search(message) else "int" if _WHOLE.search(message) else ""
@@ -56,6 +58,26 @@ def of_wrong_literal(
     pairs = [(value, path) for value in values for path in ((), (None,))]
     found = [leaf for value, path in pairs for leaf in _wrong(sources, source, value, wanted, path)]
     return _told(found, wanted, f"`{spot.text}` needs {_in_words(wanted)}", spot) if found else None
+
+
+def _counts(source: PythonSource, value: ast.expr) -> bool:
+    """Return whether a file also uses a value as an index or for range(), where only whole numbers fit."""
+    text = ast.unparse(value)
+    for node in source.nodes:
+        match node:
+            case ast.Subscript(slice=index):
+                parts = [index]
+            case ast.Call(func=ast.Name(id="range"), args=args):
+                parts = args
+            case _:
+                continue
+        if any(
+            isinstance(n, (ast.Name, ast.Attribute)) and ast.unparse(n) == text
+            for p in parts
+            for n in ast.walk(p)
+        ):
+            return True
+    return False
 
 
 def _sources_of(source: PythonSource, look: Look | None) -> NodeSources:
