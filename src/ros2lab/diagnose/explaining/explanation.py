@@ -378,8 +378,7 @@ def _meant(
     meaning: Meaning, line: str, error: ErrorText, known: list[Finding], look: Look | None
 ) -> list[Finding]:
     match = meaning.pattern.search(line)
-    assert match is not None
-    groups = match.groupdict(default="")
+    groups = match.groupdict(default="") if match else {}
     if asked := asked_for(meaning, groups, error, look):
         return [asked]
     near = {finding: _nearness(finding, error, line) for finding in known}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
 from ros2lab.diagnose.nodes.taken_names import hiding_methods, taken_attributes
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import meant_call
@@ -24,13 +25,6 @@ from ros2lab.diagnose.sources.python_source import Function, own_nodes, paramete
 from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.unbound_names import unbound_names
 
-_EXAMPLES = {
-    "create_publisher": "create_publisher(String, 'topic', 10)",
-    "create_subscription": "create_subscription(String, 'topic', self.callback, 10)",
-    "create_timer": "create_timer(1.0, self.callback)",
-    "create_service": "create_service(Trigger, 'name', self.callback)",
-    "create_client": "create_client(Trigger, 'name')",
-}
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
 # What asks for, or sets, the attributes of an object by their names as strings.
@@ -234,13 +228,13 @@ def _assigned(statement: ast.stmt) -> set[str]:
 def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     arguments, source = creation.arguments or {}, creation.source
     place = source.at(creation.call)
-    fix = meant_call(source, creation.call) or f"write {_EXAMPLES[creation.method]}"
+    fix = meant_call(source, creation.call) or f"write {EXAMPLES[creation.method]}"
     called = getattr(creation.call.func, "attr", creation.method)
     if "queue_size" in arguments:
         cause = "queue_size belongs to ROS 1; in ROS 2 the queue depth is the last argument."
         yield Finding("queue-size", cause, place, fix)
         return
-    if fault := _order_fault(sources, creation):
+    if fault := order_fault(sources, creation):
         yield fault
         return
     names = CREATORS[creation.method]
@@ -256,110 +250,6 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
     yield from _topic_fault(sources, creation)
     if "callback" in arguments:
         yield from _callback_fault(sources, creation, arguments["callback"])
-
-
-def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
-    """Return the finding for arguments in the wrong order, judging by their kinds; None if they fit."""
-    wanted = {"topic": "text", "srv_name": "text", "msg_type": "type", "srv_type": "type"}
-    wanted |= {"callback": "function", "qos_profile": "number", "timer_period_sec": "number"}
-    kinds = {name: _kind(sources, creation, value) for name, value in (creation.arguments or {}).items()}
-    wrong = [name for name, kind in kinds.items() if kind and name in wanted and kind != wanted[name]]
-    for value in (creation.arguments or {}).values():
-        inner = value
-        while isinstance(inner, ast.Attribute):
-            inner = inner.value
-        if isinstance(inner, ast.Constant) and isinstance(inner.value, (int, float)) and inner is not value:
-            text = ast.unparse(value)
-            number = ast.unparse(inner)
-            return Finding(
-                "dot-for-comma",
-                f"In `{text}` there is a dot where a comma should be.",
-                creation.source.at(value),
-                f"write {number}, {text.removeprefix(number).removeprefix('.')}",
-            )
-    missing = [name for name in CREATORS[creation.method] if name not in kinds]
-    # One argument of the wrong kind may be just that; two are swapped, or one before them is missing.
-    if (
-        len(wrong) < 2
-        and not _is_displaced(creation, wanted, kinds, wrong)
-        and not (wrong == ["callback"] and missing == ["qos_profile"] and kinds["callback"] != "number")
-    ):
-        return None
-    return Finding(
-        "argument-order",
-        f"The arguments of {creation.method} are in the wrong order, or one is missing: {' and '.join(wrong)} {'do' if len(wrong) > 1 else 'does'} not belong there.",
-        creation.source.at(creation.call),
-        _in_order(sources, creation, wanted, kinds)
-        or f"write them in the order of {_EXAMPLES[creation.method]}",
-    )
-
-
-def _is_displaced(
-    creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None], wrong: list[str]
-) -> bool:
-    """Return whether the place of the only misplaced argument is taken by one of no known kind."""
-    if len(wrong) != 1 or kinds[wrong[0]] is None:
-        return False
-    given = (creation.arguments or {})[wrong[0]]
-    is_type = interfaces.homes_of(str(getattr(given, "value", "")))  # only quotes too many
-    homes = [name for name in CREATORS[creation.method] if wanted[name] == kinds[wrong[0]]]
-    return not is_type and any(name in kinds and kinds[name] is None for name in homes)
-
-
-def _in_order(
-    sources: NodeSources, creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None]
-) -> str:
-    """Say how to write a call with its own arguments in order; empty if one of them fits nowhere.
-
-    What is missing comes from the other end of the topic.
-    """
-    rest = dict(creation.arguments or {})
-    homes = {
-        name: [given for given in rest if kinds[given] == wanted[name]][:1]
-        for name in CREATORS[creation.method]
-    }
-    for given in [given for given in rest if kinds[given] is None]:
-        # What is of no known kind has the only place that is left.
-        free = [name for name, found in homes.items() if not found and name != "qos_profile"]
-        if len(free) == 1:
-            homes[free[0]] = [given]
-    right = []
-    for name, found in homes.items():
-        text = ast.unparse(rest.pop(found[0])) if found else _of_other_end(sources, creation, name)
-        if not text:
-            return ""
-        right.append(text)
-    return "" if rest else f"write `{ast.unparse(creation.call.func)}({', '.join(right)})`"
-
-
-def _of_other_end(sources: NodeSources, creation: Creation, name: str) -> str:
-    """Return the message type or the topic that the other end of a topic has; empty if several may be meant."""
-    if name not in ("msg_type", "topic"):
-        return ""
-    mine = {ast.unparse(value) for value in (creation.arguments or {}).values()}
-    others = [
-        c
-        for c in sources.creations
-        if c is not creation and {"msg_type", "topic"} <= (c.arguments or {}).keys()
-    ]
-    other = "topic" if name == "msg_type" else "msg_type"
-    fitting = [c.arguments or {} for c in others if ast.unparse((c.arguments or {})[other]) in mine]
-    found = {ast.unparse(arguments[name]) for arguments in fitting}
-    return found.pop() if len(found) == 1 else ""
-
-
-def _kind(sources: NodeSources, creation: Creation, value: ast.expr) -> str | None:
-    known = sources.value(creation.source, value)
-    if isinstance(known, str):
-        return "text"
-    if isinstance(known, (int, float)) and not isinstance(known, bool):
-        return "number"
-    name = sources.resolve(creation.source, value)
-    if interfaces.is_interface(name):
-        return "type"
-    if isinstance(value, ast.Lambda) or sources.function_of(creation, value) is not None:
-        return "function"
-    return None
 
 
 def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
