@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
 from ros2lab.diagnose.sources.spelling import snake_case
@@ -109,7 +110,7 @@ def lost_parameters(sources: NodeSources) -> Iterator[Finding]:
 def _by_another_name(definition: Definition) -> Finding | None:
     """Return the finding about the only parameter that a body does not use, as it uses another name; else None."""
     function, source = definition.function, definition.source
-    names = unbound_names(source, function)
+    names = [name for name in unbound_names(source, function) if name not in _of_self(definition)]
     used = [n.id for n in walk(function) if isinstance(n, ast.Name)]
     free = [p for p in parameters(function)[definition.owner is not None :] if p.arg not in used]
     if len(names) != 1 or len(free) != 1 or function.args.defaults:
@@ -140,7 +141,7 @@ def lost_by(definition: Definition, calls: Sequence[ast.Call], lacking: int = 0)
         lacking: how many arguments more than it takes it is given, as Python says; 0 if only the calls tell.
     """
     function = definition.function
-    names = unbound_names(definition.source, function)
+    names = [n for n in unbound_names(definition.source, function) if n not in _of_self(definition)]
     stars = _starred(function, names, function.args.vararg), _double_starred(function, names)
     plain = [name for name in names if name not in stars]
     if not names or function.args.vararg:
@@ -156,6 +157,17 @@ def lost_by(definition: Definition, calls: Sequence[ast.Call], lacking: int = 0)
     )
     fix = f"write `{definition.with_more(plain, stars)}`"
     return Finding(CODE, cause, definition.source.at(function), fix)
+
+
+def _of_self(definition: Definition) -> set[str]:
+    """Return the names that lack self and a dot, rather than a parameter."""
+    if definition.owner is None:
+        return set()
+    own = {n.attr for n in walk(definition.owner) if isinstance(n, ast.Attribute) and _is_self(n.value)}
+    own |= {n.name for n in definition.owner.body if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))}
+    # What the constructor keeps under the same name is a parameter: self.queue = queue.
+    kept = {ast.unparse(n.value) for n in walk(definition.function) if isinstance(n, ast.Assign)}
+    return (own - kept) | members_of("rclpy.node", "Node")[0]
 
 
 def surplus(call: ast.Call, definition: Definition) -> int:
