@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
 from ros2lab.diagnose.sources.spelling import snake_case
@@ -160,14 +159,14 @@ def lost_by(definition: Definition, calls: Sequence[ast.Call], lacking: int = 0)
 
 
 def _of_self(definition: Definition) -> set[str]:
-    """Return the names that lack self and a dot, rather than a parameter."""
-    if definition.owner is None:
-        return set()
-    own = {n.attr for n in walk(definition.owner) if isinstance(n, ast.Attribute) and _is_self(n.value)}
-    own |= {n.name for n in definition.owner.body if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))}
-    # What the constructor keeps under the same name is a parameter: self.queue = queue.
-    kept = {ast.unparse(n.value) for n in walk(definition.function) if isinstance(n, ast.Assign)}
-    return (own - kept) | members_of("rclpy.node", "Node")[0]
+    """Return the names that a method only calls: they lack self and a dot, or a definition, rather than a parameter."""
+    is_method = [parameter.arg for parameter in parameters(definition.function)[:1]] == ["self"]
+    nodes = [*walk(definition.function)] if is_method else []
+    called = {
+        id(n.func): n.func.id for n in nodes if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)
+    }
+    others = {n.id for n in nodes if isinstance(n, ast.Name) and id(n) not in called}
+    return {*called.values()} - others
 
 
 def surplus(call: ast.Call, definition: Definition) -> int:
