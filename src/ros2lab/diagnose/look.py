@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ros2lab import course
 from ros2lab.diagnose.code.argument_names import argument_name_faults
+from ros2lab.diagnose.code.bare_imports import bare_imports
 from ros2lab.diagnose.code.changed_loops import changed_loops
 from ros2lab.diagnose.code.defined_once import defined_once
 from ros2lab.diagnose.code.expression_faults import expression_faults
@@ -125,6 +126,7 @@ class Look:
                 yield from _each_once(guarded(manifest_faults, package, by_name, plain))
             yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
             yield from source_faults(self.sources(package), _mains(package))
+            yield from guarded(bare_imports, package, self.sources(package))
             yield from guarded(self._shadowed, package)
             of_files = guarded(self._file_faults, package)
             yield from (finding for finding in of_files if (finding.code, finding.place) not in told)

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
+from ros2lab.diagnose.code.bare_imports import bare_sibling
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
@@ -99,10 +100,8 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             )
         elif imported.is_from and top in own_modules and top not in interfaces.PACKAGES:
             yield from _own_module(source, imported, own_modules)
-        elif whole := _bare_sibling(source, imported, own_modules):
-            yield bare_import(
-                whole, whole.removeprefix(f"{source.name.rpartition('.')[0]}."), source.at(imported.line)
-            )
+        elif bare_sibling(source, imported, own_modules):
+            continue  # whether Python finds it depends on how the file is started
         elif top not in own_modules and (wanted := interfaces.meant(top) or _own_package(top, own_modules)):
             yield Finding(
                 "module-missing",
@@ -121,27 +120,6 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             )
             continue
         yield _undefined(source, name, node)
-
-
-def _bare_sibling(source: PythonSource, imported: Import, own_modules: Collection[str]) -> str:
-    """Return the full name of a sibling module that is imported without its package; empty if none is."""
-    module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
-    package = source.name.rpartition(".")[0]
-    whole, top = f"{package}.{module}", module.partition(".")[0]
-    is_elsewhere = top in own_modules or top in sys.stdlib_module_names or interfaces.is_installed(top)
-    # A file outside any package is run as a script or by pytest, which both find its neighbours.
-    is_packaged = package in own_modules and "test" not in package.split(".")
-    return whole if module and is_packaged and whole in own_modules and not is_elsewhere else ""
-
-
-def bare_import(whole: str, name: str, place: str) -> Finding:
-    """Say that a module of a package is imported without the package's name."""
-    return Finding(
-        "import-wrong",
-        f"{name} is a module of the package {whole.removesuffix(f'.{name}')} and must be imported by its full name.",
-        place,
-        f"write {whole} instead of {name} there, and build again",
-    )
 
 
 def _own_package(name: str, own_modules: Collection[str]) -> str | None:

@@ -7,7 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ros2lab.diagnose.code.imports import bare_import, names_of
+from ros2lab.diagnose.code.bare_imports import bare_import
+from ros2lab.diagnose.code.imports import names_of
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.explaining.unbuilt import not_yet_built
 from ros2lab.diagnose.finding import Finding, at, stops_build
