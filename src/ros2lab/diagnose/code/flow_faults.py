@@ -14,7 +14,6 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 from ros2lab.diagnose.sources.static_value import dotted
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
-_ENDS = frozenset(("shutdown", "try_shutdown", "destroy_node"))
 _CREATES = (
     "create_publisher",
     "create_subscription",
@@ -76,7 +75,12 @@ def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     """Yield timers whose period is zero or negative, or probably in milliseconds."""
     given = sources.written(creation.source, (creation.arguments or {}).get("timer_period_sec"))
     period = sources.value(creation.source, given)
-    if given is not None and isinstance(period, (int, float)) and period <= 0:
+    if (
+        given is not None
+        and isinstance(period, (int, float))
+        and period <= 0
+        and not _runs_once(sources, creation)
+    ):
         text = ast.unparse(given)
         is_cut = "//" in text
         why = " (// divides without a remainder)" if is_cut else ""
@@ -91,6 +95,15 @@ def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
         cause = f"This timer calls its callback every {period:g} s, because a period is given in seconds."
         fix = f"write {period / 1000:g}, if milliseconds were meant"
         yield Finding("period", cause, creation.source.at(creation.call), fix)
+
+
+def _runs_once(sources: NodeSources, creation: Creation) -> bool:
+    """Return whether a timer's callback may stop the timer, so that it runs only once, as soon as possible."""
+    function = sources.function_of(creation, (creation.arguments or {}).get("callback"))
+    nodes = walk(function) if function else ()
+    called = {(dotted(node.func) or "").rpartition(".")[2] for node in nodes if isinstance(node, ast.Call)}
+    stops = {"cancel", "destroy_timer", "shutdown", "try_shutdown", "exit"}
+    return function is None or bool(called & stops) or any(isinstance(node, ast.Raise) for node in nodes)
 
 
 def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
@@ -212,22 +225,22 @@ def _takes_all(before: ast.expr, after: ast.expr) -> bool:
 
 def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:
     """Yield calls that end a node before it spins, and calls that create something only after the spin."""
-    names = [_called(source, statement) for statement in block]
-    spins = [number for number, name in enumerate(names) if _goes_on(name)]
-    if not spins:
+    calls = [_call_of(source, statement) for statement in block]
+    names = [source.resolve(call.func) or ast.unparse(call.func) if call else "" for call in calls]
+    first = next((number for number, name in enumerate(names) if _goes_on(name)), None)
+    spin = calls[first] if first is not None else None
+    if first is None or spin is None:
         return
-    first = spins[0]
-    for number, name in enumerate(names):
-        last = name.rpartition(".")[2]
-        if number < first and last in _ENDS and "rclpy.init" not in names[number:first]:
+    for number, (name, call) in enumerate(zip(names, calls, strict=True)):
+        between = block[number + 1 : first]
+        if number < first and call and _ends_what_spins(source, call, spin, calls[:first], between):
             yield Finding(
                 "life-order",
                 f"`{ast.unparse(block[number])}` comes before the spin, which then has nothing left to spin.",
                 source.at(block[number]),
                 "move it after rclpy.spin(node), to the end of main",
             )
-        made = last in _CREATES or (isinstance(block[number], ast.Assign) and last in _CREATES)
-        if number > first and made:
+        if number > first and name.rpartition(".")[2] in _CREATES and "rclpy.init" not in names[first:number]:
             yield Finding(
                 "life-order",
                 f"`{ast.unparse(block[number])}` comes after the spin, which runs until Ctrl-C, so it is not reached before then.",
@@ -241,14 +254,41 @@ def _goes_on(name: str) -> bool:
     return name == "rclpy.spin" or name.endswith("executor.spin")
 
 
-def _called(source: PythonSource, statement: ast.stmt) -> str:
+def _ends_what_spins(
+    source: PythonSource,
+    call: ast.Call,
+    spin: ast.Call,
+    before: list[ast.Call | None],
+    between: list[ast.stmt],
+) -> bool:
+    """Return whether a call ends rclpy, or just the node or the executor that a later call spins."""
+    owner, _, method = ast.unparse(call.func).rpartition(".")
+    inner = [node for statement in between for node in walk(statement)]
+    if source.resolve(call.func) in ("rclpy.shutdown", "rclpy.try_shutdown"):
+        made = {source.resolve(node.func) for node in inner if isinstance(node, ast.Call)}
+        return "rclpy.init" not in made
+    executor = ast.unparse(spin.func).removesuffix(".spin")
+    given = [spin, *(c for c in before if c and ast.unparse(c.func) == f"{executor}.add_node")]
+    nodes = {ast.unparse(inner.args[0]) for inner in given if inner.args}
+    ended = {"destroy_node": nodes, "shutdown": {executor}}.get(method, set())
+    stored = {
+        ast.unparse(node)
+        for node in inner
+        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
+    }
+    return owner in ended and owner not in stored
+
+
+def _call_of(source: PythonSource, statement: ast.stmt) -> ast.Call | None:
+    """Return the call that a statement makes: in a `try` or a `with` the one that runs until Ctrl-C."""
     if isinstance(statement, (ast.Try, ast.With)):
-        inner = [_called(source, inner_statement) for inner_statement in statement.body]
-        return next(filter(_goes_on, inner), "")
+        calls = filter(None, (_call_of(source, inner) for inner in statement.body))
+        return next(
+            (call for call in calls if _goes_on(source.resolve(call.func) or ast.unparse(call.func))), None
+        )
     value = getattr(statement, "value", None)
-    if not isinstance(statement, (ast.Expr, ast.Assign)) or not isinstance(value, ast.Call):
-        return ""
-    return source.resolve(value.func) or ast.unparse(value.func)
+    is_asked = isinstance(statement, (ast.Expr, ast.Assign)) and isinstance(value, ast.Call)
+    return value if is_asked else None
 
 
 def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:

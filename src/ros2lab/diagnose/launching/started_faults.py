@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.nodes.parameter_faults import is_for, sections_of
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
@@ -173,13 +175,10 @@ def started_faults(
 def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield a name given to a program that makes several nodes, all of which get that name."""
     for node in nodes:
-        source = node.sources.sources[node.module]
-        made = [
-            ast.unparse(call.func)
-            for owner, function, call in node.sources.scoped(source)
-            if isinstance(call, ast.Call) and owner is None and function and function.name == node.function
-            if _is_node(node.sources, source, call)
-        ]
+        _, function = node.sources.functions.get(f"{node.module}.{node.function}", (None, None))
+        is_node = functools.partial(_is_node, node.sources, node.sources.sources[node.module])
+        calls = calls_in_one_run(function, is_node) if function else []
+        made = [ast.unparse(call.func) for call in calls]
         name = node.launched.name
         if isinstance(name, str) and len(made) > 1:
             cause = f"The launch file names {node.launched.executable} {name!r}, but that program makes {len(made)} nodes ({', '.join(made)}): name= renames every one of them, so they all have the same name."

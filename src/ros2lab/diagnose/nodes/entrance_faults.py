@@ -172,20 +172,34 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
 
 
 def _rests(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a loop that spins once and sleeps in each round, so that only one callback a round is called."""
-    turns = [turn for turn in entrance.calls if turn.name == "rclpy.spin_once" and turn.is_repeated]
-    for turn in turns:
-        for call in entrance.calls:
-            length = entrance.sources.value(call.source, call.call.args[0]) if call.call.args else None
-            is_sleep = call.name == "time.sleep" and call.is_repeated and call.function is turn.function
-            if is_sleep and isinstance(length, (int, float)) and length >= _SHORT_REST:
+    """Yield an endless loop that spins once and sleeps in each round, so that only one callback a round is called."""
+    turns = {id(turn.call): turn for turn in entrance.calls if turn.name == "rclpy.spin_once"}
+    for loop in (node for function in entrance.functions for node in own_nodes(function)):
+        inside = [turns[id(node)] for node in walk(loop) if id(node) in turns]
+        if not isinstance(loop, ast.While) or not inside or not _is_endless(loop, inside[0].source):
+            continue
+        turn = inside[0]
+        for statement in loop.body:
+            call = statement.value if isinstance(statement, ast.Expr) else None
+            is_sleep = isinstance(call, ast.Call) and turn.source.resolve(call.func) == "time.sleep"
+            length = entrance.sources.value(turn.source, call.args[0]) if is_sleep and call.args else None
+            if isinstance(length, (int, float)) and length >= _SHORT_REST:
                 given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
                 yield Finding(
                     "callback-waits",
                     f"spin_once() calls one callback, and then this loop sleeps for {length:g} s, so callbacks run only that often and messages pile up.",
-                    call.source.at(call.call),
+                    turn.source.at(statement),
                     f"write rclpy.spin({given}) instead of the loop, and move the loop's other work into a timer callback",
                 )
+
+
+def _is_endless(loop: ast.While, source: PythonSource) -> bool:
+    """Return whether only Ctrl-C ends a loop."""
+    is_ok = isinstance(loop.test, ast.Call) and source.resolve(loop.test.func) == "rclpy.ok"
+    is_constant = isinstance(loop.test, ast.Constant) and bool(loop.test.value)
+    by_error = {id(n) for h in walk(loop) if isinstance(h, ast.ExceptHandler) for n in walk(h)}
+    ends = (node for node in own_nodes(loop) if isinstance(node, (ast.Break, ast.Return, ast.Raise)))
+    return (is_ok or is_constant) and all(id(node) in by_error for node in ends)
 
 
 def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
@@ -248,10 +262,13 @@ def _left_out(entrance: Entrance) -> Iterator[Finding]:
                 for creation in entrance.sources.creations
             ):
                 loads = [n for n in walk(spin.function) if isinstance(n, ast.Name) and n.id == name]
+                # One that is destroyed before the spin is meant to be gone by then.
                 destroyed = {
                     id(n.value)
                     for n in walk(spin.function)
-                    if isinstance(n, ast.Attribute) and n.attr == "destroy_node"
+                    if isinstance(n, ast.Attribute)
+                    and n.attr == "destroy_node"
+                    and n.lineno > spin.call.lineno
                 }
                 if not any(isinstance(n.ctx, ast.Load) and id(n) not in destroyed for n in loads):
                     cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(spin.call.args[0])}."
