@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import yaml
 
 from ros2lab.diagnose.checking.checked_copies import Row, checked
+from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted
 from ros2lab.diagnose.checking.parameter_types import parameter_casts
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Edit, message_annotations
 from ros2lab.diagnose.finding import Finding
@@ -107,7 +108,15 @@ def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
     ]
     rows: list[Row] = checked(source, [_edited(known, revealing).text.encode()])[0]
     kinds = [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
-    return kinds if len(kinds) == len(asked) else []
+    denied = contradicted(known, ((row.line, row.said) for row in rows))
+    return (
+        [
+            "Unknown" if is_contradicted(known, comparison.node.lineno, denied) else kind
+            for comparison, kind in zip(asked, kinds, strict=True)
+        ]
+        if len(kinds) == len(asked)
+        else []
+    )
 
 
 def _edited(source: PythonSource, edits: Sequence[Edit]) -> PythonSource:

@@ -16,6 +16,7 @@ from ros2lab.diagnose.checking.call_forms import (
     rewritten,
 )
 from ros2lab.diagnose.checking.checked_copies import RULES, checked, first_that_stands, said_of
+from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted, is_doubtful
 from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
@@ -60,6 +61,10 @@ def type_faults(
     }
     owners = {s: look.sources(p) for p in look.packages for s in p.sources.values()}
     rows = said_of([*sources, *_launch_files(look)])
+    objections: dict[str, list[tuple[int, str]]] = {}
+    for row in rows:
+        objections.setdefault(f"/{row['file']}", []).append((int(row["line"]), row["said"]))
+    denied = {path: contradicted(sources[path], said) for path, said in objections.items() if path in sources}
     for row in sorted(rows, key=lambda row: -types_named(row["said"], message)):
         said = re.search(RULES[row["rule"]], row["said"]) if row["rule"] in RULES else None
         source = sources.get(f"/{row['file']}")
@@ -73,7 +78,11 @@ def type_faults(
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
         is_sure = _is_sure(groups) and _may_not_fail(source, int(row["line"]), groups)
-        if place not in lines and not is_sure:
+        if place not in lines and not (
+            is_sure
+            and (source is None or not is_contradicted(source, int(row["line"]), denied[str(source.path)]))
+            and (source not in owners or not is_doubtful(row, said, source, owners[source]))
+        ):
             continue
         told.add(place)
         source = source or read_source(Path("/", row["file"]), Path(row["file"]).stem, shown)

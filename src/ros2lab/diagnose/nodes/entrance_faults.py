@@ -181,8 +181,9 @@ def _rests(entrance: Entrance) -> Iterator[Finding]:
         turn = inside[0]
         for statement in loop.body:
             call = statement.value if isinstance(statement, ast.Expr) else None
-            is_sleep = isinstance(call, ast.Call) and turn.source.resolve(call.func) == "time.sleep"
-            length = entrance.sources.value(turn.source, call.args[0]) if is_sleep and call.args else None
+            if not isinstance(call, ast.Call) or turn.source.resolve(call.func) != "time.sleep":
+                continue
+            length = entrance.sources.value(turn.source, call.args[0]) if call.args else None
             if isinstance(length, (int, float)) and length >= _SHORT_REST:
                 given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
                 yield Finding(

@@ -173,7 +173,8 @@ class Scope:
             parameter = next((argument for argument in arguments if argument.arg == node.id), None)
             if parameter is not None:
                 known = self.kinds.received.get(id(parameter)) or self.source.resolve(parameter.annotation)
-                return known if interfaces.is_interface(known) and not assigned else None
+                is_sure = interfaces.is_interface(known) and not assigned
+                return known if is_sure and not _asks_for_type(self.function, node.id) else None
             if assigned:
                 return _agreed([self.kind(value) for value in assigned])
         if node.id in self.source.constants:
@@ -189,6 +190,23 @@ class Scope:
     def _class_kind(self, node: ast.expr) -> Kind:
         name = self.source.resolve(node)
         return f"{CLASS}{name}" if interfaces.is_interface(name) else None
+
+
+def _asks_for_type(function: Function, name: str) -> bool:
+    """Return whether a function finds out itself what a variable holds, as with isinstance()."""
+    for node in own_nodes(function):
+        match node:
+            case ast.Call(
+                func=ast.Name(id="isinstance" | "hasattr" | "getattr" | "type"), args=[ast.Name(id=asked), *_]
+            ):
+                pass
+            case ast.Match(subject=ast.Name(id=asked)):
+                pass
+            case _:
+                continue
+        if asked == name:
+            return True
+    return False
 
 
 def field_kind(field: str | None) -> Kind:

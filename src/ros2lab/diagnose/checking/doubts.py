@@ -1,0 +1,134 @@
+"""Objections of the type checker that do not show that a line fails, because Python itself does not check types."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Collection, Iterable
+
+from ros2lab.diagnose.checking.call_forms import argument_at, call_at
+from ros2lab.diagnose.checking.checked_copies import RULES, checked
+from ros2lab.diagnose.checking.trials import Edit, type_of
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters
+
+_CONTRADICTS = re.compile(r"Object of type `(?!None`).+` is not assignable to ")
+
+
+def is_doubtful(row: re.Match[str], said: re.Match[str], source: PythonSource, own: NodeSources) -> bool:
+    """Return whether a line may be right although the type checker objects to it.
+
+    Args:
+        row: the line of the type checker's output.
+        said: what it says, as the pattern of its rule reads it.
+        source: the file.
+        own: the files of its package.
+    """
+    line, column = int(row["line"]), int(row["column"]) - 1
+    match row["rule"]:
+        case "missing-attribute" if said[0].startswith("Module"):
+            return _is_of_others(said["owner"], own)
+        case "not-callable":
+            calls = [n for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
+            called = [call.func for call in calls if call.col_offset == column]
+            # Of a union it names only the type that cannot be called.
+            is_whole = any(type_of(source, function) == said["owner"] for function in called)
+            return not is_whole or _uses_unnamed_self(source, line)
+        case "invalid-argument-type":
+            return _is_only_annotated(row, said, Spot(source, line), own)
+    return _uses_unnamed_self(source, line)
+
+
+def _is_of_others(module: str, own: NodeSources) -> bool:
+    """Return whether a module's members differ from version to version, or are only known when it runs."""
+    top = module.partition(".")[0]
+    return top not in interfaces.PACKAGES | sys.stdlib_module_names and module not in own.sources
+
+
+def _uses_unnamed_self(source: PythonSource, line: int) -> bool:
+    """Return whether a line uses the first parameter of a function in a class that is not called self, as in a decorator."""
+    owners = (node for node in source.nodes if isinstance(node, ast.ClassDef))
+    around = (node for owner in owners for node in owner.body if isinstance(node, Function))
+    around = (node for node in around if node.lineno < line <= (node.end_lineno or 0))
+    first = {parameter.arg for node in around for parameter in parameters(node)[:1]} - {"self", "cls"}
+    names = (node for node in source.nodes if isinstance(node, ast.Name) and node.lineno == line)
+    return any(node.id in first for node in names)
+
+
+def _is_only_annotated(row: re.Match[str], said: re.Match[str], spot: Spot, own: NodeSources) -> bool:
+    """Return whether only the annotation of one of the package's own functions rejects an argument, and its body does not."""
+    call = call_at(spot, int(row["column"]) - 1, row["rule"])
+    value = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
+    home, function = _own_function(said["owner"], own)
+    if call is None or value is None or function is None or home is None:
+        return home is not None
+    names = [parameter.arg for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
+    by_name = {keyword.value: keyword.arg for keyword in call.keywords}
+    number = call.args.index(value) if value in call.args else len(names)
+    name = by_name.get(value) or (names[number] if number < len(names) else "")
+    every = [*parameters(function), *function.args.kwonlyargs]
+    written = next((p.annotation for p in every if p.arg == name and p.annotation), None)
+    kind = _plain_type(said["given"])
+    if written is None or not kind or home.path is None:
+        return True
+    lines = Edit(written, kind).applied(home.text.encode().splitlines(keepends=True))
+    before, after = checked(home, [home.text.encode(), b"".join(lines)])
+    objections = {(row.line, row.said) for row in after if row.rule in RULES} - {
+        (row.line, row.said) for row in before
+    }
+    return all(f"`{said['owner']}`" in text for _, text in objections)
+
+
+def _own_function(called: str, own: NodeSources) -> tuple[PythonSource | None, Function | None]:
+    """Return the file and the definition of one of the package's own functions; no definition for a class of fields."""
+    *_, owner, name = ["", *called.split(".")]
+    for source in own.sources.values():
+        for node in source.nodes:
+            if isinstance(node, Function) and node.name == called:
+                return source, node
+            if isinstance(node, ast.ClassDef) and node.name == owner:
+                methods = {inner.name: inner for inner in node.body if isinstance(inner, Function)}
+                has_fields = any(isinstance(inner, ast.AnnAssign) for inner in node.body)
+                if name in methods or (has_fields and name in ("__init__", "__new__")):
+                    return source, methods.get(name)
+    return None, None
+
+
+def _plain_type(kind: str) -> str:
+    """Return the name of a plain type, also for a value such as `Literal[3]`; empty for another type."""
+    value = re.fullmatch(r"Literal\[(.+)\]", kind)
+    try:
+        return type(ast.literal_eval(value[1])).__name__ if value else kind if kind.isidentifier() else ""
+    except (ValueError, SyntaxError):
+        return ""
+
+
+def contradicted(source: PythonSource, said: Iterable[tuple[int, str]]) -> set[tuple[str, str]]:
+    """Return the names whose annotations the code itself contradicts, each with the function in which it does.
+
+    Args:
+        source: the file.
+        said: lines, and what the type checker says about them.
+    """
+    lines = {line for line, text in said if _CONTRADICTS.match(text)}
+    return {
+        _placed(source, node)
+        for node in source.nodes
+        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
+        if node.lineno in lines
+    }
+
+
+def is_contradicted(source: PythonSource, line: int, names: Collection[tuple[str, str]]) -> bool:
+    """Return whether a line uses one of the names whose annotations are contradicted."""
+    used = (node for node in source.nodes if isinstance(node, (ast.Name, ast.Attribute)))
+    return bool(names) and any(_placed(source, node) in names for node in used if node.lineno == line)
+
+
+def _placed(source: PythonSource, node: ast.Name | ast.Attribute) -> tuple[str, str]:
+    """Return the name of the function around a variable, and its own; an attribute is known in every function."""
+    function = Spot(source, node.lineno).function if isinstance(node, ast.Name) else None
+    return function.name if function else "", ast.unparse(node)
