@@ -18,6 +18,7 @@ from typing import Any
 from ros2lab.diagnose.finding import SAID, Finding, at
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.sources.interfaces import launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_source, read_text
@@ -133,7 +134,14 @@ def _joined(
         return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
     if told["error"] or told["faults"]:
         refusal = (told["error"] or {}).get("message", "")
-        return replace(file, faults=tuple(_refusals(path, file, told)), refusal=refusal)
+        if absent := re.match(r"\W*package '[^']+' not found, searching", refusal):
+            lacking = {"lacks": absent[0], "line": told["error"]["line"]}
+            return replace(file, lacks=tuple(_lacking(path, file, lacking, packages)))
+        source = read_source(path, path.stem, file.shown)
+        paths = [other for package in packages for other in package.launch_files]
+        lost = lost_argument(refusal, path, source, paths)
+        faults = tuple(_refusals(path, file, told) if lost is None else lost)
+        return replace(file, faults=faults, refusal=refusal)
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
     faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
     faults += (*_from_here(path, file, told["nodes"], packages),)

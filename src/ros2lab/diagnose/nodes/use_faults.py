@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.code.expression_faults import chain_faults, keys_twice
@@ -11,8 +12,9 @@ from ros2lab.diagnose.code.shared_objects import shared_objects
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.state_faults import state_faults
-from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
+from ros2lab.diagnose.sources.spelling import snake_case
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses, named
 
@@ -175,7 +177,7 @@ def _parameters_unread(uses: Uses) -> Iterator[Finding]:
                 or _is_kept(function, node)
             ):
                 continue
-            field = _filled_with(owner, node.args[1] if len(node.args) > 1 else None)
+            field = _filled_with(owner, str(name), node.args[1] if len(node.args) > 1 else None)
             if field is None:
                 continue  # it may be read from outside
             cause = f"The parameter {name!r} is declared but never read, so setting it changes nothing."
@@ -191,14 +193,37 @@ def _is_kept(function: Function | None, call: ast.Call) -> bool:
     return id(call) not in statements
 
 
-def _filled_with(owner: NodeClass, default: ast.expr | None) -> ast.Assign | None:
-    """Return the only assignment of a parameter's default to an attribute; None if there is not just one."""
-    found = [
-        node
+def _filled_with(owner: NodeClass, name: str, default: ast.expr | None) -> ast.Assign | None:
+    """Return the only assignment of a parameter's default to what the parameter is meant for; None if it is not sure.
+
+    An attribute of self has a word of its name and is set nowhere else, as a counter is; for a field of a message,
+    the default must be more than 0, 1, or an empty string, which are written for anything.
+    """
+    if not isinstance(default, ast.Constant):
+        return None
+    pairs = [
+        (node, node.targets[0])
         for node in walk(owner.definition)
         if isinstance(node, ast.Assign)
-        and default is not None
         and isinstance(node.targets[0], ast.Attribute)
         and ast.dump(node.value) == ast.dump(default)
     ]
-    return found[0] if len(found) == 1 else None
+    fit = [
+        node
+        for node, target in pairs
+        if (
+            bool(_words(name) & _words(target.attr)) and _is_set_once(owner, target)
+            if is_self_attribute(target)
+            else default.value not in (0, 1, "")
+        )
+    ]
+    return fit[0] if len(fit) == len(pairs) == 1 else None
+
+
+def _is_set_once(owner: NodeClass, target: ast.Attribute) -> bool:
+    nodes = (node for node in walk(owner.definition) if isinstance(node, ast.Attribute))
+    return sum(isinstance(node.ctx, ast.Store) and node.attr == target.attr for node in nodes) == 1
+
+
+def _words(name: str) -> set[str]:
+    return set(re.findall(r"[a-z]+", snake_case(name)))

@@ -15,7 +15,7 @@ from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
-from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, nearest
+from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, is_near_miss, nearest
 
 
 def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
@@ -263,8 +263,19 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
             f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
             (shown[0],),
         )
-    close = nearest(point.module, known or installed) or nearest(point.name, known or installed)
+    close = _meant_file(package, point, known or installed)
     return _no_such_module(package, point, place, close, known, is_own=is_own)
+
+
+def _meant_file(package: SourcePackage, point: EntryPoint, modules: Sequence[str]) -> str | None:
+    """Return the likely module of an entry point; that of another one is likely only for a misspelling."""
+    points = package.setup.entry_points if package.setup else None
+    taken = {other.module for other in points or () if other is not point}
+    free = {name.rpartition(".")[2]: name for name in modules if name not in taken}
+    for wanted in (point.module.rpartition(".")[2], point.name):
+        if close := nearest(wanted, free) or (wanted if wanted in free else None):
+            return free[close]
+    return next((name for name in modules if name in taken and is_near_miss(point.module, name)), None)
 
 
 def _lies(package: SourcePackage, wanted: Path) -> Path | None:
@@ -286,7 +297,7 @@ def _no_such_module(
 ) -> Finding:
     """Say that no file is a module's, and which module was meant if one is called nearly so."""
     function = point.function or point.module.rpartition(".")[2]
-    right = f"{known[0]}:{point.function or 'main'}" if len(known) == 1 else ""
+    right = f"{known[0]}:{point.function or 'main'}" if [*known] == [close] else ""
     if not right and close:
         right = f"{close}:{_function_of(package, close, [function]) or meant_function(package, close)}"
     lacks = "there is no such file." if is_own else "there is no such package in this folder."
@@ -294,8 +305,7 @@ def _no_such_module(
     cause = f"The entry point {point.name} names the module {point.module}, but {lacks}{said}"
     fix = f"write '{point.name} = {right}', and build again"
     if not right:
-        path = f"{package.shown('')}{'/'.join(point.module.split('.'))}.py"
-        fix = f"create {path} with the function {function}, or remove this entry point"
+        fix = f"create {package.shown(point.module.replace('.', '/'))}.py with the function {function}, or remove this entry point"
     return Finding("entry-point-module", cause, place, fix, (close,) if close else ())
 
 

@@ -1,0 +1,69 @@
+"""Launch configurations that do not exist when launch loads a file: declared but not added, or given by another file."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+
+_MISSING = re.compile(r"launch configuration '(?P<name>[^']+)' does not exist")
+
+
+def lost_argument(said: str, path: Path, source: PythonSource, files: Iterable[Path]) -> list[Finding] | None:
+    """Return why a launch configuration does not exist; empty if another file gives it, None if that is not what is said.
+
+    Args:
+        said: launch's reason not to load the file.
+        path: where the file is.
+        source: the file.
+        files: all launch files of the workspace.
+    """
+    match = _MISSING.search(said)
+    if match is None:
+        return None
+    name = match["name"]
+    if lost := next(_not_added(name, source), None):
+        return [lost]
+    others = (read_text(other) for other in files if other != path)
+    if any(path.name in text and name in text for text in others):
+        return []  # it is included, with this argument
+    used = (
+        node
+        for node in source.nodes
+        if isinstance(node, ast.Call) and _is(node, "LaunchConfiguration", source)
+    )
+    lines = [node.lineno for node in used if _first(node) == name]
+    return [
+        Finding(
+            SAID, f"launch cannot load this file: {said.rstrip('.')}.", source.at(lines[0] if lines else 1)
+        )
+    ]
+
+
+def _not_added(name: str, source: PythonSource) -> Iterator[Finding]:
+    """Yield the declaration of an argument that is kept in a variable which nothing uses."""
+    read = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+    for node in source.nodes:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=kept)], value=ast.Call() as made):
+                if kept not in read and _is(made, "DeclareLaunchArgument", source) and _first(made) == name:
+                    cause = f"The argument {name} is declared here, but {kept} is not in the launch description, so LaunchConfiguration({name!r}) does not exist."
+                    fix = f"write `{kept},` as the first item in the list of LaunchDescription"
+                    yield Finding("launch-lost", cause, source.at(node), fix)
+
+
+def _is(call: ast.Call, name: str, source: PythonSource) -> bool:
+    return (source.resolve(call.func) or "").endswith(f".{name}")
+
+
+def _first(call: ast.Call) -> object:
+    """Return the value of a call's first argument, if it is written there."""
+    given = [
+        *call.args,
+        *(keyword.value for keyword in call.keywords if keyword.arg in ("name", "variable_name")),
+    ]
+    return given[0].value if given and isinstance(given[0], ast.Constant) else None
