@@ -15,6 +15,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters
 
+_OF_CALLS = (*RULES, "no-matching-overload")  # what fails when it runs, too
 _CONTRADICTS = re.compile(r"Object of type `(?!None`).+` is not assignable to ")
 
 
@@ -76,7 +77,7 @@ def _is_only_annotated(row: re.Match[str], said: re.Match[str], spot: Spot, own:
         return True
     lines = Edit(written, kind).applied(home.text.encode().splitlines(keepends=True))
     before, after = checked(home, [home.text.encode(), b"".join(lines)])
-    objections = {(row.line, row.said) for row in after if row.rule in RULES} - {
+    objections = {(row.line, row.said) for row in after if row.rule in _OF_CALLS} - {
         (row.line, row.said) for row in before
     }
     return all(f"`{said['owner']}`" in text for _, text in objections)

@@ -41,11 +41,11 @@ def bare_imports(package: SourcePackage, sources: NodeSources) -> Iterator[Findi
 
 def _finds_more(package: SourcePackage, sources: NodeSources) -> bool:
     """Return whether a package changes where Python looks for modules."""
-    nodes = [node for source in sources.sources.values() for node in source.nodes]
-    is_extended = any(
-        isinstance(node, ast.Attribute) and ast.unparse(node) in ("sys.path", "site.addsitedir")
-        for node in nodes
-    )
+    own = sources.sources.values()
+    used = {
+        source.resolve(n) for source in own for n in source.nodes if isinstance(n, (ast.Name, ast.Attribute))
+    }
+    is_extended = bool(used & {"sys.path", "site.addsitedir"})
     # The executables lie in lib/, so Python looks for modules there first.
     texts = (
         [node.value for node in package.setup.source.nodes if isinstance(node, ast.Constant)]

@@ -98,12 +98,13 @@ def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
 
 
 def _runs_once(sources: NodeSources, creation: Creation) -> bool:
-    """Return whether a timer's callback may stop the timer, so that it runs only once, as soon as possible."""
+    """Return whether a timer may be stopped in its callback, so that it runs only once, as soon as possible."""
     function = sources.function_of(creation, (creation.arguments or {}).get("callback"))
-    nodes = walk(function) if function else ()
-    called = {(dotted(node.func) or "").rpartition(".")[2] for node in nodes if isinstance(node, ast.Call)}
-    stops = {"cancel", "destroy_timer", "shutdown", "try_shutdown", "exit"}
-    return function is None or bool(called & stops) or any(isinstance(node, ast.Raise) for node in nodes)
+    nodes = [*walk(function)] if function else []
+    ends = {getattr(node, "attr", "") for node in nodes} & {"shutdown", "try_shutdown", "exit"}
+    is_left = bool(ends) or any(isinstance(node, ast.Raise) for node in nodes)
+    words = {getattr(node, "attr", "") for node in creation.source.nodes}
+    return function is None or is_left or bool(words & {"cancel", "destroy_timer"})
 
 
 def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
