@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
+from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
@@ -68,7 +69,8 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
         if not _is_guarded(init.call, init.function)
         and not any(keyword.arg == "context" for keyword in init.call.keywords)
     ]
-    if len(sure) > 1 and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
+    is_in_one_run = len(sure) > 1 and _are_in_one_run(entrance, sure)
+    if is_in_one_run and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
         kept = next((init for init in sure if init.function is entrance.function), sure[0])
         extra = next(init for init in reversed(sure) if init is not kept)
         yield Finding(
@@ -77,6 +79,23 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
             extra.source.at(extra.call),
             f"remove `{ast.unparse(extra.call)}` on line {extra.call.lineno}; the one in {kept.function.name}() stays",
         )
+
+
+def _are_in_one_run(entrance: Entrance, asked: list[Call]) -> bool:
+    """Return whether two of some calls can be made in the same run of a program."""
+    sources = entrance.sources
+    leading, holders = {id(call.call) for call in asked}, {id(call.function) for call in asked}
+    before = 0
+    while before != len(leading):
+        before = len(leading)
+        for call in entrance.calls:
+            _, function = sources.functions.get(call.name, (None, None))
+            made = sources.classes.get(call.name)
+            if id(function or (made and sources.method(made, "__init__"))) in holders:
+                leading.add(id(call.call))
+                holders.add(id(call.function))
+    runs = (calls_in_one_run(function, lambda call: id(call) in leading) for function in entrance.functions)
+    return any(len(calls) > 1 for calls in runs)
 
 
 def _init_written(entrance: Entrance) -> str:
