@@ -48,6 +48,68 @@ def test_a_module_that_is_found(tmp_path: Path, line: str) -> None:
     assert "import-wrong" not in codes(files, tmp_path)
 
 
+BARE = "from helper import twice\n"
+
+
+@pytest.mark.parametrize(
+    ("module", "line", "in_setup", "in_launch"),
+    [
+        ("node", f"import os, sys\nsys.path.append(os.path.dirname(__file__))\n{BARE}", "", ""),
+        ("node", f"from sys import path\npath.insert(0, __file__)\n{BARE}", "", ""),
+        (f"{NAME.package}/by_hand.py", f"{BARE}\nprint(twice(2))\n", "", ""),
+        ("node", BARE, f"        ('lib/' + package_name, ['{NAME.package}/helper.py']),\n", ""),
+        ("node", BARE, "", ", additional_env={'PYTHONPATH': 'here'}"),
+    ],
+)
+def test_a_module_that_is_found_without_its_package(
+    tmp_path: Path, module: str, line: str, in_setup: str, in_launch: str
+) -> None:
+    files = Files.right(NAME).put(f"{NAME.package}/helper.py", HELPER)
+    files.put(module, line + files.texts.get(files.path(module), ""))
+    files.change("setup.py", "    data_files=[\n", f"    data_files=[\n{in_setup}")
+    files.change("launch/robot.launch.py", "executable='MODULE'", f"executable='MODULE'{in_launch}")
+    assert "import-wrong" not in codes(files, tmp_path)
+
+
+def test_a_module_without_its_package_in_one_that_an_executable_imports(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("node", "import rclpy\n", "import rclpy\nfrom .first import twice\n")
+    files.put(f"{NAME.package}/first.py", BARE).put(f"{NAME.package}/helper.py", HELPER)
+    assert f"{NAME.package}.helper" in codes(files, tmp_path)["import-wrong"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fix"),
+    [
+        ("            'MODULE =", "            'draw_shapes = PACKAGE.draw_shapes:main',\n            'MODULE =", "remove this entry point"),
+        ("PACKAGE.MODULE:main", "PACKAGE.MODULEs:main", "'talker = my_bot.talker:main'"),
+        ("            'MODULE =", "            'again = PACKAGE.MODULEs:main',\n            'MODULE =", "'again = my_bot.talker:main'"),
+    ],
+)  # fmt: skip
+def test_an_entry_point_to_a_file_that_is_gone(tmp_path: Path, old: str, new: str, fix: str) -> None:
+    """The file of another entry point is meant by a misspelling alone."""
+    files = Files.right(NAMES[1]).change("setup.py", old, new)
+    files.put("PACKAGE/draw_circle.py", files.texts[files.path("listener")])
+    row = "            'draw_circle = PACKAGE.draw_circle:main',\n            'LISTENER ="
+    files.change("setup.py", "            'LISTENER =", row)
+    assert fix in codes(files, tmp_path)["entry-point-module"]
+
+
+@pytest.mark.parametrize(
+    ("declared", "code", "fix"),
+    [
+        ("'flip', 0", "", ""),
+        ("'top_count', 0", "", ""),
+        ("'top_speed', 0.8", "parameter-unread", "write self.speed = self.get_parameter('top_speed').value"),
+    ],
+)
+def test_a_parameter_that_nothing_reads(tmp_path: Path, declared: str, code: str, fix: str) -> None:
+    """A counter begins with 0, too, and is no parameter's attribute."""
+    files = Files.right(NAMES[1])
+    line = f"self.count = 0\n        self.declare_parameter({declared})\n        self.speed = 0.8"
+    files.change("node", "self.count = 0", line).change("node", "{self.count}'", "{self.count} {self.speed}'")
+    assert codes(files, tmp_path) == ({code: fix} if code else {})
+
+
 def test_an_executable_that_calls_the_file_of_another(tmp_path: Path) -> None:
     point = f"{NAME.listener} = {NAME.package}.{NAME.listener}:main"
     files = Files.right(NAME)
