@@ -148,7 +148,7 @@ CONFIGURING: tuple[Case, ...] = (
             edit(YAML, "status_publisher:", "status_node:"),
             edit(YAML, "velocity_publisher:", "velocity_node:"),
         ),
-        r"write status_publisher in place of status_node",
+        r"write status_publisher instead of status_node",
         "no node has these names",
     ),
     _yaml(
