@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from workspace_files import NAMES, Files
 from ros2lab.checks import CheckError
 from ros2lab.checks.manifests import manifest_of
 from ros2lab.diagnose import of_workspace
-from ros2lab.diagnose.packaging.xml_repairs import repaired
+from ros2lab.diagnose.packaging.manifest_repairs import repaired
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.package_faults import manifest_fault
 
@@ -50,7 +51,7 @@ def test_one_line_is_written_so_that_the_manifest_is_read(
     old: str, new: str, line: int, written: str
 ) -> None:
     broken = MANIFEST.replace(old, new)
-    number, fix = repaired(broken) or (0, "")
+    number, fix = repaired(broken, {}) or (0, "")
     assert (number, fix) == (line, f"write `{written}`")
     lines = broken.splitlines()
     lines[line - 1] = written
@@ -58,7 +59,7 @@ def test_one_line_is_written_so_that_the_manifest_is_read(
 
 
 def test_nothing_may_stand_before_the_declaration() -> None:
-    number, fix = repaired(f"<!-- mine -->\n{MANIFEST}") or (0, "")
+    number, fix = repaired(f"<!-- mine -->\n{MANIFEST}", {}) or (0, "")
     assert number == 2
     assert fix.startswith("move this line to the very beginning")
 
@@ -69,15 +70,45 @@ def test_nothing_may_stand_before_the_declaration() -> None:
         MANIFEST,
         "",
         "no manifest at all",
-        MANIFEST.replace("A robot.", "a & b").replace("MIT", "a & b"),
-        MANIFEST.replace("<license>MIT</license>", ""),
         MANIFEST.replace("<package ", '<!DOCTYPE x [<!ENTITY a "ha">]>\n<package ').replace(
             "A robot.", "&a; & b"
         ),
     ],
 )
-def test_what_is_read_or_needs_more_than_one_change_is_left(broken: str) -> None:
-    assert repaired(broken) is None
+def test_what_is_read_or_is_no_manifest_is_left(broken: str) -> None:
+    assert repaired(broken, {}) is None
+
+
+def test_of_two_faults_the_first_is_told() -> None:
+    broken = MANIFEST.replace("A robot.", "a & b").replace("MIT", "a & b")
+    assert repaired(broken, {}) == (5, "write `<description>a &amp; b</description>`")
+
+
+def slips() -> list[tuple[int, str, str]]:
+    """Return the line, what it was, and the manifest, for each sign left out and each tag misspelt on one side."""
+    found, lines = [], MANIFEST.split("\n")
+    for n, line in enumerate(lines):
+        is_comment = line.lstrip().startswith(("<?", "<!"))
+        for match in re.finditer(r'[<>/"=]|(?<=</)\w{5,}', "" if is_comment else line):
+            new = match[0][:2] + match[0][3:] if len(match[0]) > 1 else ""
+            broken = f"{line[: match.start()]}{new}{line[match.end() :]}"
+            found.append((n + 1, line.strip(), "\n".join([*lines[:n], broken, *lines[n + 1 :]])))
+    return found
+
+
+def test_what_was_left_out_of_a_tag_is_put_back() -> None:
+    assert len(slips()) > 50
+    for line, was, broken in slips():
+        assert repaired(broken, {}) == (line, f"write `{was}`")
+
+
+@pytest.mark.parametrize("left_out", ['<package format="3">', "<export>", "</export>", "</package>"])
+def test_the_line_of_a_tag_is_put_back(left_out: str) -> None:
+    broken = "".join(line for line in MANIFEST.splitlines(keepends=True) if line.strip() != left_out)
+    number, fix = repaired(broken, {}) or (0, "")
+    assert fix == f"add `{left_out}` below this line"
+    lines = broken.splitlines()
+    parse_package_string("\n".join([*lines[:number], left_out, *lines[number:]]))
 
 
 def test_a_version_is_told_with_three_parts(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from workspace_files import NAMES, Files
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.parameter_faults import unread_file
 from ros2lab.diagnose.sources.parameter_file import (
     ParameterFileError,
     UnreadParameterFileError,
@@ -34,33 +35,33 @@ REFUSED = {
     "no value": (f"{HEAD}    p:\n", 3, "write a value"),
     "a comment for a value": (f"{HEAD}    p: #abc\n", 3, "in quotes if it begins with #"),
     "no parameters": (HEAD, 2, "each parameter"),
-    "a lone line without a space": (f"{HEAD}    p:1\n", 3, "write p: 1"),
-    "an equals sign": (f"{HEAD}    p = 1\n", 3, "write p: 1"),
-    "a line without a space above another": (f"{HEAD}    p:1\n    q: 1\n", 3, "write p: 1"),
-    "a line without a colon": (f"{HEAD}    p 1\n    q: 2\n", 3, "write p: 1"),
-    "a line without a space between others": (f"{HEAD}    o: a\n    p:1\n    q: 1\n", 4, "write p: 1"),
+    "a lone line without a space": (f"{HEAD}    p:1\n", 3, "write `p: 1`"),
+    "an equals sign": (f"{HEAD}    p = 1\n", 3, "write `p: 1`"),
+    "a line without a space above another": (f"{HEAD}    p:1\n    q: 1\n", 3, "write `p: 1`"),
+    "a line without a colon": (f"{HEAD}    p 1\n    q: 2\n", 3, "write `p: 1`"),
+    "a line without a space between others": (f"{HEAD}    o: a\n    p:1\n    q: 1\n", 4, "write `p: 1`"),
     "lines without spaces": (
         f"{HEAD}    o: a\n    p:1\n    q:2\n    r: 3\n",
         4,
-        "write p: 1, and the lines below it likewise",
+        "write `p: 1`, and the lines below it likewise",
     ),
     "a line without a space above a comment": (
         f"{HEAD}    o: a\n    p:1\n\n    # q\n    q: 1\n",
         4,
-        "write p: 1",
+        "write `p: 1`",
     ),
     "no node": ("ros__parameters:\n  p: 1\n", 1, "write the node's name"),
-    "a value beside": (f"{HEAD}    p: 1\n  q: 1\n", 4, "indent it like the parameters"),
+    "a value beside": (f"{HEAD}    p: 1\n  q: 1\n", 4, "write `q: 1`, beginning with 4 spaces"),
     "a value outside": (f"q: 1\n{HEAD}    p: 1\n", 1, "indent it like the parameters"),
-    "deeper": (f"{HEAD}    p: 1\n     q: 1\n", 4, "indent it like the line above"),
-    "less deep": (f"{HEAD}    p: 1\n   q: 1\n", 4, "the same number of spaces"),
-    "a tab": ("/**:\n\tros__parameters:\n    p: 1\n", 2, "spaces instead of the tab"),
-    "an open quote": (f"{HEAD}    p: 'abc\n    q: 1\n", 3, "write ' at the end of the string"),
-    "an open bracket": (f"{HEAD}    p: [1, 2\n    q: 3\n", 3, "write ] after its last value"),
-    "two colons": (f"{HEAD}    p: a: b\n", 3, "put the value in quotes"),
-    "a sign": (f"{HEAD}    p: @x\n", 3, "put it in quotes"),
-    "an alias": (f"{HEAD}    p: *x\n", 3, "put it in quotes"),
-    "a star for a node": ("*:\n  ros__parameters:\n    p: 1\n", 1, "put it in quotes"),
+    "deeper": (f"{HEAD}    p: 1\n     q: 1\n", 4, "write `q: 1`, beginning with 4 spaces"),
+    "less deep": (f"{HEAD}    p: 1\n   q: 1\n", 4, "write `q: 1`, beginning with 4 spaces"),
+    "a tab": ("/**:\n\tros__parameters:\n    p: 1\n", 2, "write `ros__parameters:`, beginning with 2 spaces"),
+    "an open quote": (f"{HEAD}    p: 'abc\n    q: 1\n", 3, "write `p: 'abc'`"),
+    "an open bracket": (f"{HEAD}    p: [1, 2\n    q: 3\n", 3, "write `p: [1, 2]`"),
+    "two colons": (f"{HEAD}    p: a: b\n", 3, "write `p: 'a: b'`"),
+    "a sign": (f"{HEAD}    p: @x\n", 3, "write `p: '@x'`"),
+    "an alias": (f"{HEAD}    p: *x\n", 3, "write `p: '*x'`"),
+    "a star for a node": ("*:\n  ros__parameters:\n    p: 1\n", 1, "write `'*':`"),
     "a control character": (f"{HEAD}    p: 'a\x01'\n", 3, "save the file as UTF-8"),
     "a null byte": (f"{HEAD}    p: 1\n    q: a\0\n", 4, "save the file as UTF-8"),
 }
@@ -103,8 +104,9 @@ def test_what_rcl_refuses_is_told_where_it_stands(tmp_path: Path, text: str, lin
     assert given_by_rcl(file) is None
     with pytest.raises(ParameterFileError) as refused:
         read_parameter_file(text)
-    assert refused.value.line == line
-    assert fix in refused.value.fix
+    found = unread_file("some.yaml", text, refused.value)
+    assert found.place == f"some.yaml:{line}"
+    assert fix in found.fix
 
 
 LEVELS = "".join(f"{' ' * depth}n{depth}:\n" for depth in range(60))

@@ -223,6 +223,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "setup-import name-undefined-in-setup name-undefined name-missing",
         "",
     ),
+    meaning(
+        r"command '(?:install|develop)' has no such option|invalid variable '\w*'",
+        "setup-cfg-missing setup-value",
+        "",
+    ),
+    meaning(r"(?:Scanner|Parser|Composer|Constructor)Error: ", "parameter-file-syntax launch-syntax", ""),
     meaning(r"(?:SyntaxError|IndentationError|TabError)", "setup-syntax node-syntax launch-syntax", ""),
     *NODE_MEANINGS,
 )

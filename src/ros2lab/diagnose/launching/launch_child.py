@@ -18,6 +18,8 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Any
 
+import yaml
+
 from ros2lab.diagnose.confinement import confine
 
 MEMORY = 2_000_000_000  # bytes
@@ -75,6 +77,8 @@ _READ_IN = "launch.launch_description"
 
 def _words_of(problem: BaseException) -> str:
     """Return the last line of an error's message, without the attempts listed before it."""
+    if isinstance(problem, yaml.MarkedYAMLError) and problem.problem:
+        return str(problem.problem)
     lines = [line for line in str(problem).splitlines() if line.strip()]
     return lines[-1].removeprefix(" - ").strip() if lines else type(problem).__name__
 
@@ -134,6 +138,7 @@ class _Loading:
                 if problem is not None and not _is_outside(problem):
                     error = {
                         "message": _words_of(problem),
+                        "is_yaml": isinstance(problem, yaml.YAMLError),
                         "line": self._line_of(problem),
                         "refused": self._refused(problem),
                     }

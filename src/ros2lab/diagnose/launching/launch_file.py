@@ -16,6 +16,7 @@ from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, p
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.finding import Finding, at, not_read
+from ros2lab.diagnose.launching.entity_words import entity_repair
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import misplaced_values
@@ -306,11 +307,9 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
 
     from portable_ros2 import bounded_yaml
 
-    text, line = read_text(path), None
+    text, line, is_xml = read_text(path), None, path.suffix in (".xml", ".launch")
     try:
-        content = (
-            _xml(text) if path.suffix in (".xml", ".launch") else bounded_yaml.load(text, yaml.BaseLoader)
-        )
+        content = _xml(text) if is_xml else bounded_yaml.load(text, yaml.BaseLoader)
         if isinstance(content, Mapping) and "launch" in content:
             nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
             return LaunchFile(shown, tuple(nodes))
@@ -324,11 +323,12 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
         mark = getattr(error, "problem_mark", None)
         problem = getattr(error, "problem", None) or "it cannot be read"
         line = mark.line + 1 if mark else None
-    cause = f"{shown} is not a valid launch file: {problem}."
-    fix = (
-        "fix this line or the one above" if line else "make launch the root element, with the nodes inside it"
-    )
-    return LaunchFile(shown, (), (Finding("launch-syntax", cause, at(shown, line), fix),))
+    slip = entity_repair(text, is_xml=is_xml)
+    cause = f"{shown} is not a valid launch file: {(slip.why if slip else '') or problem}."
+    fix = "make launch the root element, with the nodes inside it"
+    fix = slip.told if slip else "fix this line or the one above" if line else fix
+    fault = Finding("launch-syntax", cause, at(shown, slip.line if slip else line), fix)
+    return LaunchFile(shown, (), (fault,))
 
 
 def _xml(text: str) -> dict[str, Any]:

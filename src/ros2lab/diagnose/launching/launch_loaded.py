@@ -19,8 +19,10 @@ from ros2lab.diagnose.finding import SAID, Finding, at
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
+from ros2lab.diagnose.nodes.parameter_faults import unread_file
 from ros2lab.diagnose.sources.interfaces import launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_other_yaml, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_source, read_text
 from ros2lab.diagnose.sources.spelling import nearest, with_article
 from ros2lab.scratch import scratch_folder
@@ -140,7 +142,7 @@ def _joined(
         source = read_source(path, path.stem, file.shown)
         paths = [other for package in packages for other in package.launch_files]
         lost = lost_argument(refusal, path, source, paths)
-        faults = tuple(_refusals(path, file, told) if lost is None else lost)
+        faults = tuple(_refusals(path, file, told, packages) if lost is None else lost)
         return replace(file, faults=faults, refusal=refusal)
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
     faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
@@ -242,7 +244,9 @@ def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator
                 yield Finding("launch-lost", cause, source.at(line), fix)
 
 
-def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator[Finding]:
+def _refusals(
+    path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
+) -> Iterator[Finding]:
     """Yield why launch does not load a file: missing and unknown attributes, or else its own message."""
     tags = list(dict.fromkeys(fault["tag"] for fault in told["faults"]))
     for tag in tags:
@@ -259,7 +263,19 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
         fix = f"write {meant} instead of {strange[0]}" if meant and len(strange) == 1 else fix
         yield Finding("launch-argument", cause, at(file.shown, _line(path, strange or [tag])), fix)
     if told["error"] and not tags:
-        yield _refusal(file, told["error"])
+        read = [*_unread(packages)] if told["error"].get("is_yaml") else []
+        yield from read or [_refusal(file, told["error"])]
+
+
+def _unread(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
+    """Yield the YAML files that a launch file, which reads one itself, cannot read."""
+    for package, path in ((home, path) for home in packages for path in home.yaml_files):
+        text = read_text(path)
+        try:
+            read_parameter_file(text)
+        except ParameterFileError as error:
+            if not is_other_yaml(text):
+                yield unread_file(package.shown(path.relative_to(package.folder).as_posix()), text, error)
 
 
 def _refusal(file: LaunchFile, error: Mapping[str, Any]) -> Finding:

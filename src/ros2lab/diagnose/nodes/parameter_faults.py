@@ -17,6 +17,7 @@ from ros2lab.diagnose.sources.parameter_file import (
     UnreadParameterFileError,
     is_other_yaml,
     kind_of,
+    parameter_file_repair,
     read_parameter_file,
 )
 from ros2lab.diagnose.sources.python_source import children, read_text
@@ -161,7 +162,7 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
     except UnreadParameterFileError:
         pass  # ROS's own message is shown below
     except ParameterFileError as error:
-        return _not_read(shown, error)
+        return unread_file(shown, read_text(files[0][1]), error)
     return Finding(
         "parameter-file-syntax",
         f"{shown} cannot be read as parameters: {said}.",
@@ -170,11 +171,15 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
     )
 
 
-def _not_read(shown: str, error: ParameterFileError) -> Finding:
+def unread_file(shown: str, text: str, error: ParameterFileError) -> Finding:
+    """Return why a file cannot be read as parameters, or not even as YAML."""
     if isinstance(error, UnreadParameterFileError):
         return not_read(shown, error.line, str(error))
-    cause = f"{shown} cannot be read as parameters: {error}."
-    return Finding("parameter-file-syntax", cause, at(shown, error.line), error.fix)
+    slip = parameter_file_repair(text)
+    why = (slip.why if slip else "") or str(error)
+    place, fix = (at(shown, slip.line), slip.told) if slip else (at(shown, error.line), error.fix)
+    said = "cannot be read as parameters" if BELOW in text else "is not valid YAML"
+    return Finding("parameter-file-syntax", f"{shown} {said}: {why}.", place, fix)
 
 
 def declared_in(sources: NodeSources) -> dict[str, Any] | None:
@@ -236,7 +241,7 @@ def file_faults(
             content = read_parameter_file(text)
         except ParameterFileError as error:
             if BELOW in text or not is_other_yaml(text):
-                yield _not_read(shown, error)
+                yield unread_file(shown, text, error)
             continue
         lines_of = _Lines(shown, text)
         if isinstance(content, Mapping) and BELOW in text:

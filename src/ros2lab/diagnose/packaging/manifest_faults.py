@@ -12,9 +12,8 @@ from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
+from ros2lab.diagnose.packaging.manifest_repairs import repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
-from ros2lab.diagnose.packaging.tag_repairs import repaired_tags
-from ros2lab.diagnose.packaging.xml_repairs import repaired
 from ros2lab.diagnose.sources.interfaces import PACKAGES, meant
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
@@ -54,10 +53,9 @@ def manifest_faults(
         text = read_text(package.folder / "package.xml")
         keywords = package.setup.keywords if package.setup else {}
         said = re.sub(r"^(?:Error\(s\): )?(?:- )?", "", " ".join(package.manifest_fault.split()))
-        line, fix = (
-            repaired(text)
-            or repaired_tags(text, keywords)
-            or (package.manifest_line, "change it as it says; `colcon list` then shows (ros.ament_python)")
+        line, fix = repaired(text, keywords) or (
+            package.manifest_line,
+            "change it as it says; `colcon list` then shows (ros.ament_python)",
         )
         yield Finding(
             "manifest-invalid",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator
+from configparser import RawConfigParser
 from pathlib import Path
 
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
@@ -20,9 +21,9 @@ from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text, read_toml
-from ros2lab.diagnose.sources.setup_cfg import read_cfg
+from ros2lab.diagnose.sources.setup_cfg import cfg_repair, read_cfg
 from ros2lab.diagnose.sources.setup_script import SetupScript
-from ros2lab.diagnose.sources.spelling import alike, differs
+from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss
 
 
 def packaging_faults(
@@ -236,46 +237,67 @@ def _line_with(source: PythonSource, word: str, start: int | None) -> int | None
 
 
 def _cfg_form(package: SourcePackage) -> Iterator[Finding]:
-    _, fault = read_cfg(read_text(package.folder / "setup.cfg"))
+    text = read_text(package.folder / "setup.cfg")
+    _, fault = read_cfg(text)
     if fault is not None:
         cause = f"setup.cfg {fault.said}, so setuptools stops."
-        yield Finding("setup-value", cause, at(package.shown("setup.cfg"), fault.line), fault.fix)
+        slip = cfg_repair(text, _scripts(package))
+        line, fix = (slip.line, slip.told) if slip else (fault.line, fault.fix)
+        yield Finding("setup-value", cause, at(package.shown("setup.cfg"), line), fix)
+
+
+def _scripts(package: SourcePackage) -> dict[str, tuple[str, str]]:
+    """Return what setup.cfg must say for `ros2 run` to find the executables."""
+    folder = f"$base/lib/{package.name}"
+    return {"develop": ("script_dir", folder), "install": ("install_scripts", folder)}
 
 
 def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     shown = package.shown("setup.cfg")
-    wanted = f"lib/{package.name}"
-    fix = f"write in setup.cfg: [develop] script_dir=$base/{wanted} and [install] install_scripts=$base/{wanted}"
-    lost = "the executables go into bin, where `ros2 run` does not look"
-    config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
-    if fault is not None:
-        return  # `_cfg_form` reports it
     if not package.has("setup.cfg"):
-        yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, fix)
+        yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {_LOST}.", shown, _cfg_fix(package))
         return
-    for section, key in (("develop", "script_dir"), ("install", "install_scripts")):
-        dashed = key.replace("_", "-")
-        value = config.get(section, key, fallback=None)
-        if value is None and config.has_option(section, dashed):
-            if package.root and (package.root / "install" / package.name / wanted).is_dir():
-                continue  # this release of setuptools only warns, and installs there all the same
-            yield Finding(
-                "setup-cfg-dashes",
-                f"setup.cfg has {dashed}, but setuptools needs {key}, with an underscore.",
-                at(shown, _cfg_line(package, dashed)),
-                f"write {key} instead of {dashed}",
-            )
-        elif value is None and section == "install":
-            yield Finding(
-                "setup-cfg-missing", f"setup.cfg has no {key} in [{section}], so {lost}.", shown, fix
-            )
-        elif value is not None and not value.strip().rstrip("/").endswith(wanted):
-            yield Finding(
-                "setup-cfg-missing",
-                f"setup.cfg installs the executables in {value.strip()}, but `ros2 run` looks in {wanted}.",
-                at(shown, _cfg_line(package, key)),
-                fix,
-            )
+    config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
+    for section in _scripts(package) if fault is None else ():  # otherwise `_cfg_form` reports it
+        yield from _cfg_section(package, config, section)
+
+
+_LOST = "the executables go into bin, where `ros2 run` does not look"
+
+
+def _cfg_fix(package: SourcePackage) -> str:
+    rows = [f"[{section}] {key}={value}" for section, (key, value) in _scripts(package).items()]
+    return f"write in setup.cfg: {' and '.join(rows)}"
+
+
+def _cfg_section(package: SourcePackage, config: RawConfigParser, section: str) -> Iterator[Finding]:
+    """Yield what is wrong in one section of a setup.cfg."""
+    shown, wanted = package.shown("setup.cfg"), f"lib/{package.name}"
+    key, _ = _scripts(package)[section]
+    dashed, value = key.replace("_", "-"), config.get(section, key, fallback=None)
+    if value is None and config.has_option(section, dashed):
+        # This release of setuptools may only warn, and install there all the same.
+        if not (package.root and (package.root / "install" / package.name / wanted).is_dir()):
+            cause = f"setup.cfg has {dashed}, but setuptools needs {key}, with an underscore."
+            place = at(shown, _cfg_line(package, dashed))
+            yield Finding("setup-cfg-dashes", cause, place, f"write {key} instead of {dashed}")
+        return
+    options = config.options(section) if config.has_section(section) else []
+    near = next((option for option in options if is_near_miss(option, key)), "")
+    strange = re.search(r"\$(?!base\b)\w*", value or "")
+    if strange:
+        cause = f"setuptools has no variable {strange[0]}; in setup.cfg the folder begins with $base."
+    elif near:
+        cause = f"setup.cfg has {near} in [{section}], but the option is called {key}."
+    elif value is None and section == "install":
+        cause = f"setup.cfg has no {key} in [{section}], so {_LOST}."
+    elif value is not None and not value.strip().rstrip("/").endswith(wanted):
+        cause = f"setup.cfg installs the executables in {value.strip()}, but `ros2 run` looks in {wanted}."
+    else:
+        return
+    slip = cfg_repair(read_text(package.folder / "setup.cfg"), _scripts(package))
+    line = slip.line if slip else _cfg_line(package, near or key) if near or value else None
+    yield Finding("setup-cfg-missing", cause, at(shown, line), slip.told if slip else _cfg_fix(package))
 
 
 def _cfg_line(package: SourcePackage, key: str) -> int | None:

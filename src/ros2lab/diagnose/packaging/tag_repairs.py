@@ -1,4 +1,4 @@
-"""Repair a manifest with wrong tags: try changes of one tag until catkin_pkg accepts it."""
+"""Slips in the tags of a manifest that is XML, but that catkin_pkg rejects."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ros2lab.diagnose.packaging.xml_repairs import MOST, is_read
+from ros2lab.diagnose.sources.slips import Slip
 
 # What REP 149 knows: tags of a package, and those that stand in <export>.
 _DEPENDS = (
@@ -21,7 +21,7 @@ _DEPENDS = (
     "doc_depend",
 )
 _NEEDED = ("name", "version", "description", "maintainer", "license")
-_TAGS = (
+TAGS = (
     *_NEEDED,
     "author",
     "url",
@@ -32,7 +32,7 @@ _TAGS = (
     "group_depend",
     *_DEPENDS,
 )
-_IN_EXPORT = ("build_type", "architecture_independent", "deprecated", "metapackage", "message_generator")
+IN_EXPORT = ("build_type", "architecture_independent", "deprecated", "metapackage", "message_generator")
 _ELEMENT = re.compile(r"<(?P<tag>[\w-]+)(?P<attributes>(?: [^<>]*)?)>(?P<content>[^<>]*)</(?P=tag)>")
 _EMAIL = re.compile(r"[\w.+-]+@[\w-]+(?:\.[\w-]+)+")
 _ALIKE = 0.55  # how similar a tag and the right one are, from 0 to 1
@@ -41,20 +41,15 @@ _ALIKE = 0.55  # how similar a tag and the right one are, from 0 to 1
 _Change = tuple[int, str, str]
 
 
-def repaired_tags(text: str, keywords: Mapping[str, Any]) -> tuple[int, str] | None:
-    """Return the number of a line and how to repair it; None if no change of one tag makes the manifest valid.
+def tag_slips(text: str, keywords: Mapping[str, Any]) -> Iterator[Slip]:
+    """Yield a manifest with a change of one tag, the likeliest first.
 
     Args:
-        text: the manifest, which is XML, but which catkin_pkg rejects.
+        text: the manifest.
         keywords: the arguments of setup(), which say some of the same.
     """
-    if len(text) > MOST or "<!DOCTYPE" in text:
-        return None
-    lines = text.split("\n")
-    for number, told, changed in _changes(lines, keywords):
-        if is_read(changed):
-            return number, told
-    return None
+    for rank, (number, told, changed) in enumerate(_changes(text.split("\n"), keywords)):
+        yield Slip(number, told, changed, rank / 1000)
 
 
 def _changes(lines: list[str], keywords: Mapping[str, Any]) -> Iterator[_Change]:
@@ -63,14 +58,14 @@ def _changes(lines: list[str], keywords: Mapping[str, Any]) -> Iterator[_Change]
     every = [(n, match) for n, line in enumerate(lines, 1) for match in _ELEMENT.finditer(line)]
     spots = [(n, match) for n, match in every if not begin <= n <= end]
     for number, match in spots:
-        if match["tag"] in _IN_EXPORT:
+        if match["tag"] in IN_EXPORT:
             yield _into_export(lines, number, match[0], begin)
     for number, match in spots:
         yield from _rewritten(lines, number, match, keywords)
     yield from _of_package(lines)
     for number, match in spots:
         others = [n for n, other in spots if other["tag"] == match["tag"] and n < number]
-        if others or match["tag"] in _DEPENDS or match["tag"] not in _TAGS:
+        if others or match["tag"] in _DEPENDS or match["tag"] not in TAGS:
             why = f": line {others[0]} has a <{match['tag']}> too" if others else ""
             yield number, f"remove this line{why}", "\n".join([*lines[: number - 1], *lines[number:]])
     yield from _added(lines, {match["tag"]: number for number, match in spots}, keywords)
@@ -95,8 +90,8 @@ def _rewritten(
     """Yield a line with another tag, other attributes or another content of its element."""
     tag, content, attributes = match["tag"], match["content"].strip(), match["attributes"]
     new: list[str] = []
-    if tag not in _TAGS:
-        near = difflib.get_close_matches(tag, _TAGS, n=3, cutoff=_ALIKE)
+    if tag not in TAGS:
+        near = difflib.get_close_matches(tag, TAGS, n=3, cutoff=_ALIKE)
         wanted = ["exec_depend"] if tag == "run_depend" else near
         new += [f"<{better}{attributes}>{match['content']}</{better}>" for better in wanted]
     if tag == "maintainer":
@@ -125,7 +120,7 @@ def _maintainer(content: str, attributes: str, keywords: Mapping[str, Any]) -> s
 def _of_package(lines: list[str]) -> Iterator[_Change]:
     """Yield the manifest with the right root tag and format."""
     for number, line in enumerate(lines, 1):
-        if match := re.match(r"\s*<(?P<tag>[a-z]\w*)(?P<format> format=[^>]*)?>\s*$", line):
+        if match := re.match(r"\s*<(?P<tag>[a-z]\w*)(?: [^<>]*)?>\s*$", line):
             new = '<package format="3">'
             last = max((n for n, text in enumerate(lines, 1) if f"</{match['tag']}>" in text), default=number)
             below = [*lines[: number - 1], new, *lines[number:]]

@@ -171,6 +171,11 @@ class SourcePackage:
         )
 
     @cached_property
+    def yaml_files(self) -> list[Path]:
+        """All its YAML files."""
+        return sorted(path for path in self._own_files() if path.suffix.lower() in (".yaml", ".yml"))
+
+    @cached_property
     def likely_files(self) -> list[Path]:
         """Its launch and parameter files, including parameter files in the launch folder."""
         others = [p for p in self._files("launch") if p.suffix.lower() in (".yaml", ".yml")]

@@ -10,8 +10,11 @@ from typing import Any
 import yaml
 
 from portable_ros2 import bounded_yaml
+from ros2lab.diagnose.sources.slips import Slip, Vocabulary
+from ros2lab.diagnose.sources.yaml_slips import yaml_repair
 
 BELOW = "ros__parameters"
+_WORDS = Vocabulary((BELOW, "/**"))
 _TRUE = frozenset(["y", "Y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"])
 _FALSE = frozenset(["n", "N", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"])
 _INTEGER = re.compile(r"[-+]?(?:0[xX][\da-fA-F]+|0[0-7]*|[1-9]\d*)")
@@ -66,11 +69,22 @@ def read_parameter_file(text: str) -> Any:
         line = error.problem_mark.line + 1 if error.problem_mark else None
         raise UnreadParameterFileError(error.problem or "", line) from None
     except yaml.MarkedYAMLError as error:
-        raise _reason(error, text) from None
+        raise _reason(error) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         reason = "there is an invalid character here"
         raise ParameterFileError(reason, line, "remove it, and save the file as UTF-8") from None
+
+
+def parameter_file_repair(text: str) -> Slip | None:
+    """Return the likeliest slip of typing that keeps rcl from reading a parameter file; None if none is found."""
+
+    def check(node: yaml.Node) -> None:
+        check_parameters(node)
+        if BELOW in text and BELOW not in (key.value for key, _ in _entries(node)):
+            raise _error(node, f"there is no {BELOW}:", "")
+
+    return yaml_repair(text, _WORDS, check)
 
 
 def is_other_yaml(text: str) -> bool:
@@ -110,16 +124,7 @@ class _Loader(yaml.BaseLoader):
         return {key: value for item in documents for key, value in item.items()} or None
 
     def construct_document(self, node: yaml.Node) -> Any:
-        keys = [key for key, _ in _entries(node)]
-        if any(key.value == BELOW for key in keys):
-            for key in keys:
-                if not isinstance(key, yaml.ScalarNode):
-                    raise _error(
-                        key,
-                        "there is a list or a mapping where a name should be",
-                        "write a name before the colon",
-                    )
-            _expect_nodes(node, is_top=True)
+        check_parameters(node)
         return super().construct_document(node)
 
     def construct_scalar(self, node: Any) -> Any:
@@ -127,6 +132,17 @@ class _Loader(yaml.BaseLoader):
 
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:  # noqa: ARG002 -- PyYAML's
         return {str(key.value): self.construct_object(value, deep=True) for key, value in node.value}
+
+
+def check_parameters(node: yaml.Node) -> None:
+    """Raise a `yaml.MarkedYAMLError` if a document with `ros__parameters` holds what rcl does not read."""
+    keys = [key for key, _ in _entries(node)]
+    if any(key.value == BELOW for key in keys):
+        for key in keys:
+            if not isinstance(key, yaml.ScalarNode):
+                reason = "there is a list or a mapping where a name should be"
+                raise _error(key, reason, "write a name before the colon")
+        _expect_nodes(node, is_top=True)
 
 
 def _entries(node: yaml.Node) -> list[tuple[yaml.Node, yaml.Node]]:
@@ -146,13 +162,9 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
                     f"write the node's name and a colon above it, and indent {BELOW}: and everything below it by two more spaces",
                 )
             if not isinstance(value, yaml.MappingNode):
-                written = str(value.value).split("\n")[0]
-                entry = (
-                    _entry(written)
-                    or "each parameter below it as `name: value`, with a space after the colon"
-                )
                 reason = f"there is no `name: value` below {BELOW}:"
-                raise _error(value if written else key, reason, f"write {entry}")
+                fix = "write each parameter below it as `name: value`, with a space after the colon"
+                raise _error(value if value.value else key, reason, fix)
             _expect_parameters(value)
         elif isinstance(value, yaml.MappingNode):
             _expect_nodes(value)
@@ -217,114 +229,7 @@ def _error(node: yaml.Node, reason: str, fix: str) -> _RclError:
     return error
 
 
-# PyYAML's messages in plain words: pattern, whether the place is where the context began, reason, fix.
-_IN_OTHER_WORDS = (
-    (
-        "quoted scalar",
-        True,
-        "the quote {sign} opened here is never closed",
-        "write {sign} at the end of the string, too",
-    ),
-    ("flow sequence", True, "the bracket [ opened here is never closed", "write ] after its last value"),
-    (
-        "flow mapping",
-        True,
-        "the brace {{ opened here is never closed",
-        "write }} after its last value",
-    ),
-    (
-        r"'\\t'",
-        False,
-        "there is a tab here, but YAML must be indented with spaces",
-        "write spaces instead of the tab",
-    ),
-    (
-        "<block end>",
-        False,
-        "this line is not indented like the lines it belongs with",
-        "indent it by the same number of spaces",
-    ),
-    (
-        "alias",
-        False,
-        "a name or a value begins with *, which stands for another value in YAML, but ROS does not read that",
-        "write the value itself; or put it in quotes if it is meant as a word",
-    ),
-    (
-        "anchor|cannot start any token",
-        False,
-        "a name or a value begins with a character that has a special meaning in YAML",
-        "put it in quotes",
-    ),
-)
-
-
-def _reason(error: yaml.MarkedYAMLError, text: str) -> ParameterFileError:
-    """Return a YAML error in plain words, with the line where the fault begins."""
-    if isinstance(error, _RclError):
-        assert error.problem_mark is not None
-        return ParameterFileError(error.problem or "", error.problem_mark.line + 1, error.fix)
-    lines, said = text.splitlines(), f"{error.context} {error.problem}"
-    if "mapping values are not allowed" in said and error.problem_mark:
-        return _second_colon(lines, error.problem_mark)
-    for words, is_where_it_began, reason, fix in _IN_OTHER_WORDS:
-        mark = error.context_mark if is_where_it_began else error.problem_mark
-        if mark and re.search(words, said):
-            sign = lines[mark.line][mark.column : mark.column + 1] if mark.line < len(lines) else ""
-            return ParameterFileError(reason.format(sign=sign), mark.line + 1, fix.format(sign=sign))
-    if before := _without_colon(lines, error):
-        return before
-    line = error.problem_mark.line + 1 if error.problem_mark else None
-    return ParameterFileError(error.problem or "it cannot be read", line)
-
-
-def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFileError | None:
-    """Return an error at the line that lacks a colon and a space; None if adding them does not help."""
-    first, last = error.context_mark, error.problem_mark
-    if first is None or last is None:
-        return None
-    start = first.line
-    while start and _entry(lines[start - 1]):  # YAML reads several such lines as one string
-        start -= 1
-    meant = {n: entry for n in range(start, min(last.line + 1, len(lines))) if (entry := _entry(lines[n]))}
-    indents = [line[: len(line) - len(line.lstrip())] for line in lines]
-    whole = [f"{indents[n]}{meant[n]}" if n in meant else line for n, line in enumerate(lines)]
-    if not meant or not _is_read_beyond("\n".join(whole), last.line):
-        return None
-    number, entry = next(iter(meant.items()))
-    more = ", and the lines below it likewise" if len(meant) > 1 else ""
-    return ParameterFileError(
-        "the colon and the space after the name are missing", number + 1, f"write {entry}{more}"
-    )
-
-
-def _is_read_beyond(text: str, line: int) -> bool:
-    """Return whether a text is valid YAML up to a line, counted from 0; there may be another fault below."""
-    try:
-        yaml.compose(text, Loader=yaml.BaseLoader)
-    except yaml.MarkedYAMLError as error:
-        return bool(error.context_mark and error.context_mark.line > line)
-    except yaml.YAMLError:
-        return False
-    return True
-
-
-def _second_colon(lines: list[str], mark: yaml.Mark) -> ParameterFileError:
-    """Return why YAML rejects a colon: there are two on the line, or the line continues the one above."""
-    here = lines[mark.line]
-    if re.search(r":\s", here[: mark.column]):
-        return ParameterFileError("this line has two colons", mark.line + 1, "put the value in quotes")
-    above = next((n for n in range(mark.line - 1, -1, -1) if lines[n].split("#")[0].strip()), 0)
-    if entry := _entry(lines[above]):
-        reason = "the colon and the space after the name are missing"
-        return ParameterFileError(reason, above + 1, f"write {entry}")
-    reason = "this line is indented deeper than the one above, which already has a value"
-    return ParameterFileError(reason, mark.line + 1, "indent it like the line above")
-
-
-def _entry(line: str) -> str:
-    """Return a line such as `p = 1` or `p:1` written as an entry; empty if it is one, or cannot be one."""
-    match = re.match(r"\s*([\w.]+)(?:\s*=\s*|:|\s+)(?=\S)", line)
-    return (
-        "" if match is None or re.search(r":(\s|$)", line) else f"{match[1]}: {line[match.end() :].strip()}"
-    )
+def _reason(error: yaml.MarkedYAMLError) -> ParameterFileError:
+    """Return a YAML error with the line where the parser notices it."""
+    mark, fix = error.problem_mark or error.context_mark, getattr(error, "fix", "")
+    return ParameterFileError(error.problem or "it cannot be read", mark.line + 1 if mark else None, fix)

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import configparser
+import difflib
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from ros2lab.diagnose.sources.slips import ALL, SELDOM, USUAL, Lines, Slip, likeliest
+
 _SHOWN = 60  # characters of a line
+_ALIKE = 0.6  # of a line to the one that was meant
 
 
 @dataclass(frozen=True)
@@ -32,6 +38,36 @@ def read_cfg(text: str) -> tuple[configparser.RawConfigParser, CfgFault | None]:
         # The parser is left half-filled: its values are not strings yet.
         return _empty(), _fault(error, text.splitlines())
     return parser, None
+
+
+def cfg_repair(text: str, wanted: Mapping[str, tuple[str, str]]) -> Slip | None:
+    """Return the change of one line after which a setup.cfg says what it should; None if none does.
+
+    Args:
+        text: what does not.
+        wanted: by section, an option and its value.
+    """
+
+    def reach(changed: str) -> float:
+        config, fault = read_cfg(changed)
+        is_right = all(
+            config.get(section, key, fallback="").strip() == value for section, (key, value) in wanted.items()
+        )
+        return ALL if fault is None and is_right else 0
+
+    return likeliest(text, _slips(text, wanted), reach)
+
+
+def _slips(text: str, wanted: Mapping[str, tuple[str, str]]) -> Iterator[Slip]:
+    lines = Lines(text)
+    rows = [row for section, (key, value) in wanted.items() for row in (f"[{section}]", f"{key}={value}")]
+    for number, line in enumerate(lines.all, 1):
+        for row in rows:
+            if (alike := difflib.SequenceMatcher(None, line.strip(), row).ratio()) > _ALIKE:
+                yield lines.written(number, row, cost=USUAL + 1 - alike)
+            yield lines.added(number - 1, row, cost=SELDOM + (re.match(r"\[|$", line) is None))
+    for row in rows:
+        yield lines.added(len(text.rstrip().split("\n")), row)
 
 
 def _empty() -> configparser.RawConfigParser:
