@@ -22,16 +22,16 @@ _PROCESS = (
     *_ANY,
 )
 _NODE = ("pkg", "exec", "namespace", "args", "ros_args", "param", "remap", "on_exit", *_PROCESS)
-_ACTIONS = {
+_ACTIONS = {  # the usual ones first
+    "node": _NODE,
     "arg": (*_PAIR, "default", "description", "choice"),
+    "include": ("file", "arg", "let"),
     "append_env": (*_PAIR, "prepend"),
     "executable": ("cmd", "shell", *_PROCESS),
-    "include": ("file", "arg", "let"),
     "let": _PAIR,
     "lifecycle_node": (*_NODE, "autostart"),
     "load_composable_node": ("target", "composable_node"),
     "log": ("message", "level"),
-    "node": _NODE,
     "node_container": (*_NODE, "composable_node"),
     "push_ros_namespace": ("namespace",),
     "reset": ("keep",),

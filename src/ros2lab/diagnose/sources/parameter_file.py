@@ -77,14 +77,27 @@ def read_parameter_file(text: str) -> Any:
 
 
 def parameter_file_repair(text: str) -> Slip | None:
-    """Return the likeliest slip of typing that keeps rcl from reading a parameter file; None if none is found."""
+    """Return the likeliest slip of typing that keeps a parameter file from being read; None if none is found.
 
-    def check(node: yaml.Node) -> None:
-        check_parameters(node)
-        if BELOW in text and BELOW not in (key.value for key, _ in _entries(node)):
-            raise _error(node, f"there is no {BELOW}:", "")
+    A file without `ros__parameters` may be for something else: it only has to be valid YAML.
+    """
+    return yaml_repair(text, _WORDS, _check) if BELOW in text else yaml_repair(text, Vocabulary(()))
 
-    return yaml_repair(text, _WORDS, check)
+
+def _check(node: yaml.Node) -> None:
+    seen, left = {id(node)}, [node]
+    while left:
+        above = left.pop()
+        pairs = above.value if isinstance(above, yaml.MappingNode) else ()
+        items = above.value if isinstance(above, yaml.SequenceNode) else ()
+        for inner in (*(node for pair in pairs for node in pair), *items):
+            if id(inner) in seen:
+                raise _error(inner, "ROS reads no aliases", "")
+            seen.add(id(inner))
+            left.append(inner)
+    if all(key.value != BELOW for key, _ in _entries(node)):
+        raise _error(node, f"there is no {BELOW}:", "")
+    check_parameters(node)
 
 
 def is_other_yaml(text: str) -> bool:
@@ -128,7 +141,7 @@ class _Loader(yaml.BaseLoader):
         return super().construct_document(node)
 
     def construct_scalar(self, node: Any) -> Any:
-        return _value(node.value) if isinstance(node, yaml.ScalarNode) and node.style is None else node.value
+        return _value(node.value) if isinstance(node, yaml.ScalarNode) and not node.style else node.value
 
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:  # noqa: ARG002 -- PyYAML's
         return {str(key.value): self.construct_object(value, deep=True) for key, value in node.value}
@@ -188,7 +201,7 @@ def _expect_parameters(node: yaml.Node) -> None:
             _expect_parameters(value)
         elif isinstance(value, yaml.SequenceNode):
             _expect_alike(key, value)
-        elif not value.value and value.style is None:
+        elif not value.value and not value.style:
             raise _error(
                 key,
                 f"nothing comes after {key.value}:",

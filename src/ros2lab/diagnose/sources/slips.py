@@ -53,9 +53,9 @@ class Vocabulary:
         return tag in self.inner.get(above, self.tags)
 
     @property
-    def words(self) -> set[str]:
-        """All tags."""
-        return {*self.tags, *(tag for tags in self.inner.values() for tag in tags)}
+    def words(self) -> list[str]:
+        """All tags, the likeliest first."""
+        return [*dict.fromkeys([*self.tags, *(tag for tags in self.inner.values() for tag in tags)])]
 
 
 class Lines:

@@ -107,7 +107,7 @@ def _form(line: str) -> float:
     return (
         abs(line.count("<") - line.count(">"))
         + (line.lstrip()[:1] in (">", "/"))
-        + ("<>" in line or "</>" in line)
+        + any(odd in line for odd in ("<>", "</>", "></"))
     )
 
 

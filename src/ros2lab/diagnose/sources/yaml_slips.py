@@ -99,18 +99,24 @@ class _Usual:
             nodes = [*yaml.compose_all(text, _Loader)]
         except yaml.YAMLError:
             nodes = []
-        odd = sum(self._oddness(node, "", set()) for node in nodes if node)
+        odd = sum(self._oddness(node, "", {}) for node in nodes if node)
         return odd + sum(0.4 for step in _steps(text.split("\n")) if step != self.step)
 
-    def _oddness(self, node: yaml.Node, above: str, seen: Collection[int]) -> float:
+    def _oddness(self, node: yaml.Node, above: str, seen: dict[int, float]) -> float:
         if id(node) in seen:
-            return _ODD  # it holds itself
-        seen = {*seen, id(node)}
+            return seen[id(node)]  # an alias
+        seen[id(node)] = _ODD  # if it holds itself
+        odd = self._of_node(node, above, seen)
+        seen[id(node)] = 0
+        return odd
+
+    def _of_node(self, node: yaml.Node, above: str, seen: dict[int, float]) -> float:
         if isinstance(node, yaml.ScalarNode):
             return _of_scalar(node)
         if isinstance(node, yaml.SequenceNode):
             odd = sum(self._oddness(value, above, seen) for value in node.value)
-            return odd + _ODD * (len({*map(type, node.value)}) > 1) + _unlike(node.value)
+            odd += _ODD * (len({*map(type, node.value)}) > 1)
+            return odd + (0 if self.inner else _unlike(node.value))
         keys = [key.value if isinstance(key, yaml.ScalarNode) else None for key, _ in node.value]
         odd = sum(
             self._oddness(value, str(key), seen) for key, value in zip(keys, _values(node), strict=True)
@@ -120,7 +126,7 @@ class _Usual:
         odd += _ODD * (len(keys) - len({*map(str, keys)}))
         odd += sum(_of_key(key) + 2 * (above != "" and str(key).startswith("/")) for key in keys)
         odd += bool(self.inner and known is None)
-        return odd + _unlike([*_values(node)])
+        return odd + (0 if self.inner else _unlike([*_values(node)]))
 
 
 def _steps(lines: list[str]) -> Iterator[int]:
@@ -144,7 +150,9 @@ def _of_scalar(node: yaml.ScalarNode) -> float:
         odd += 2 * (not node.value)
         odd += 2 * bool(re.match(r"[\w./]+:(?!//)\S|-+[A-Za-z]|\w+ *= *\S", node.value))
         odd += 1 * bool(re.search(r"['\"\[\]{}]|[,;:]$", re.sub(r"\$\(.*?\)", "", node.value)))
-    elif re.search(r":\s|^\s|\s$|[\[\]{}]", node.value):
+    elif re.search(r"^[\[{]|[\]}]$", node.value):
+        odd += 1
+    elif re.search(r":\s|^\s|\s$", node.value):
         odd += 0.2
     return odd
 
@@ -183,10 +191,10 @@ def _slips(text: str, fault: yaml.MarkedYAMLError, usual: _Usual) -> Iterator[Sl
             yield lines.written(number, new, why, cost + far)
         yield from _moved(lines, number, usual.step, far)
         yield lines.removed(number, cost=far + RARE * (1 + bool(re.search(r"\w", lines[number]))))
-        for word in sorted(usual.known) if number in near[:3] else ():
+        for rank, word in enumerate(usual.known if number in near[:3] else ()):
             for new in _heads(lines[number], word, usual):
                 # The more words there are, the less speaks for any of them.
-                cost = SELDOM - 0.1 + len(usual.known) / 50 + far
+                cost = SELDOM - 0.1 + len(usual.known) / 50 + rank / 10_000 + far
                 yield lines.added(number - 1, new, f"the line {word}: is missing", cost)
     yield from _entries(lines, near)
 
@@ -196,7 +204,7 @@ def _heads(line: str, word: str, usual: _Usual) -> Iterator[str]:
     for column in dict.fromkeys((len(_indent(line)), max(len(_indent(line)) - usual.step, 0))):
         yield f"{' ' * column}{word}:"
     for dashed in usual.dashes:
-        if len(dashed) <= len(_indent(line)):
+        if len(dashed) < len(_indent(line)):
             yield f"{dashed}{word}:"
 
 
