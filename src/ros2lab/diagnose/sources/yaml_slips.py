@@ -6,7 +6,7 @@ import collections
 import difflib
 import itertools
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 
 import yaml
 
