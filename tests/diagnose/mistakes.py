@@ -323,7 +323,7 @@ IN_LESSONS = [
     *_in_launch_file("launch/robot.launch.xml", 'exec="MODULE"', 'exec="MODULE" name="teller"', 10),
     *_in_launch_file("launch/robot.xml", 'exec="MODULE"', 'exec="MODULE" name="teller"', 10),
     Mistake("YAML launch syntax", "launch-syntax", in_launch("launch/robot.launch.yaml", "  - arg", "\t- arg"), "", "robot.launch.yaml:2"),
-    Mistake("XML launch syntax", "launch-syntax", in_launch("launch/robot.launch.xml", "</group>", ""), "", "robot.launch.xml:14"),
+    Mistake("XML launch syntax", "launch-syntax", in_launch("launch/robot.launch.xml", "</group>", ""), "", "robot.launch.xml:13"),
 ]  # fmt: skip
 
 ALL = [*PACKAGING, *RUNNING, *FURTHER, *AFTERWARDS, *IN_LESSONS]

@@ -27,6 +27,7 @@ class _Element:
     above: str
     line: int
     texts: list[str]
+    attributes: int
     count: int = 0  # of the elements in it
 
 
@@ -49,7 +50,9 @@ class _Seen:
         above = self.open[-1] if self.open else None
         if above:
             above.count += 1
-        element = _Element(tag, above.tag if above else "", self._parser.CurrentLineNumber, [])
+        element = _Element(
+            tag, above.tag if above else "", self._parser.CurrentLineNumber, [], len(attributes)
+        )
         self.elements.append(element)
         self.open.append(element)
         self.values += [*attributes.values()]
@@ -95,6 +98,8 @@ def _oddness(element: _Element, vocabulary: Vocabulary, left_over: re.Pattern[st
     """Return how little sense an element makes."""
     said = " ".join(element.texts).strip()
     odd = 0.0 if vocabulary.knows(element.tag, element.above) else _ODD
+    if not (element.attributes or element.count or said) and element.tag in vocabulary.inner:
+        odd += 2  # it holds nothing
     if element.tag in vocabulary.texts:
         odd += (_ODD if element.count else 0) + (0 if said else 1)
     elif said and element.tag in vocabulary.words:
