@@ -81,7 +81,10 @@ def parameter_file_repair(text: str) -> Slip | None:
 
     A file without `ros__parameters` may be for something else: it only has to be valid YAML.
     """
-    return yaml_repair(text, _WORDS, _check) if BELOW in text else yaml_repair(text, Vocabulary(()))
+    if BELOW not in text:
+        return yaml_repair(text, Vocabulary(()))
+    # An alias whose value is there is no slip: rcl reads none.
+    return None if re.search(r"(?s)&(\w+)\b.*\*\1\b", text) else yaml_repair(text, _WORDS, _check)
 
 
 def _check(node: yaml.Node) -> None:
@@ -245,4 +248,9 @@ def _error(node: yaml.Node, reason: str, fix: str) -> _RclError:
 def _reason(error: yaml.MarkedYAMLError) -> ParameterFileError:
     """Return a YAML error with the line where the parser notices it."""
     mark, fix = error.problem_mark or error.context_mark, getattr(error, "fix", "")
+    if "aliases" in (error.problem or ""):
+        fix = "write the value itself"
+        error.problem = (
+            "a value begins with *, which stands for another value in YAML, but ROS does not read that"
+        )
     return ParameterFileError(error.problem or "it cannot be read", mark.line + 1 if mark else None, fix)

@@ -338,7 +338,7 @@ def _changes(line: str, usual: _Usual) -> Iterator[tuple[str, str, float]]:
 
 def _of_signs(line: str) -> Iterator[tuple[str, str, float]]:
     """Yield a line with a sign more, less or another."""
-    for match in re.finditer(r"[^\w\s]", line):
+    for match in re.finditer(r"[^\w\s#]", line):
         begin, end = match.span()
         yield line[:begin] + line[end:], f"the sign {match[0]} does not belong here", SELDOM
         yield line[:end] + line[begin:], f"there should be two {match[0]}", USUAL + 0.3
@@ -349,7 +349,9 @@ def _of_signs(line: str) -> Iterator[tuple[str, str, float]]:
                     f"there should be {sign} instead of {match[0]}",
                     SELDOM + 0.2,
                 )
-    for place in sorted({edge for match in re.finditer(r"[\w.]+|[^\w\s]", line) for edge in match.span()}):
+    for place in sorted(
+        {edge for match in re.finditer(r"[\w.]+|[^\w\s#]", line.partition(" #")[0]) for edge in match.span()}
+    ):
         for sign in _SIGNS:
             if sign in _PAIRS or sign in _PAIRS.values():
                 why = f"a {sign} is missing"
