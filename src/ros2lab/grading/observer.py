@@ -381,11 +381,7 @@ class Conductor:
             enclaves={name: sorted(watch.enclaves.get(name, ())) for name in names},
             publishes=publishes,
             subscribes=subscribes,
-            qos={
-                topic: sorted(watch.qos[topic])
-                for topic in sorted({*publishes, *subscribes})
-                if watch.qos.get(topic)
-            },
+            qos={topic: sorted(watch.qos[topic]) for topic in sorted({*publishes, *subscribes})},
             parameters=self._first_values,
             quiet=self._quiet,
             log=self._quiet_log,
