@@ -37,6 +37,7 @@ FIGURES = {
     "kernel_memory": "memory of a kernel with everything, against a bare one",
     "ros2_command": "the portable ros2 command: times, and complete answers on ten new nodes",
     "lessons": "how long each lesson takes, its slowest cell, and what a cell of %%terminal costs",
+    "slips_undone": "slips of typing in right packages, and how many are undone to the letter",
     "grading": "what a grade costs, beside nbgrader's (needs bubblewrap)",
     "same_grade": "whether a grade under load is the same 100 times (takes 20 minutes; needs bubblewrap)",
     "class_grading.rate": "a class of 60 as many at once as the machine bears, beside one at a time (10 minutes; needs bubblewrap)",
