@@ -141,8 +141,13 @@ class Look:
 
     def _file_faults(self, package: SourcePackage) -> Iterator[Finding]:
         """Yield what is wrong with a package's parameter files."""
-        launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
-        names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
+        launched = [node for file in self.launch_files for node in file.nodes if node.name is not None]
+        names = {
+            node.name if isinstance(node.name, str) else ""
+            for node in launched
+            if node.package == package.name
+        }
+        others = {node.name for node in launched if isinstance(node.name, str)} - names
         started = [node for file in self.launch_files for node in started_in(file, self._with_sources)]
         moved = {
             name
@@ -151,7 +156,7 @@ class Look:
             for name, (source, _) in node.sources.node_names().items()
             if source.name == node.module and (node.name != name or node.namespace)
         }
-        return file_faults(package, self.sources(package), names, moved)
+        return file_faults(package, self.sources(package), names, moved, others)
 
     def _faults_of_launch_files(self, by_name: Mapping[str, SourcePackage]) -> Iterator[Finding]:
         for launch_file in self.launch_files:

@@ -221,7 +221,11 @@ def _declare(found: dict[str, Any], name: str, default: Any) -> None:
 
 
 def file_faults(
-    package: SourcePackage, sources: NodeSources, launched: Collection[str], moved: Collection[str]
+    package: SourcePackage,
+    sources: NodeSources,
+    launched: Collection[str],
+    moved: Collection[str],
+    others: Collection[str],
 ) -> Iterator[Finding]:
     """Yield faults in a package's parameter files.
 
@@ -230,6 +234,7 @@ def file_faults(
         sources: its Python files.
         launched: names that launch files give its nodes; "" for one that is not known.
         moved: names in its code that launch files replace or put into a namespace.
+        others: names that launch files give nodes of other packages.
     """
     names = {*sources.node_names(), *launched}
     full = {name: whole for name, whole in sources.full_names().items() if name not in {*launched, *moved}}
@@ -246,7 +251,8 @@ def file_faults(
         lines_of = _Lines(shown, text)
         if isinstance(content, Mapping) and BELOW in text:
             offered = {*names} - {*moved} | {*launched}
-            yield from _content_faults(content, names, offered, declared, lines_of)
+            own = {key: values for key, values in sections_of(content) if not is_node(key, others)}
+            yield from _content_faults(own, names, offered, declared, lines_of)
             yield from _apart(content, full, lines_of)
         elif isinstance(content, Mapping) and (near := _nearly_below(content)):
             cause = f"In {shown} the line above the parameters is {near}:, but ROS reads only what is below {BELOW}:."
@@ -314,13 +320,12 @@ def other_name(key: str, runs_as: str, shown: str, place: str) -> Finding:
 
 
 def _content_faults(
-    content: Mapping[Any, Any],
+    sections: Mapping[str, Mapping[Any, Any]],
     names: Collection[str],
     offered: Collection[str],
     declared: Mapping[str, Any] | None,
     lines: _Lines,
 ) -> Iterator[Finding]:
-    sections = dict(sections_of(content))
     wrong = [key for key in sections if not is_node(key, names)]
     own = sorted(name for name in offered if name)
     for key in wrong if own and "" not in names else ():
@@ -328,8 +333,8 @@ def _content_faults(
         near = next((name for name in own if is_near_miss(short, name)), None)
         alike = [name for name in own if {*name.split("_")} & {*short.split("_")}]
         likely = near or " or ".join(alike if len(alike) == 1 else own)
-        # A file may also hold parameters for other people's nodes.
-        if near or len(wrong) == len(sections):
+        # A file may also be for somebody else's node, or be read by the code itself.
+        if near or (sections[key] and declared and sections[key].keys() <= declared.keys()):
             yield Finding(
                 "parameter-file-node",
                 f"{lines.shown} sets parameters for a node called {short}, but {'the node is' if len(own) == 1 else 'the nodes are'} "
@@ -337,7 +342,7 @@ def _content_faults(
                 lines.at_section(key),
                 f"write {likely} instead of {short}",
             )
-    for values in sections.values():
+    for values in (sections[key] for key in sections if key not in wrong or "" in names):
         for name, value in values.items():
             default = (declared or {}).get(name, UNKNOWN)
             wanted, given = kind_of(default), kind_of(value)
