@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import os
 import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,7 +36,9 @@ RULES = {
 }
 
 
-def said_of(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
+def said_of(
+    files: list[str], homes: Iterable[str] = (), packages: Sequence[Path] = ()
+) -> list[re.Match[str]]:
     """Return the messages of the type checker about some files: file, line, column, rule and text.
 
     Empty if it is not installed or fails.
@@ -43,29 +46,50 @@ def said_of(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
     Args:
         files: their paths.
         homes: more folders from which they import modules.
+        packages: the folders of the packages in which files are.
     """
     checker = shutil.which(
         "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     )
     if checker is None or not files:
         return []
-    # It runs in another folder, so relative paths are made absolute.
-    search = [
-        Path(folder).absolute() for folder in os.environ.get("PYTHONPATH", "").split(os.pathsep) if folder
-    ]
-    environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
-    for folder in [*homes, *filter(Path.is_dir, search)]:
-        command += ["--extra-search-path", str(folder)]
-    try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/", env=environ
-        )
-    except (OSError, subprocess.SubprocessError):
-        return []
-    rows = [row for line in done.stdout.splitlines() if (row := _ROW.match(line)) is not None]
+    with scratch_folder() as folder:
+        # It names modules from its own folder on, and finds none below a folder whose name is no identifier.
+        (folder / "ty.toml").touch()
+        linked = {f"package_{number}": str(package) for number, package in enumerate(packages)}
+        for name, package in linked.items():
+            (folder / name).symlink_to(package)
+        seen = [_linked(path, linked) for path in files]
+        said = _said(checker, seen, homes, folder)
+    places = {alias.lstrip("/"): path.lstrip("/") for alias, path in zip(seen, files, strict=True)}
+    told = [row for line in said.splitlines() if (row := _ROW.match(line)) is not None]
+    placed = [(places.get(row["file"].lstrip("/"), row["file"]), row) for row in told]
+    rows = filter(None, (_ROW.match(f"{place}{row.string[row.end('file') :]}") for place, row in placed))
     # A misspelled keyword argument is reported as missing, too; the misspelling says more.
     return sorted(rows, key=lambda row: row["rule"] == "missing-argument")
+
+
+def _linked(path: str, packages: Mapping[str, str]) -> str:
+    """Return the path of a file below the link to its package; unchanged if it is in none."""
+    inside = [name for name, package in packages.items() if Path(path).is_relative_to(package)]
+    home = max(inside, key=lambda name: len(packages[name]), default="")
+    return f"{home}/{Path(path).relative_to(packages[home])}" if home else path
+
+
+def _said(checker: str, files: Sequence[str], homes: Iterable[str], folder: Path) -> str:
+    """Return what the type checker prints in a folder; empty if it fails."""
+    # It runs in another folder, so relative paths are made absolute.
+    search = [Path(home).absolute() for home in os.environ.get("PYTHONPATH", "").split(os.pathsep) if home]
+    environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
+    for home in [*homes, *filter(Path.is_dir, search)]:
+        command += ["--extra-search-path", str(home)]
+    with contextlib.suppress(OSError, subprocess.SubprocessError):
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd=folder, env=environ
+        )
+        return done.stdout
+    return ""
 
 
 def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:

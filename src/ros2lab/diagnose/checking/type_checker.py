@@ -60,7 +60,7 @@ def type_faults(
         str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
     }
     owners = {s: look.sources(p) for p in look.packages for s in p.sources.values()}
-    rows = said_of([*sources, *_launch_files(look)])
+    rows = said_of([*sources, *_launch_files(look)], packages=[package.folder for package in look.packages])
     objections: dict[str, list[tuple[int, str]]] = {}
     for row in rows:
         objections.setdefault(f"/{row['file']}", []).append((int(row["line"]), row["said"]))
