@@ -29,7 +29,7 @@ from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
 from ros2lab.diagnose.launching.launch_order import set_back
 from ros2lab.diagnose.launching.parameter_names import passed_over
-from ros2lab.diagnose.launching.started_faults import Started, started_faults, started_in
+from ros2lab.diagnose.launching.started_faults import Started, are_alone, started_faults, started_in
 from ros2lab.diagnose.net import guarded
 from ros2lab.diagnose.nodes.bursts import burst_faults
 from ros2lab.diagnose.nodes.life_faults import life_faults
@@ -175,8 +175,15 @@ class Look:
     def _started_faults(self) -> Iterator[Finding]:
         for launch_file in self.launch_files:
             if launch_file.is_loaded:
-                yield from guarded(started_faults, launch_file, self._with_sources)
+                yield from guarded(self._faults_of_started, launch_file)
                 yield from guarded(set_back, started_in(launch_file, self._with_sources))
+
+    def _faults_of_started(self, launch_file: LaunchFile) -> Iterator[Finding]:
+        return started_faults(launch_file, self._with_sources, is_alone=self._are_alone)
+
+    @cached_property
+    def _are_alone(self) -> bool:
+        return are_alone(self.launch_files, self._with_sources)
 
     def _is_for_ros(self, package: SourcePackage) -> bool:
         return is_for_ros(package, {node.package for file in self.launch_files for node in file.nodes})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -142,20 +142,45 @@ def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, Nod
     return found
 
 
+def are_alone(
+    files: Iterable[LaunchFile], packages: Mapping[str, tuple[SourcePackage, NodeSources]]
+) -> bool:
+    """Return whether the nodes of a workspace work without any other program, such as a simulator.
+
+    Texts are typed at a terminal, but other messages come from a program.
+    """
+    if any(package.setup is None for package, _ in packages.values()):
+        return False
+    for file in files:
+        is_own = file.is_loaded and len(started_in(file, packages)) == len(file.nodes)
+        if not is_own or any("sim" in name for name in file.arguments or ()):
+            return False
+    ends = [end for _, sources in packages.values() for end in ends_of(sources, unnamed=True)]
+    sent = {end.topic for end in ends if end.is_publisher}
+    from_outside = {
+        end.topic
+        for end in ends
+        if not end.is_publisher and not (end.type or "").startswith("std_msgs") and end.topic not in sent
+    }
+    return not from_outside and "clock" not in sent and "" not in sent
+
+
 def started_faults(
-    file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]
+    file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]], *, is_alone: bool
 ) -> Iterator[Finding]:
     """Yield what keeps the nodes of a launch file from their parameters or from each other.
 
     Args:
         file: as launch has loaded it.
         packages: those of the workspace, each with its files.
+        is_alone: whether nothing but the workspace's own nodes is ever started with them.
     """
     nodes = started_in(file, packages)
     yield from _parameters(nodes)
     yield from _renamed(nodes)
     if len(nodes) == len(file.nodes):
-        yield from _without_clock(nodes)
+        if is_alone:
+            yield from _without_clock(nodes)
         yield from _started_twice(nodes)
     if len(nodes) == len(file.nodes):  # otherwise another program may have the other end of a topic
         yield from _apart(nodes)
@@ -254,8 +279,6 @@ def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
 
 def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield parameters that make a node wait for simulated time that nothing publishes."""
-    if any(name == "/clock" and end.is_publisher for node in nodes for end, _, name in node.ends):
-        return
     cause = "use_sim_time makes the node wait for simulated time on /clock, which nothing here publishes, so its timers never fire."
     for node in nodes:
         if node.launched.values.get("use_sim_time") is True:
