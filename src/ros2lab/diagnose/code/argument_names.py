@@ -62,12 +62,19 @@ def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
         second = takes.index(name) if name in takes else first
         if second in (first, *range(len(given), len(takes))) or names[second] == takes[second]:
             continue
+        if names[second] != takes[first] and not _is_own_name(given[first]):
+            continue  # what another object calls its value says little of what it is here
         # The argument it is swapped with may have any name except that of a third parameter.
         if names[second] in ("", takes[first]) or names[second] not in takes:
             right = list(given)
             right[first], right[second] = right[second], right[first]
             return right
     return None
+
+
+def _is_own_name(node: ast.expr) -> bool:
+    """Return whether an expression's name was given to it in this class, and is not that of a field of another."""
+    return not isinstance(node, ast.Attribute) or is_self_attribute(node) or isinstance(node.value, ast.Call)
 
 
 def _name_of(node: ast.expr) -> str:

@@ -13,7 +13,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.other_names import by_another_name
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
+from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
 
 
 def launch_faults(
@@ -29,11 +29,13 @@ def launch_faults(
         executables: those of each package; None where they are not known.
     """
     yield from launch_file.faults
+    declared = {name for package in packages.values() for name in package.declared}
     for node in launch_file.nodes:
         if isinstance(node.package, str) and node.package not in packages:
-            wanted = nearest(node.package, packages, 0.8)
+            wanted = next((name for name in packages if is_near_miss(node.package, name)), None)
             if (
                 wanted
+                and node.package not in declared
                 and interfaces.folder_of(node.package) is None
                 and node.package not in interfaces.PACKAGES
             ):

@@ -24,7 +24,7 @@ from ros2lab.diagnose.sources.interfaces import launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_other_yaml, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_source, read_text
-from ros2lab.diagnose.sources.spelling import nearest, with_article
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, with_article
 from ros2lab.scratch import scratch_folder
 
 
@@ -307,13 +307,15 @@ def _lacking(
     own = [package.name for package in packages]
     if not name or name.partition(".")[0] in own:
         return  # it may be found once the workspace is installed
-    near = nearest(name, own, 0.6)
+    declared = {known for package in packages for known in package.declared}
+    is_known = name.partition(".")[0] in declared
+    near = None if is_known else next((known for known in own if is_near_miss(name, known)), None)
     place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
     cause = f"launch cannot load this file: {name} is neither in this workspace nor installed."
     fix = (
         f"write {near} instead of {name}"
         if near
-        else f"fix the name {name}, or install the package that provides it"
+        else f"{'' if is_known else f'fix the name {name}, or '}install the package that provides it"
     )
     yield Finding("launch-package", cause, place, fix, (name,))
 

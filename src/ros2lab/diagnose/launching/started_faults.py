@@ -251,7 +251,8 @@ def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
     wanted = nearest(topic.lstrip("/"), own, 0.6) or (min(own) if len(own) == 1 else "")
     fix = f"write one of these as the first name of the remapping: {there}"
     fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
-    fix = f"write ({new!r}, {topic!r}) instead of ({topic!r}, {new!r})" if is_turned else fix
+    if is_turned:
+        fix = f"remove it if {new!r} is right; otherwise write ({new!r}, {topic!r}) instead of ({topic!r}, {new!r})"
     return Finding("remap-unknown", cause, node.launched.place, fix)
 
 

@@ -143,9 +143,9 @@ def _never_read(state: State) -> Iterator[Finding]:
         method, node, value = state.stores[f"self.{name}"][-1]
         if method.name == "__init__" or isinstance(value, ast.Call):
             continue
-        near = next(
-            (candidate for candidate in sorted(own & state.read) if is_near_miss(name, candidate)), None
-        )
+        # A slip is made once; a name that is also set elsewhere is meant.
+        known = sorted(own & state.read) if len(state.stores[f"self.{name}"]) == 1 else []
+        near = next((candidate for candidate in known if is_near_miss(name, candidate)), None)
         if near:
             cause = f"{method.name}() sets self.{name}, which is never read; self.{near} is read instead."
             fix = f"write self.{near} instead of self.{name}"

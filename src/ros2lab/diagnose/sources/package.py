@@ -72,6 +72,12 @@ class SourcePackage:
         return self._parsed[0]
 
     @property
+    def declared(self) -> set[str]:
+        """The packages that package.xml says are needed to run it."""
+        tags = (self.manifest.build_depends, self.manifest.exec_depends) if self.manifest else ()
+        return {dependency.name for tag in tags for dependency in tag}
+
+    @property
     def manifest_fault(self) -> str | None:
         """Why package.xml is not valid; None if it is valid or missing."""
         return self._parsed[1]

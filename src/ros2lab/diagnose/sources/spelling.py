@@ -45,7 +45,8 @@ def is_near_miss(name: object, wanted: object) -> bool:
     """Return whether `name` is a misspelling of `wanted`, and not another name.
 
     It has one letter too few, too many or wrong, two letters swapped, another case or separator, or a number
-    at the end: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, and no non-string is.
+    at the end: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, nor is `pose2` of `pose1`, which
+    may stand beside it, and no non-string is.
     """
     return isinstance(name, str) and isinstance(wanted, str) and _is_near_miss(name, wanted)
 
@@ -61,7 +62,8 @@ def _is_near_miss(name: str, wanted: str) -> bool:
         return False
     if _letters(name) == _letters(wanted):
         return True
-    if len(wanted) < 5:
+    are_numbered = re.sub(r"\d+", "0", name) == re.sub(r"\d+", "0", wanted)
+    if len(wanted) < 5 or are_numbered:
         return False
     return re.sub(r"_?\d+$", "", name) == wanted or _is_one_edit(name.lower(), wanted.lower())
 
