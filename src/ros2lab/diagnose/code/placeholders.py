@@ -11,7 +11,8 @@ from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.uses import is_log
 
-_FIELD = re.compile(r"\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
+# Braces after `$`, `^` or a command of TeX belong to another language.
+_FIELD = re.compile(r"(?:[$^]|\\\w+)\{|\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
 _EMPTY = re.compile(r"\{(?:\d*|\d*:[^{}]*)\}|%[-+ 0]*\d*(?:\.\d+)?[dsif]\b")
 
 
@@ -19,7 +20,10 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
     """Yield strings that show a placeholder where its value was meant."""
     filled = {id(n) for node in source.nodes for n in _filled_in(node)}
     is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
+    read = {id(n) for node in source.nodes for n in _read_by_people(node)}
     for node in source.nodes if not is_formatted else ():
+        if id(node) not in read:
+            continue
         if isinstance(node, ast.JoinedStr):
             texts = [value.value for value in node.values if isinstance(value, ast.Constant)]
             for name in _known(source, "".join(map(str, texts))):
@@ -29,7 +33,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
                 break
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
             names = _FIELD.findall(node.value)
-            if names and [*_known(source, node.value)] == names:
+            if all(names) and names and [*_known(source, node.value)] == names:
                 cause = f"The f before the string is missing, so {{{names[0]}}} is shown as it is and no value is filled in."
                 yield Finding(
                     "text-not-filled",
@@ -53,6 +57,24 @@ def _known(source: PythonSource, text: str) -> Iterator[str]:
         first, *others = name.replace("()", "").split(".")
         if others[0] in own if first == "self" and others else first in bound:
             yield name
+
+
+def _read_by_people(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes of texts that are logged, raised, or kept under a name; others may be for a program."""
+    match node:
+        case ast.Call() if is_log(node):
+            yield from (inner for given in node.args for inner in ast.walk(given))
+        case ast.Raise(exc=ast.Call() as made):
+            yield from ast.walk(made)
+        case ast.Assign(value=value) | ast.keyword(arg="data", value=value) | ast.Return(value=value) if value:
+            yield from (inner for inner in (value, *_joined(value)))
+
+
+def _joined(value: ast.expr) -> Iterator[ast.expr]:
+    """Yield the texts that `+` joins."""
+    if isinstance(value, ast.BinOp) and isinstance(value.op, ast.Add):
+        for side in (value.left, value.right):
+            yield from (side, *_joined(side))
 
 
 def _shown(nodes: Iterable[ast.AST]) -> Iterator[ast.Constant]:

@@ -162,7 +162,9 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
                     ]
                     lines = " or ".join(str(call.lineno) for call in free)
                     where = (
-                        f"add {written} to the Node on line {lines}"
+                        f"remove it, or give {name} to the Node that reads it"
+                        if keyword == "arguments"
+                        else f"add {written} to the Node on line {lines}"
                         if free
                         else f"add {name} to {keyword} of a Node"
                     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
@@ -17,10 +17,10 @@ _WAITING = frozenset(("Thread", "run", "gather", "create_task", "create_rate", "
 _SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its timers
 
 
-def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
+def entrance_faults(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]:
     """Yield what is wrong in how a program initializes, spins and ends."""
     if entrance.node is None:
-        yield from _left_aside(entrance)
+        yield from _left_aside(entrance, mains)
         return
     yield from _init(entrance)
     for call in entrance.calls:
@@ -38,12 +38,12 @@ def entrance_faults(entrance: Entrance) -> Iterator[Finding]:
         yield from _spin(entrance)
 
 
-def _left_aside(entrance: Entrance) -> Iterator[Finding]:
+def _left_aside(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]:
     """Yield a function that makes a node but is never called, in the file of an entrance without a node."""
     source = entrance.source
     named = {getattr(node, "id", getattr(node, "attr", "")) for node in source.nodes}
     for name, (home, function) in entrance.sources.functions.items():
-        if home is not source or entrance.may_do_more or function.name in named:
+        if home is not source or entrance.may_do_more or function.name in named or name in mains:
             continue
         if Entrance(entrance.sources, name).node is not None:
             cause = f"`ros2 run` calls {entrance.function.name}(), which never calls {function.name}(), where the node is made."

@@ -44,7 +44,7 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
     ):
         if name in sources.functions:
             entrance = Entrance(sources, name)
-            yield from entrance_faults(entrance)
+            yield from entrance_faults(entrance, mains or ())
             yield from two_executors(entrance)
             yield from several_threads(entrance)
     for source in sources.sources.values():

@@ -30,7 +30,9 @@ def layout_faults(
         # A package may be hidden on purpose, but not one that is needed, or the only one.
         name = skipped.package.name
         is_missed = name not in seen and (not packages or name in wanted or prefix_of(root, name))
-        if is_missed or (skipped.is_nested and name not in seen):
+        # One of ROS 1 may lie among the data of another, such as the model of a robot.
+        is_built = skipped.package.has("setup.py") or (skipped.package.build_type or "").startswith("ament")
+        if is_missed or (skipped.is_nested and name not in seen and is_built):
             yield hidden(skipped)
     if not packages and not passed_over:
         yield from outside(root)

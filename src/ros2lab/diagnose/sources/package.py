@@ -297,6 +297,8 @@ def _where_they_hold(manifest: Any) -> Any:
 def _is_launch_file(path: Path) -> bool:
     is_named = path.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch"))
     may_be = path.suffix in (".py", ".xml", ".yaml", ".yml") and path.name not in ("package.xml", "setup.py")
+    # A module may be called so, too: one of nodes that launch something, such as a rocket.
+    is_named &= not (path.parent / "__init__.py").is_file() or "LaunchDescription" in read_text(path)
     return path.is_file() and (is_named or (may_be and _LAUNCH.search(read_text(path)) is not None))
 
 
