@@ -66,7 +66,9 @@ def _read_by_people(node: ast.AST) -> Iterator[ast.AST]:
             yield from (inner for given in node.args for inner in ast.walk(given))
         case ast.Raise(exc=ast.Call() as made):
             yield from ast.walk(made)
-        case ast.Assign(value=value) | ast.keyword(arg="data", value=value) | ast.Return(value=value) if value:
+        case ast.Assign(value=value) | ast.keyword(arg="data", value=value) | ast.Return(value=value) if (
+            value
+        ):
             yield from (inner for inner in (value, *_joined(value)))
 
 

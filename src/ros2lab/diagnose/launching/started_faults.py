@@ -142,9 +142,7 @@ def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, Nod
     return found
 
 
-def are_alone(
-    files: Iterable[LaunchFile], packages: Mapping[str, tuple[SourcePackage, NodeSources]]
-) -> bool:
+def are_alone(files: Iterable[LaunchFile], packages: Mapping[str, tuple[SourcePackage, NodeSources]]) -> bool:
     """Return whether the nodes of a workspace work without any other program, such as a simulator.
 
     Texts are typed at a terminal, but other messages come from a program.

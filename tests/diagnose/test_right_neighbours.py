@@ -1,0 +1,166 @@
+"""Right code that looks like a fault: each workspace is quiet, and the fault beside it is still told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from one_file import sources_of
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.code.argument_names import argument_name_faults
+from ros2lab.diagnose.sources.spelling import is_near_miss
+
+NAME = NAMES[1]
+PACKAGE = NAME.package
+LAUNCH = """\
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    return LaunchDescription([ACTIONS])
+"""
+OWN = f"Node(package='{PACKAGE}', executable='{NAME.module}', output='screen', MORE)"
+PATH = f"PathJoinSubstitution([FindPackageShare('{PACKAGE}'), 'config', 'more.yaml'])"
+FILTER = f"Node(package='ekf', executable='ekf_node', name='filter', parameters=[{PATH}])"
+
+
+def codes(files: Files, folder: Path, *wanted: str) -> list[str]:
+    """Return the codes of the findings of a workspace, of those that are asked for."""
+    return [finding.code for finding in of_workspace(files.write(folder)) if finding.code in wanted]
+
+
+@pytest.mark.parametrize(
+    ("section", "actions", "is_told"),
+    [
+        ("filter:\n  ros__parameters:\n    frequency: 30.0\n", "", False),
+        ("filter:\n  ros__parameters:\n    period: 3.0\n", FILTER, False),
+        ("filter:\n  ros__parameters:\n    period: 3\n", FILTER, False),
+        ("robot:\n  wheels:\n    ros__parameters:\n      frequency: 30.0\n", "", False),
+        ("filter:\n  ros__parameters:\n    period: 3.0\n", "", True),
+        (f"{NAME.module}s:\n  ros__parameters:\n    frequency: 30.0\n", "", True),
+    ],
+)
+def test_a_section_for_another_node(tmp_path: Path, section: str, actions: str, is_told: bool) -> None:
+    files = Files.right(NAME)
+    files.put("config/more.yaml", section)
+    if actions:
+        files.put("launch/more.launch.py", LAUNCH.replace("ACTIONS", actions))
+    found = codes(files, tmp_path, "parameter-file-node", "parameter-type")
+    assert found == ["parameter-file-node"] * is_told
+
+
+CLOCK = "parameters=[{'use_sim_time': True}]"
+
+
+@pytest.mark.parametrize(
+    ("actions", "is_told"),
+    [
+        (OWN.replace("MORE", CLOCK), True),
+        (f"{OWN.replace('MORE', CLOCK)}, Node(package='ros_gz_bridge', executable='bridge')", False),
+        (
+            "DeclareLaunchArgument('use_sim_time', default_value='true'), "
+            + OWN.replace("MORE", "parameters=[{'use_sim_time': LaunchConfiguration('use_sim_time')}]"),
+            False,
+        ),
+    ],
+)
+def test_a_clock_of_a_simulator(tmp_path: Path, actions: str, is_told: bool) -> None:
+    files = Files.right(NAME)
+    files.put("launch/more.launch.py", LAUNCH.replace("ACTIONS", actions))
+    assert codes(files, tmp_path, "period") == ["period"] * is_told
+
+
+@pytest.mark.parametrize("folder", ["plain", "2024", "week-2", "my ws"])
+@pytest.mark.parametrize("name", ["helper", "helpers"])
+def test_the_path_above_a_workspace_does_not_matter(tmp_path: Path, folder: str, name: str) -> None:
+    files = Files.right(NAME)
+    files.put(f"{PACKAGE}/__init__.py", "from .tools import *\n")
+    files.put(f"{PACKAGE}/tools.py", "def helper(number):\n    return number\n")
+    files.put(f"{PACKAGE}/use.py", f"import {PACKAGE}\n\nprint({PACKAGE}.{name}(1))\n")
+    found = codes(files, tmp_path / folder, "attribute-missing", "attribute-unknown")
+    assert len(found) == (name == "helpers")
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted", "is_slip"),
+    [
+        ("uav2_pose", "uav1_pose", False),
+        ("robot1/scan", "robot2/scan", False),
+        ("report2", "report", True),
+        ("uva1_pose", "uav1_pose", True),
+        ("robot_localization", "localization", False),
+    ],
+)
+def test_one_of_a_row_is_no_slip(name: str, wanted: str, is_slip: bool) -> None:
+    assert is_near_miss(name, wanted) == is_slip
+
+
+POINT = "'console_scripts': ["
+OTHER = "from setuptools import setup\n\nsetup(name='shared', version='0.0.0', packages=['shared'])\n"
+MAIN = "import rclpy\n\n\ndef main():\n    rclpy.init()\n    node = rclpy.create_node('talk')\n    rclpy.spin(node)\n"
+
+
+@pytest.mark.parametrize(("module", "is_told"), [("shared.talk", False), ("shared.tolk", True)])
+def test_an_entry_point_into_another_package(tmp_path: Path, module: str, is_told: bool) -> None:
+    files = Files.right(NAME).change("setup.py", POINT, f"{POINT}'more = {module}:main',")
+    root = files.write(tmp_path)
+    for path, text in {"setup.py": OTHER, "shared/__init__.py": "", "shared/talk.py": MAIN}.items():
+        (root / "src/shared" / path).parent.mkdir(parents=True, exist_ok=True)
+        (root / "src/shared" / path).write_text(text, encoding="utf-8")
+    found = [f for f in of_workspace(root) if f.code in ("entry-point-module", "entry-points-missing")]
+    assert any(f.code == "entry-point-module" for f in found) == is_told
+    assert is_told or not found
+    assert all(f"src/{PACKAGE}shared" not in f.fix for f in found)
+
+
+def test_a_module_may_be_called_after_a_launch(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("setup.py", POINT, f"{POINT}'rocket = {PACKAGE}.rocket_launch:main',")
+    files.put(
+        f"{PACKAGE}/rocket_launch.py",
+        MAIN.replace("import rclpy", "import rclpy\nfrom rclpy.node import Node"),
+    )
+    assert codes(files, tmp_path, "import-wrong", "launch-function", "not-in-data-files") == []
+
+
+@pytest.mark.parametrize(
+    ("manifest", "is_told"),
+    [("<buildtool_depend>catkin</buildtool_depend>", False), ("<export><build_type>ament_cmake</build_type></export>", True)],
+)  # fmt: skip
+def test_a_package_of_ros_1_may_be_data(tmp_path: Path, manifest: str, is_told: bool) -> None:
+    about = "<name>arm</name><version>1.0.0</version><description>x</description><maintainer email='a@b.cc'>a</maintainer><license>BSD</license>"
+    files = Files.right(NAME).put(
+        "models/arm/package.xml", f"<package format='3'>{about}{manifest}</package>"
+    )
+    assert codes(files, tmp_path, "package-passed-over") == ["package-passed-over"] * is_told
+
+
+def test_a_program_of_its_own_needs_no_node(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("setup.py", POINT, f"{POINT}'sum = {PACKAGE}.{NAME.module}:add',")
+    files.put(
+        files.path("node"),
+        f"{files.filled(files.texts[files.path('node')])}\n\ndef add():\n    print(1 + 1)\n",
+    )
+    assert codes(files, tmp_path, "never-made") == []
+
+
+MOVES = "    def connect(self, frame_id, parent_frame_id):\n        print(frame_id, parent_frame_id)\n\n    def more(self, found, parent_frame_id, frame_id):\n        self.connect(CALL)\n"
+
+
+@pytest.mark.parametrize(
+    ("call", "is_told"),
+    [
+        ("'tool', found.frame_id", False),
+        ("found.parent_frame_id, found.frame_id", True),
+        ("parent_frame_id, frame_id", True),
+    ],
+)
+def test_a_field_of_another_object_is_not_a_name_here(tmp_path: Path, call: str, is_told: bool) -> None:
+    text = f"class Mover:\n{MOVES.replace('CALL', call)}"
+    found = [*argument_name_faults(sources_of(text, tmp_path))]
+    assert [finding.code for finding in found] == ["argument-order"] * is_told
