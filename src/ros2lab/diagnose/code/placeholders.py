@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import is_self_attribute
@@ -20,21 +20,22 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
     """Yield strings that show a placeholder where its value was meant."""
     filled = {id(n) for node in source.nodes for n in _filled_in(node)}
     is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
+    names = _names(source)
     read = {id(n) for node in source.nodes for n in _read_by_people(node)}
     for node in source.nodes if not is_formatted else ():
         if id(node) not in read:
             continue
         if isinstance(node, ast.JoinedStr):
             texts = [value.value for value in node.values if isinstance(value, ast.Constant)]
-            for name in _known(source, "".join(map(str, texts))):
+            for name in _known(names, "".join(map(str, texts))):
                 cause = f"In an f-string, doubled braces mean literal braces, so {{{name}}} is shown as it is and no value is filled in."
                 fix = f"write {{{name}}} instead of {{{{{name}}}}}"
                 yield Finding("text-not-filled", cause, source.at(node), fix)
                 break
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
-            names = _FIELD.findall(node.value)
-            if all(names) and names and [*_known(source, node.value)] == names:
-                cause = f"The f before the string is missing, so {{{names[0]}}} is shown as it is and no value is filled in."
+            fields = _FIELD.findall(node.value)
+            if all(fields) and fields and [*_known(names, node.value)] == fields:
+                cause = f"The f before the string is missing, so {{{fields[0]}}} is shown as it is and no value is filled in."
                 yield Finding(
                     "text-not-filled",
                     cause,
@@ -48,14 +49,18 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
             yield Finding("text-not-filled", cause, source.at(text), fix)
 
 
-def _known(source: PythonSource, text: str) -> Iterator[str]:
-    """Yield the names in braces in a string that the file defines."""
-    own = {n.attr for n in source.nodes if is_self_attribute(n)}
+def _names(source: PythonSource) -> set[str]:
+    """Return the names that a file defines, such as `count` and `self.count`."""
+    own = {f"self.{n.attr}" for n in source.nodes if is_self_attribute(n)}
     bound = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    bound |= {n.arg for n in source.nodes if isinstance(n, ast.arg)}
+    return own | bound | {n.arg for n in source.nodes if isinstance(n, ast.arg)}
+
+
+def _known(names: Collection[str], text: str) -> Iterator[str]:
+    """Yield the names in braces in a string that the file defines."""
     for name in _FIELD.findall(text):
         first, *others = name.replace("()", "").split(".")
-        if others[0] in own if first == "self" and others else first in bound:
+        if (f"self.{others[0]}" if first == "self" and others else first) in names:
             yield name
 
 

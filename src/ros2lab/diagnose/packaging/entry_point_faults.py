@@ -33,7 +33,7 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
             place,
             "write 'console_scripts' with an s",
         )
-    elif points == [] and (main := _first_main(package)) and not _is_named_by_another(package, main):
+    elif points == [] and (main := _first_main(package)) and not _is_named_beside(package, main):
         yield Finding(
             "entry-points-missing",
             f"setup.py has no entry point, so {main} cannot be run with `ros2 run`.",
@@ -51,20 +51,9 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         yield from (replace(finding, about=(point.name, *finding.about)) for finding in found)
 
 
-def _around(package: SourcePackage) -> Path:
-    """Return the folder in which the other packages of the workspace are."""
-    root = package.root or package.folder.parent
-    return root / "src" if (root / "src").is_dir() else package.folder.parent
-
-
-def _is_of_another(package: SourcePackage, module: str) -> bool:
-    """Return whether another package of the workspace has a module, which an entry point may name."""
-    return any(_around(package).rglob(f"{module.replace('.', '/')}.py"))
-
-
-def _is_named_by_another(package: SourcePackage, module: str) -> bool:
+def _is_named_beside(package: SourcePackage, module: str) -> bool:
     """Return whether the setup.py of another package has an entry point into a module."""
-    return any(f"{module}:" in read_text(path) for path in _around(package).rglob("setup.py"))
+    return any(f"{module}:" in read_text(path) for path in package.beside.rglob("setup.py"))
 
 
 def _first_main(package: SourcePackage) -> str | None:
@@ -116,7 +105,11 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         yield Finding("entry-point-module", cause, place, fix, (package.shown(called),))
         return
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
-    if source is None and top not in tops and _is_of_another(package, point.module):
+    if (
+        source is None
+        and top not in tops
+        and any(package.beside.rglob(f"{point.module.replace('.', '/')}.py"))
+    ):
         return
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
         yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)

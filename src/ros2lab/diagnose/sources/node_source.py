@@ -269,13 +269,8 @@ class NodeSources:
         """Return the value of a name that the file assigns only once; any other expression as it is."""
         if not isinstance(node, (ast.Name, ast.Attribute)):
             return node
-        text = ast.unparse(node)
-        stored = [
-            n for n in source.nodes if isinstance(n, (ast.Name, ast.Attribute)) and ast.unparse(n) == text
-        ]
-        stored = [n for n in stored if isinstance(n.ctx, ast.Store)]
-        given = [n.value for n in source.nodes if isinstance(n, ast.Assign) and n.targets == stored]
-        return given[0] if len(stored) == len(given) == 1 else node
+        values = source.stored.get(ast.unparse(node), ())
+        return (values[0] if len(values) == 1 else None) or node
 
     def callbacks(self) -> Iterator[tuple[Creation, Function]]:
         """Yield the package's callbacks, each with the call that passes it to ROS."""

@@ -50,6 +50,12 @@ class SourcePackage:
         named = self.setup.keywords.get("name") if self.setup else None
         return named if isinstance(named, str) and named else self.folder.name
 
+    @property
+    def beside(self) -> Path:
+        """The folder below which the workspace's packages are."""
+        source = (self.root or self.folder.parent) / "src"
+        return source if source.is_dir() else self.folder.parent
+
     @cached_property
     def _parsed(self) -> tuple[Any, str | None, int | None]:
         # A late import: it takes 0.1 s, and not every error text needs it.

@@ -111,13 +111,18 @@ class PythonSource:
         return tuple(walk(self.tree))
 
     @cached_property
-    def stored(self) -> frozenset[str]:
-        """The names and attributes that are assigned to, as they are written."""
-        return frozenset(
-            ast.unparse(node)
+    def stored(self) -> Mapping[str, list[ast.expr | None]]:
+        """The names and attributes that are assigned to, as they are written, with the values of plain assignments."""
+        values = {
+            id(node.targets[0]): node.value
             for node in self.nodes
-            if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
-        )
+            if isinstance(node, ast.Assign) and len(node.targets) == 1
+        }
+        found: dict[str, list[ast.expr | None]] = {}
+        for node in self.nodes:
+            if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store):
+                found.setdefault(ast.unparse(node), []).append(values.get(id(node)))
+        return found
 
     @property
     def assigned(self) -> frozenset[str]:
