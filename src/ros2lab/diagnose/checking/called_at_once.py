@@ -126,13 +126,13 @@ def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
     for call in sorted(
         (given_call.call for given_call in given), key=lambda call: (-call.lineno, -call.col_offset)
     ):
-        written = ast.get_source_segment(source.text, call) or ast.unparse(call)
+        written = source.segment(call)
         revealing = Edit(call, f"reveal_type({written})").applied(revealing)
-    others = [b"".join(Edit(given_call.call, "object()").applied(lines)) for given_call in given]
-    revealed, *refused = checked(source, [b"".join(revealing), *others])
-    for given_call, rows in zip(given, refused, strict=True):
-        is_void = given_call.is_void or _has(revealed, "revealed-type", given_call.call, _NOTHING)
-        if is_void and _has(rows, "invalid-argument-type", given_call.call, _FUNCTION):
+    (revealed,) = checked(source, [b"".join(revealing)])
+    void = [g for g in given if g.is_void or _has(revealed, "revealed-type", g.call, _NOTHING)]
+    others = [b"".join(Edit(given_call.call, "object()").applied(lines)) for given_call in void]
+    for given_call, rows in zip(void, checked(source, others) if others else (), strict=True):
+        if _has(rows, "invalid-argument-type", given_call.call, _FUNCTION):
             yield _finding(source, given_call)
 
 

@@ -102,7 +102,7 @@ def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
     """Return the types of the sides as the type checker writes them, in file order; empty if unknown."""
     known = _edited(source, [*message_annotations(source, look), *parameter_casts(source, sources)])
     asked = _comparisons(known)
-    written = [ast.get_source_segment(known.text, comparison.side) or "" for comparison in asked]
+    written = [known.segment(comparison.side) for comparison in asked]
     revealing = [
         Edit(comparison.side, f"reveal_type({text})") for comparison, text in zip(asked, written, strict=True)
     ]

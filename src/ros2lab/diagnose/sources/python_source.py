@@ -111,6 +111,20 @@ class PythonSource:
         return tuple(walk(self.tree))
 
     @cached_property
+    def _lines(self) -> list[bytes]:
+        return self.text.encode().splitlines(keepends=True)
+
+    def segment(self, node: ast.expr) -> str:
+        """Return an expression as it is written in the file."""
+        last = node.end_lineno or node.lineno
+        lines = self._lines[node.lineno - 1 : last]
+        if not lines:
+            return ast.unparse(node)
+        after = len(lines[-1]) - (node.end_col_offset or 0)
+        whole = b"".join(lines)
+        return whole[node.col_offset : len(whole) - after].decode(errors="replace")
+
+    @cached_property
     def stored(self) -> Mapping[str, list[ast.expr | None]]:
         """The names and attributes that are assigned to, as they are written, with the values of plain assignments."""
         values = {
