@@ -141,7 +141,7 @@ def test_what_is_too_large_to_be_read_is_not_given_to_it(
         with (package / folder / "big.launch.py").open("w") as file:
             file.truncate(100_000_000)
     given: list[str] = []
-    monkeypatch.setattr(type_checker, "said_of", lambda files, *_: given.extend(files) or [])
+    monkeypatch.setattr(type_checker, "said_of", lambda files, **_: given.extend(files) or [])
     of_workspace(root)
     assert given
     assert not [path for path in given if "big" in path]
