@@ -13,7 +13,7 @@ from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.explaining.unbuilt import not_yet_built
 from ros2lab.diagnose.finding import Finding, at, stops_build
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.packaging.entry_point_faults import meant_function
+from ros2lab.diagnose.packaging.entry_point_forms import meant_function
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.packaging.layout_faults import hidden, outside
 from ros2lab.diagnose.packaging.listed_packages import not_built

@@ -1,0 +1,130 @@
+"""The form of an entry point, and what one that is not of that form was meant to be."""
+
+from __future__ import annotations
+
+import ast
+import re
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.setup_script import EntryPoint
+from ros2lab.diagnose.sources.spelling import nearest
+
+
+def wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
+    """Explain an entry point that is not of the form `name = package.module:function`."""
+    name, _, rest = point.text.partition("=")
+    parts = [
+        re.sub(r"\s*=\s*", " = ", entry)
+        for entry in re.findall(r"[\w-]+\s*=\s*[\w.]+:\w+?(?=[\W_]|$)", point.text)
+    ]
+    if rest.count("=") >= 1:
+        return Finding(
+            "entry-point-comma",
+            f"Two entry points are in one string: {point.text!r}; each needs its own quotes, with a comma between them.",
+            place,
+            f"write {', '.join(map(repr, parts))}" if len(parts) > 1 else f"write `{_line(package, point)},`",
+        )
+    if meant := of_its_parts(package, point):
+        return put_in_order(package, point, meant, place)
+    module = re.sub(r"[^\w.]", "", rest.replace("/", ".").partition(":")[0]).removesuffix(".py")
+    if not rest:
+        name, _, module = point.text.partition(":")
+        module = module.partition(":")[0].strip()
+    module = module or f"{package.name}.{name.strip()}"
+    written = point.text.rpartition(":")[2] if ":" in point.text else ""
+    return Finding(
+        "entry-point-spec",
+        f"The entry point {point.text!r} {_why(point.text)}.",
+        place,
+        f"write '{name.strip()} = {module}:{meant_function(package, module, written)}'",
+    )
+
+
+def _line(package: SourcePackage, point: EntryPoint) -> str:
+    """Return the line of an entry point without its end."""
+    lines = package.setup.source.text.splitlines() if package.setup else []
+    return lines[point.line - 1].strip().rstrip(",") if point.line else repr(point.text)
+
+
+def _why(text: str, meant: str = "") -> str:
+    """Say what is wrong with the form of an entry point, from its signs and, if it is known, the right one."""
+    function = meant.rpartition(":")[2]
+    has_all = bool(meant) and set(re.findall(r"\w+", text)) == set(re.findall(r"\w+", meant))
+    ways = (
+        ("/" in text, "has a slash where a dot should be"),
+        ("(" in text, "has parentheses after the function, but only its name belongs there"),
+        ("=" not in text, "has no `=` between the executable and the module"),
+        (text.count(":") > 1, "has two colons"),
+        (
+            bool(function) and text.endswith(f".{function}") and ":" not in text,
+            f"has a dot before {function} where a colon should be",
+        ),
+        (has_all, "has its parts not in the form `name = package.module:function`"),
+    )
+    other = "is not of the form `name = package.module:function`"
+    return next((why for is_so, why in ways if is_so), other)
+
+
+def put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: str) -> Finding:
+    """Return a finding with an entry point in the right order; a module with a hyphen is renamed first."""
+    module = meant.rpartition(" = ")[2].partition(":")[0]
+    if "-" not in module:
+        cause = f"The entry point {point.text!r} {_why(point.text, meant)}."
+        return Finding("entry-point-spec", cause, place, f"write {meant!r}")
+    shown = package.sources[module].shown
+    folder, _, file = shown.rpartition("/")
+    cause = f"{shown} has a hyphen in its name, so Python cannot import it."
+    written = meant.replace(module, module.replace("-", "_"))
+    moved = f"mv {shown} {folder}/{file.replace('-', '_')}"
+    return Finding("entry-point-spec", cause, place, f"{moved}, and write {written!r}")
+
+
+def of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
+    """Return an entry point in the right form if its parts name a module and a function that exist; else empty."""
+    name, _, target = point.text.partition("=")
+    words = re.findall(r"\w+(?:-\w+)*", re.sub(r"\.py\b", "", target))
+    for end in range(len(words), 0, -1) if re.fullmatch(r"\s*[\w-]+\s*", name) else ():
+        written = ".".join(words[:end])
+        spelt = (written, written.replace("-", "_"), f"{package.name}.{written}")
+        for module in spelt:
+            if module in package.sources and (function := function_of(package, module, words[end:])):
+                return f"{name.strip()} = {module}:{function}"
+    parts = re.findall(r"[\w.-]+", point.text)
+    for part in parts:
+        modules = (module for module in (part, f"{package.name}.{part}") if module in package.sources)
+        for module in modules:
+            functions = _functions(package, module)
+            rest = [word for word in parts if word != part]
+            function = next((word for word in rest if word in functions), "")
+            names = [word for word in rest if word != function and "." not in word]
+            if function and len(names) == 1:
+                return f"{names[0]} = {module}:{function}"
+    return ""
+
+
+def _functions(package: SourcePackage, module: str) -> list[str]:
+    body = package.sources[module].tree.body
+    return [node.name for node in body if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+
+
+def function_of(package: SourcePackage, module: str, words: list[str]) -> str:
+    """Return the function of a module that the words after it mean; empty if they mean none."""
+    functions = _functions(package, module)
+    if not words or len(words) > 1:
+        return meant_function(package, module) if not words and functions else ""
+    is_class = any(
+        isinstance(n, ast.ClassDef) and n.name == words[0] for n in package.sources[module].tree.body
+    )
+    if words[0] in functions:
+        return words[0]
+    return "main" if is_class and "main" in functions else nearest(words[0], functions, 0.6) or ""
+
+
+def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
+    """Return the function that an entry point should call: as written, else the only one, else main."""
+    if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
+        return name[1]
+    source = package.sources.get(module)
+    functions = [n.name for n in source.tree.body if isinstance(n, ast.FunctionDef)] if source else []
+    return functions[0] if len(functions) == 1 else "main"
