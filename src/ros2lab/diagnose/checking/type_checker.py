@@ -22,6 +22,7 @@ from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain, types_named
 from ros2lab.diagnose.code.lost_parameters import CODE, definitions
+from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.finding import SAID, Finding, shown_path, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
@@ -292,12 +293,7 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
     """Return code, cause and fix of a member or an operation that a value lacks."""
     owner, name = _owner_and_name(said)
     if rule == "unresolved-reference":
-        homes = interfaces.homes_for(
-            name, [imported.target for imported in spot.source.imports] if spot.source else ()
-        )
-        do = f"put it in quotes if it is a string ('{name}'); otherwise import or define it above"
-        fix = f"write `from {homes[0]} import {name}` at the top" if homes else do
-        return "name-undefined", f"{name} is used here but never imported or defined.", fix
+        return "name-undefined", *_undefined(name, spot)
     if rule == "missing-union-attribute":
         fix = (
             f"write `if ... is not None:` above this line, with the object before .{name}, or set it earlier"
@@ -312,6 +308,13 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
         fix = "remove the parentheses; or, if a method was meant, give the attribute a different name from the method"
         return rule, f"What comes before the parentheses is {plain(owner)}, not a function.", fix
     return "operand-type", *_of_operator(name, said, spot)
+
+
+def _undefined(name: str, spot: Spot) -> tuple[str, str]:
+    used = (node for node in spot.nodes if isinstance(node, ast.Name) and node.id == name)
+    if spot.source and (node := next(used, None)):
+        return meant(spot.source, name, node)
+    return f"{name} is used here but never imported or defined.", f"import or define {name} above"
 
 
 def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]:

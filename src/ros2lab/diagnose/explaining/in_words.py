@@ -10,6 +10,8 @@ from difflib import get_close_matches
 
 from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.checking.members import in_place_of, members
+from ros2lab.diagnose.code.bound_names import global_names
+from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.syntax import explained
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.not_found import no_module, wrong_import
@@ -21,7 +23,7 @@ from ros2lab.diagnose.nodes.parameter_values import given_at, retyped
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
-from ros2lab.diagnose.sources.python_source import Import, own_nodes
+from ros2lab.diagnose.sources.python_source import Import
 
 _MOST_OFFERED = 6  # similar names that are suggested
 
@@ -107,26 +109,17 @@ def _of_syntax(report: ErrorReport, look: Look | None) -> Finding:
 
 
 def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool) -> Finding:
-    homes = launch_homes_of(name) if is_launched else homes_of(name)
-    do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a string"
-    do = f"write {near}" if near else do
-    do = f"write `from {homes[0]} import {name}` at the top" if homes else do
     code = "setup-import" if is_setup(place) else "name-missing"
-    if owner := _made_in(name, spot):
-        cause = f"{name} is a variable of {owner.name}(), and no other function sees what a function assigns."
-        fix = f"write `global {name}` as the first line of {owner.name}(); or better, keep it in a class as self.{name}"
-        return Finding(code, cause, place, fix)
+    used = (node for node in spot.nodes if isinstance(node, ast.Name) and node.id == name)
+    if spot.source and (node := next(used, None)):
+        # The name is bound somewhere, but not yet when this line runs, or the file is not part of a package.
+        cause, do = meant(spot.source, name, node)
+        if name not in global_names(spot.source):
+            return Finding(code, cause, place, do)
+    homes = launch_homes_of(name) if is_launched else homes_of(name)
+    do = f"write {near}" if near else f"import {name} or define it above, or fix its spelling"
+    do = f"write `from {homes[0]} import {name}` at the top" if homes else do
     return Finding(code, f"{name} is used before it is imported or defined.", place, do)
-
-
-def _made_in(name: str, spot: Spot) -> ast.FunctionDef | None:
-    """Return another top-level function that assigns this name to a local variable; None if there is none."""
-    for function in spot.source.tree.body if spot.source and spot.source.tree else ():
-        if isinstance(function, ast.FunctionDef) and function is not spot.function:
-            names = (n for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == name)
-            if any(isinstance(n.ctx, ast.Store) for n in names):
-                return function
-    return None
 
 
 def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:

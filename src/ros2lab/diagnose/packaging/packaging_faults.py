@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator
 from configparser import RawConfigParser
 from pathlib import Path
 
+from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
-from ros2lab.diagnose.code.imports import undefined_names
+from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.finding import Finding, at
@@ -43,7 +43,7 @@ def packaging_faults(
         yield syntax_finding("setup-syntax", setup.source)
         return
     yield from wrong_imports(setup.source, {})
-    yield from _undefined(setup)
+    yield from _undefined(package, setup)
     yield from path_faults(setup.source)
     yield from comma_faults(setup.source, "setup-syntax")
     if not setup.is_called:
@@ -86,23 +86,11 @@ def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
         )
 
 
-def _undefined(setup: SetupScript) -> Iterator[Finding]:
-    lines = {
-        "os": "import os",
-        "glob": "from glob import glob",
-        "find_packages": "from setuptools import find_packages",
-    }
+def _undefined(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     for name, node in undefined_names(setup.source):
-        is_import = name in lines or name in sys.stdlib_module_names or name == "setup"
-        line = lines.get(name, "from setuptools import setup" if name == "setup" else f"import {name}")
-        yield Finding(
-            "setup-import" if is_import else "name-undefined-in-setup",
-            f"setup.py uses {name} but never imports or defines it.",
-            setup.source.at(node),
-            f"write `{line}` at the top of setup.py"
-            if is_import
-            else f"define {name} above this line, or fix its spelling",
-        )
+        cause, fix = meant(setup.source, name, node, package=package.name)
+        code = "setup-import" if re.match(r"write `(?:from|import) ", fix) else "name-undefined-in-setup"
+        yield Finding(code, cause, setup.source.at(node), fix)
 
 
 def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:

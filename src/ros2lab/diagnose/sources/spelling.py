@@ -68,6 +68,33 @@ def _is_near_miss(name: str, wanted: str) -> bool:
     return re.sub(r"_?\d+$", "", name) == wanted or _is_one_edit(name.lower(), wanted.lower())
 
 
+def same_letters(name: str, other: str) -> bool:
+    """Return whether two names differ only in case and separators."""
+    return _letters(name) == _letters(other)
+
+
+def edits(name: str, wanted: str) -> int:
+    """Return how many slips of typing turn one name into the other.
+
+    A slip is a letter too few, too many or wrong, or two letters swapped; case and separators do not count.
+    """
+    return 0 if same_letters(name, wanted) else _edits(name.lower(), wanted.lower())
+
+
+@functools.lru_cache(maxsize=10_000)
+def _edits(name: str, wanted: str) -> int:
+    rows: list[list[int]] = [[*range(len(wanted) + 1)]]
+    for i, letter in enumerate(name, 1):
+        row = [i]
+        for j, other in enumerate(wanted, 1):
+            cost = min(row[-1] + 1, rows[-1][j] + 1, rows[-1][j - 1] + (letter != other))
+            if i > 1 and j > 1 and (name[i - 2], letter) == (other, wanted[j - 2]):
+                cost = min(cost, rows[-2][j - 2] + 1)
+            row.append(cost)
+        rows.append(row)
+    return rows[-1][-1]
+
+
 def _letters(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 

@@ -1,0 +1,87 @@
+"""The names that a file binds, and those that it uses although nothing binds them."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections.abc import Collection, Iterator
+
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+
+MODULE_NAMES = frozenset(
+    ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
+)
+
+
+_SCOPES = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
+
+
+def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
+    """Yield each name that a file uses where nothing binds it, with its first use.
+
+    The order of the lines is ignored, so a name that is yielded fails wherever it is reached.
+    """
+    used = {node.id for node in source.nodes if isinstance(node, ast.Name)}
+    if any(imported.local == "*" for imported in source.imports) or used & {"exec", "globals"}:
+        return  # what these bind is known only when they run
+    told: set[str] = set()
+    known = frozenset(dir(builtins)) | MODULE_NAMES | global_names(source)
+    for node in _unbound(source.tree, known, frozenset()):
+        if node.id not in told:
+            told.add(node.id)
+            yield node.id, node
+
+
+def _unbound(parent: ast.AST, known: frozenset[str], of_class: frozenset[str]) -> Iterator[ast.Name]:
+    """Yield the names below a node that are neither known nor bound by the class body that they are directly in."""
+    known = known.union(parameter.name for parameter in getattr(parent, "type_params", ()))
+    for field, value in ast.iter_fields(parent):
+        # Decorators, defaults and annotations are evaluated in the scope around the function.
+        is_inner = field == "body" and isinstance(parent, _SCOPES)
+        own = frozenset(bound_in(parent)) if is_inner else frozenset()
+        is_class = is_inner and isinstance(parent, ast.ClassDef)
+        visible = known if is_class else known | own | ({"__class__"} if is_inner else frozenset())
+        direct = own if is_class else frozenset() if is_inner else of_class
+        for node in value if isinstance(value, list) else [value]:
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+                if node.id not in visible | direct:
+                    yield node
+            elif isinstance(node, ast.AST):
+                yield from _unbound(node, visible, direct)
+
+
+def global_names(source: PythonSource) -> frozenset[str]:
+    """Return the names that a file binds at its top level, or in a function that says `global`."""
+    of_functions = (node.names for node in source.nodes if isinstance(node, ast.Global))
+    return frozenset(bound_in(source.tree)).union(*of_functions)
+
+
+def bound_in(scope: ast.AST) -> set[str]:
+    """Return the names that a file, a class or a function binds itself, without those of its inner scopes."""
+    return {name for node in own_nodes(scope) for name in bound_by(node)}
+
+
+def bound_by(node: ast.AST) -> Collection[str]:
+    """Return the names that a node binds."""
+    found: Collection[str | None] = ()
+    match node:
+        case ast.Import() | ast.ImportFrom():
+            found = [alias.asname or alias.name.partition(".")[0] for alias in node.names]
+        case ast.Name(ctx=ast.Store() | ast.Del()):
+            found = [node.id]
+        case ast.arg():
+            found = [node.arg]
+        case ast.MatchMapping():
+            found = [node.rest]
+        case ast.Global() | ast.Nonlocal():
+            found = node.names
+        case (
+            ast.FunctionDef()
+            | ast.AsyncFunctionDef()
+            | ast.ClassDef()
+            | ast.ExceptHandler()
+            | ast.MatchAs()
+            | ast.MatchStar()
+        ):
+            found = [node.name]
+    return [*filter(None, found)]

@@ -1,0 +1,347 @@
+"""What a name that nothing defines was meant as: another name, an import, an assignment, or a string."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Callable, Collection, Sequence
+from functools import partial
+
+from ros2lab.diagnose.code.bound_names import undefined_names
+from ros2lab.diagnose.code.similar_names import as_another
+from ros2lab.diagnose.code.unknown_names import FUNCTIONS, Unknown, as_code, cause_of
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.signatures import signature_of
+
+Reading = tuple[str, str]  # the cause, and the fix
+_FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
+_PATH_SIGNS = (ast.Div, ast.Sub, ast.MatMult)  # `/`, `-` and `@` in a string without quotes
+
+
+def meant(
+    source: PythonSource, name: str, node: ast.AST, members: Collection[str] = (), package: str = ""
+) -> Reading:
+    """Return why a name is not defined, and what to write instead; the likeliest of all readings.
+
+    Args:
+        source: the file.
+        name: the name.
+        node: where it is used.
+        members: the attributes that `self` has there.
+        package: the name of the package whose setup.py the file is.
+    """
+    unknown = Unknown(source, name, node, members, package)
+    readings: Sequence[Callable[[Unknown], Reading | None]] = (
+        _as_keyword_argument,
+        _as_assignment,
+        _as_after_dot,
+        _as_member,
+        _as_alias,
+        _as_import,
+        as_another,
+        _as_of_module,
+        _as_of_python,
+        _as_parameter,
+        _as_of_another_function,
+        _as_package,
+        _as_object,
+        partial(as_another, is_class_meant=True),
+        _as_text,
+    )
+    found = (reading(unknown) for reading in readings)
+    return next(filter(None, found), None) or _unexplained(unknown)
+
+
+def _as_keyword_argument(unknown: Unknown) -> Reading | None:
+    """`Node(package == 'demo')` for `package='demo'`."""
+    match compared := unknown.above():
+        case ast.Compare(left=left, ops=[ast.Eq()], comparators=[value]) if left is unknown.node:
+            call = unknown.above(compared)
+            if isinstance(call, ast.Call) and compared in call.args:
+                given = ast.get_source_segment(unknown.source.text, value) or ast.unparse(value)
+                fix = unknown.with_text(compared, f"{unknown.name}={given}")
+                return "`==` compares; an argument is given by its name with a single `=`.", fix
+    return None
+
+
+def _as_assignment(unknown: Unknown) -> Reading | None:
+    """`node == Talker()` as a statement for `node = Talker()`."""
+    match unknown.statement:
+        case ast.Expr(value=ast.Compare(left=left, ops=[ast.Eq()])) if unknown.node in walk(left):
+            targets = left.elts if isinstance(left, (ast.Tuple, ast.List)) else [left]
+            if unknown.node in targets:
+                row = unknown.line(left).encode()
+                end = left.end_col_offset if left.end_lineno == left.lineno else 0
+                new = row[:end] + row[end or 0 :].replace(b"==", b"=", 1)
+                cause = f"`==` only compares, so nothing sets {unknown.name}; a single `=` assigns."
+                return cause, f"write {as_code(new.decode()) or '= instead of =='}"
+    return None
+
+
+def _as_member(unknown: Unknown) -> Reading | None:
+    if unknown.name not in unknown.members:
+        return None
+    cause = f"{unknown.name} belongs to the class, so its methods can use it only as self.{unknown.name}."
+    return cause, unknown.with_text(unknown.node, f"self.{unknown.name}")
+
+
+def _as_alias(unknown: Unknown) -> Reading | None:
+    for imported in unknown.source.imports:
+        if imported.target == unknown.name != imported.local:
+            cause = f"{unknown.name} is imported as {imported.local}, so there is no {unknown.name} here."
+            return cause, f"write `import {unknown.name}` on line {imported.line}"
+    return None
+
+
+def _as_after_dot(unknown: Unknown) -> Reading | None:
+    """`f(self,kind)` for `f(self.kind)`: a comma where a dot was meant."""
+    source, start = unknown.source, getattr(unknown.node, "col_offset", 0)
+    row, number = unknown.line(unknown.node).encode(), getattr(unknown.node, "lineno", 0)
+    if row[start - 1 : start] != b",":
+        return None
+    ends = (number, start - 1)
+    before = [
+        n for n in source.nodes if (getattr(n, "end_lineno", 0), getattr(n, "end_col_offset", 0)) == ends
+    ]
+    owner = next((n for n in before if isinstance(n, (ast.Name, ast.Attribute, ast.Call))), None)
+    if owner is None:
+        return None
+    whole = ast.unparse(owner)
+    names = unknown.members if whole == "self" else interfaces.importable_names(source.resolve(owner) or "-")
+    is_only = len(re.findall(r",(?=[^\s)\]}])", source.text)) == 1  # elsewhere a space follows each comma
+    if not (unknown.name in names if names else is_only):
+        return None
+    new = row[: start - 1] + b"." + row[start:]
+    cause = f"There is a comma between {whole} and {unknown.name} instead of a dot."
+    return cause, f"write {as_code(new.decode()) or f'{whole}.{unknown.name}'}"
+
+
+def _as_import(unknown: Unknown) -> Reading | None:
+    """`Node` without `from rclpy.node import Node`, with the other names that the same line has to import."""
+    name = unknown.name
+    asked = unknown.attributes
+    is_module = name in sys.stdlib_module_names or (interfaces.is_installed(name) and bool(asked))
+    inner = (interfaces.importable_names(name) or ()) if is_module else ()
+    if asked and all(attribute in inner for attribute in asked):
+        return cause_of(unknown), f"write `import {name}` at the top"
+    if unknown.is_called and name in inner:
+        return cause_of(unknown), f"write `from {name} import {name}` at the top"
+    home = "" if is_module else _home_of(unknown, name)
+    if not home:
+        return None
+    others = [other for other, _ in undefined_names(unknown.source) if other != name]
+    names = [name, *(other for other in others if _home_of(unknown, other) == home)]
+    return cause_of(unknown), f"write `from {home} import {', '.join(names)}` at the top"
+
+
+def _home_of(unknown: Unknown, name: str) -> str:
+    """Return the module of ROS, or one that the file imports from already, that has a name; empty if none has."""
+    imports = unknown.source.imports
+    homes = interfaces.homes_for(name, [imported.target for imported in imports])
+    around = unknown.above()
+    is_message = bool(homes) and homes[0].endswith((".msg", ".srv"))
+    if is_message and unknown.is_called and isinstance(around, ast.Call) and around.args:
+        homes = ()  # a message takes no positional arguments: it is another class of the same name
+    if homes:
+        return homes[0]
+    used = [imported.target.rpartition(".")[0] for imported in imports if imported.is_from]
+    used += ["setuptools"] * unknown.source.shown.endswith("setup.py")
+    has = (module for module in dict.fromkeys(used) if name in (interfaces.importable_names(module) or ()))
+    return next(has, "")
+
+
+def _as_of_module(unknown: Unknown) -> Reading | None:
+    """`shutdown()` for `rclpy.shutdown()`."""
+    for imported in unknown.source.imports:
+        if not imported.is_from and unknown.is_called and interfaces.has_name(imported.target, unknown.name):
+            cause = f"{unknown.name} belongs to the module {imported.local}."
+            return cause, unknown.with_text(unknown.node, f"{imported.local}.{unknown.name}")
+    return None
+
+
+def _as_of_python(unknown: Unknown) -> Reading | None:
+    """`Path` without `from pathlib import Path`."""
+    is_one = unknown.is_called or unknown.name[:1].isupper()
+    homes = interfaces.homes_around(unknown.name, "") if is_one else []
+    return (cause_of(unknown), f"write `from {homes[0]} import {unknown.name}` at the top") if homes else None
+
+
+def _as_parameter(unknown: Unknown) -> Reading | None:
+    """A name that a function passes on without having it, as `rclpy.init(args=args)` in `main()`."""
+    name, handed = unknown.name, unknown.above()
+    function = next((scope for scope in unknown.scopes if isinstance(scope, FUNCTIONS)), None)
+    if not (isinstance(handed, ast.keyword) and handed.arg == name and function):
+        return None
+    if function.body[0].lineno == function.lineno or function.args.kwarg:
+        return None
+    cause = f"{name} is passed on here, but {function.name}() has no parameter of that name."
+    new = re.sub(
+        r"\)(?=[^)]*$)",
+        f"{', ' if function.args.args else ''}{name}=None)",
+        unknown.line(function).strip(),
+        count=1,
+    )
+    if not new.endswith(":"):  # its signature spans several lines
+        return (
+            cause,
+            f"write `{name}=None` as the last parameter of {function.name}() (line {function.lineno})",
+        )
+    return cause, f"write `{new}` on line {function.lineno}"
+
+
+def _as_of_another_function(unknown: Unknown) -> Reading | None:
+    """A variable of another top-level function, which no other function sees."""
+    body = unknown.source.tree.body
+    if not any(scope in body for scope in unknown.scopes):
+        return None
+    for function in body:
+        if isinstance(function, FUNCTIONS) and function not in unknown.scopes:
+            named = (n for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == unknown.name)
+            if any(isinstance(n.ctx, ast.Store) for n in named):
+                cause = f"{unknown.name} is a variable of {function.name}(), and no other function sees what a function assigns."
+                fix = f"write `global {unknown.name}` as the first line of {function.name}(); or better, keep it in a class as self.{unknown.name}"
+                return cause, fix
+    return None
+
+
+def _as_package(unknown: Unknown) -> Reading | None:
+    """The name of the package in its setup.py: `name=`, an item of `packages`, or a part of a path."""
+    if not unknown.package or not any(_names_package(unknown, use) for use in unknown.uses):
+        return None
+    line = f"`{unknown.name} = '{unknown.package}'`"
+    return (
+        f"{cause_of(unknown)} It stands for the name of the package.",
+        f"write {line} above line {unknown.statement.lineno}",
+    )
+
+
+def _names_package(unknown: Unknown, use: ast.AST) -> bool:
+    match unknown.above(use):
+        case ast.keyword(arg="name"):
+            return True
+        case ast.List() as items:
+            around = unknown.above(items)
+            return isinstance(around, ast.keyword) and around.arg == "packages"
+        case ast.BinOp(left=ast.Constant(value=str()), op=ast.Add()):
+            return True
+        case ast.Call(func=ast.Attribute(attr="join"), args=[ast.Constant(value="share"), *_]):
+            return True
+    return False
+
+
+def _as_object(unknown: Unknown) -> Reading | None:
+    """A variable whose assignment is missing, if its uses tell what it holds."""
+    made = _sent(unknown) or _unused_class(unknown)
+    if not made:
+        return None
+    cause = f"{cause_of(unknown)} A line that assigns it is missing."
+    return cause, f"write `{unknown.name} = {made}` above line {unknown.statement.lineno}"
+
+
+def _sent(unknown: Unknown) -> str:
+    """Return what makes the message that a publisher publishes, or the request of a client."""
+    kinds = {
+        ast.unparse(target): ast.unparse(node.value.args[0])
+        for node in unknown.source.nodes
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and node.value.args
+        for target in node.targets
+        if getattr(node.value.func, "attr", "") in ("create_publisher", "create_client")
+    }
+    for use in unknown.uses:
+        match unknown.above(use):
+            case ast.Call(func=ast.Attribute(value=owner, attr="publish" | "call" | "call_async" as method)):
+                if kind := kinds.get(ast.unparse(owner)):
+                    return f"{kind}()" if method == "publish" else f"{kind}.Request()"
+    return ""
+
+
+def _unused_class(unknown: Unknown) -> str:
+    """Return a call of the only class that the file has and never uses; empty if it does not fit the uses."""
+    source = unknown.source
+    loaded, own = unknown.loaded, unknown.own_classes
+    found = [name for name, definition in own.items() if name not in loaded and _has_all(unknown, definition)]
+    for imported in source.imports:
+        module, _, name = imported.target.rpartition(".")
+        if imported.local not in loaded and imported.is_from and name[:1].isupper():
+            members = interfaces.members_of(module, name)[0] if unknown.attributes else frozenset[str]()
+            if unknown.attributes and unknown.attributes <= members:
+                found.append(imported.local)
+    return f"{found[0]}()" if len(found) == 1 else ""
+
+
+def _has_all(unknown: Unknown, definition: ast.ClassDef) -> bool:
+    """Return whether a class can be instantiated without arguments and has what the uses ask for."""
+    made = next((n for n in definition.body if isinstance(n, Function) and n.name == "__init__"), None)
+    is_free = made is None or len(made.args.args) - len(made.args.defaults) == 1
+    names = {n.attr for n in walk(definition) if isinstance(n, ast.Attribute)} | {
+        n.name for n in definition.body if isinstance(n, Function)
+    }
+    is_node = any(ast.unparse(base).rpartition(".")[2] == "Node" for base in definition.bases)
+    names |= interfaces.members_of("rclpy.node", "Node")[0] if is_node else set()
+    is_handed = any(isinstance(unknown.above(use), ast.Call) for use in unknown.uses)
+    return is_free and unknown.attributes <= names and bool(unknown.attributes or (is_node and is_handed))
+
+
+def _as_text(unknown: Unknown) -> Reading | None:
+    """A string without quotes, where a string makes sense and the name is used for nothing else."""
+    whole, text = _whole(unknown)
+    if len(unknown.uses) > 1 or not _may_be_text(unknown, whole):
+        return None
+    if whole is unknown.node:
+        fix = unknown.with_text(whole, repr(text))
+        return cause_of(unknown), f"{fix} if it is meant as a string; otherwise import or define {text} above"
+    match whole:
+        case ast.BinOp(right=ast.UnaryOp(op=ast.UAdd(), operand=rest)):  # a `/` ends it, and a `+` follows
+            quoted = f"{text!r} + {ast.unparse(rest)}"
+        case _:
+            quoted = repr(text)
+    return f"The quotes around {text} are missing.", unknown.with_text(whole, quoted)
+
+
+def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
+    """Return whether an expression is an argument, an element or, if it looks like a path, any other value."""
+    around = unknown.above(whole)
+    if isinstance(around, ast.Call):
+        signature = signature_of(unknown.source, around) if whole in around.args else None
+        wanted = (
+            [parameter for parameter in signature.parameters if parameter.is_positional] if signature else []
+        )
+        index = around.args.index(whole) if whole in around.args else len(wanted)
+        return whole in around.args and (index >= len(wanted) or wanted[index].takes(ast.Constant("")))
+    if isinstance(around, ast.keyword):
+        call = unknown.above(around)
+        signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None
+        named = signature.named(around.arg or "") if signature else None
+        return named is None or named.takes(ast.Constant(""))
+    is_value = isinstance(around, (ast.Return, ast.Assign)) or (
+        isinstance(around, ast.BinOp) and isinstance(around.op, ast.Add)
+    )
+    is_path = whole is not unknown.node
+    return isinstance(around, (ast.List, ast.Tuple, ast.Dict, ast.Set)) or (is_value and is_path)
+
+
+def _whole(unknown: Unknown) -> tuple[ast.AST, str]:
+    """Return the expression that is the whole string without quotes, as `launch/demo.launch.py`; and the string."""
+    node, text, source = unknown.node, unknown.name, unknown.source.text
+    while isinstance(around := unknown.above(node), (ast.Attribute, ast.BinOp)):
+        segment = ast.get_source_segment(source, around) or ""
+        if isinstance(around, ast.BinOp):
+            if not isinstance(around.op, _PATH_SIGNS):
+                break
+            if isinstance(around.right, ast.UnaryOp) and isinstance(around.right.op, ast.UAdd):
+                return around, segment[: segment.index("+")].strip()
+        if re.search(r"\s", segment):
+            break
+        node, text = around, segment
+    is_file = text.rpartition(".")[2] in _FILES or isinstance(node, ast.BinOp)
+    return (node, text) if is_file else (unknown.node, unknown.name)
+
+
+def _unexplained(unknown: Unknown) -> Reading:
+    if unknown.is_called:
+        fix = f"write the object that {unknown.name} belongs to, and a dot, before it; otherwise import or define it above"
+    else:
+        fix = f"write a line above it that gives {unknown.name} its value"
+    return cause_of(unknown), fix

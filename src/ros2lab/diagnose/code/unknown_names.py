@@ -1,0 +1,126 @@
+"""A name that nothing defines, what is around its uses, and how its line is rewritten."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ros2lab.diagnose.sources.python_source import PythonSource, children
+
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_LONGEST = 110  # characters of a line that is shown in full
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """A use of a name that nothing defines.
+
+    Attributes:
+        source: the file.
+        name: the name.
+        node: where it is used first.
+        members: the attributes that `self` has there.
+        package: the name of the package, if it is known and the file is its setup.py.
+    """
+
+    source: PythonSource
+    name: str
+    node: ast.AST
+    members: Collection[str] = ()
+    package: str = ""
+    _above: dict[int, ast.AST] = field(default_factory=dict, init=False)
+
+    def __post_init__(self) -> None:
+        self._above.update((id(child), node) for node in self.source.nodes for child in children(node))
+
+    def above(self, node: ast.AST | None = None) -> ast.AST:
+        """Return the syntax node around another one, or around the use."""
+        return self._above.get(id(node or self.node), self.source.tree)
+
+    @cached_property
+    def scopes(self) -> list[ast.AST]:
+        """The functions around the use, the innermost first, and the file."""
+        found, node = list[ast.AST](), self.node
+        while node is not self.source.tree:
+            below, node = node, self.above(node)
+            if (isinstance(node, (*FUNCTIONS, ast.Lambda)) and (below in _body(node))) or (
+                isinstance(node, ast.ClassDef) and not found and below in node.body
+            ):
+                found.append(node)
+        return [*found, self.source.tree]
+
+    @cached_property
+    def uses(self) -> list[ast.Name]:
+        """The places where the name is used."""
+        return [n for n in self.source.nodes if isinstance(n, ast.Name) and n.id == self.name]
+
+    @property
+    def is_called(self) -> bool:
+        """Whether the use is a call."""
+        around = self.above()
+        return isinstance(around, ast.Call) and around.func is self.node
+
+    @property
+    def is_type(self) -> bool:
+        """Whether the use is an annotation, or the name of an exception."""
+        around = self.above()
+        is_annotation = isinstance(around, (ast.arg, ast.AnnAssign, *FUNCTIONS)) and self.node in (
+            getattr(around, "annotation", None),
+            getattr(around, "returns", None),
+        )
+        return is_annotation or isinstance(around, (ast.ExceptHandler, ast.Raise))
+
+    @property
+    def attributes(self) -> set[str]:
+        """The attributes that the uses ask for."""
+        around = map(self.above, self.uses)
+        return {node.attr for node in around if isinstance(node, ast.Attribute)}
+
+    @property
+    def statement(self) -> ast.stmt:
+        """The statement around the use."""
+        node = self.node
+        while not isinstance(node, ast.stmt):
+            node = self.above(node)
+        return node
+
+    @cached_property
+    def own_classes(self) -> dict[str, ast.ClassDef]:
+        """The classes that the file defines at its top level."""
+        return {node.name: node for node in self.source.tree.body if isinstance(node, ast.ClassDef)}
+
+    @cached_property
+    def loaded(self) -> set[str]:
+        """The names that the file uses."""
+        names = (n for n in self.source.nodes if isinstance(n, ast.Name))
+        return {n.id for n in names if isinstance(n.ctx, ast.Load)}
+
+    def line(self, node: ast.AST) -> str:
+        """Return the line of a node."""
+        return self.source.text.splitlines()[getattr(node, "lineno", 1) - 1]
+
+    def with_text(self, node: ast.AST, text: str) -> str:
+        """Say to write a line with another text for one of its nodes, or only the text if the line is long."""
+        old = ast.get_source_segment(self.source.text, node) or ast.unparse(node)
+        row, start, end = self.line(node).encode(), node.col_offset, node.end_col_offset  # type: ignore[attr-defined]
+        new = b"".join((row[:start], text.encode(), row[end:])).decode(errors="replace")
+        is_there = row[start:end].decode(errors="replace") == old
+        return f"write {as_code(new)}" if is_there and as_code(new) else f"write {text} instead of {old}"
+
+
+def _body(node: ast.AST) -> list[ast.AST]:
+    body = getattr(node, "body", [])
+    return [*(body if isinstance(body, list) else [body])]
+
+
+def as_code(line: str) -> str:
+    """Return a line as code to write; empty if it is too long to be shown."""
+    bare = line.partition("  #")[0].strip()
+    return f"`{bare}`" if len(bare) <= _LONGEST and "`" not in bare else ""
+
+
+def cause_of(unknown: Unknown) -> str:
+    """Return the sentence that says no more than that a name is not defined."""
+    return f"{unknown.name} is used here but never imported or defined."
