@@ -22,7 +22,6 @@ from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain, types_named
 from ros2lab.diagnose.code.lost_parameters import CODE, definitions
-from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.finding import SAID, Finding, shown_path, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
@@ -71,7 +70,7 @@ def type_faults(
         source = sources.get(f"/{row['file']}")
         shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
         place = f"{shown}:{row['line']}"
-        if said is None or place in told or shown in unread or _is_told_elsewhere(row, said, source):
+        if said is None or place in told or shown in unread or _is_told_elsewhere(row, said):
             continue
         if row["rule"] in _OF_ARGUMENTS and _is_of_def(said["owner"], owners, known):
             continue
@@ -108,10 +107,10 @@ def _launch_files(look: Look) -> Iterator[str]:
     return (str(path) for path in paths if path.suffix == ".py" and read_text(path))
 
 
-def _is_told_elsewhere(row: re.Match[str], said: re.Match[str], source: PythonSource | None) -> bool:
+def _is_told_elsewhere(row: re.Match[str], said: re.Match[str]) -> bool:
     """Return whether another rule reports this better: undefined names, members of a class or None."""
     if row["rule"] == "unresolved-reference":  # our own rule knows exec() and globals()
-        return source is not None
+        return True
     groups = said.groupdict()
     return groups.get("owner") in ("property", "None") or groups.get("message") == "None"
 
@@ -273,7 +272,6 @@ def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
 # Rules about what a value lacks or cannot do; the other rules are about the arguments of a call.
 _OF_VALUES = frozenset(
     (
-        "unresolved-reference",
         "missing-union-attribute",
         "missing-attribute",
         "not-callable",
@@ -292,8 +290,6 @@ def _unwrapped(said: dict[str, str], spot: Spot) -> str:
 def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[str, str, str]:
     """Return code, cause and fix of a member or an operation that a value lacks."""
     owner, name = _owner_and_name(said)
-    if rule == "unresolved-reference":
-        return "name-undefined", *_undefined(name, spot)
     if rule == "missing-union-attribute":
         fix = (
             f"write `if ... is not None:` above this line, with the object before .{name}, or set it earlier"
@@ -308,13 +304,6 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
         fix = "remove the parentheses; or, if a method was meant, give the attribute a different name from the method"
         return rule, f"What comes before the parentheses is {plain(owner)}, not a function.", fix
     return "operand-type", *_of_operator(name, said, spot)
-
-
-def _undefined(name: str, spot: Spot) -> tuple[str, str]:
-    used = (node for node in spot.nodes if isinstance(node, ast.Name) and node.id == name)
-    if spot.source and (node := next(used, None)):
-        return meant(spot.source, name, node)
-    return f"{name} is used here but never imported or defined.", f"import or define {name} above"
 
 
 def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]:

@@ -6,7 +6,7 @@ import ast
 import builtins
 from collections.abc import Collection, Iterator
 
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
 
 MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
@@ -26,10 +26,20 @@ def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
         return  # what these bind is known only when they run
     told: set[str] = set()
     known = frozenset(dir(builtins)) | MODULE_NAMES | global_names(source)
+    unread = {id(inner) for annotation in _unevaluated(source) for inner in walk(annotation)}
     for node in _unbound(source.tree, known, frozenset()):
-        if node.id not in told:
+        if node.id not in told and id(node) not in unread:
             told.add(node.id)
             yield node.id, node
+
+
+def _unevaluated(source: PythonSource) -> Iterator[ast.AST]:
+    """Yield the annotations that Python does not evaluate: those of a function's own variables, or all."""
+    is_any = any(imported.target == "__future__.annotations" for imported in source.imports)
+    functions = (node for node in source.nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)))
+    inner = (node for function in functions for node in own_nodes(function))
+    for node in source.nodes if is_any else (n for n in inner if isinstance(n, ast.AnnAssign)):
+        yield from filter(None, (getattr(node, "annotation", None), getattr(node, "returns", None)))
 
 
 def _unbound(parent: ast.AST, known: frozenset[str], of_class: frozenset[str]) -> Iterator[ast.Name]:

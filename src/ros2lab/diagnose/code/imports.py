@@ -10,12 +10,12 @@ from pathlib import Path
 from ros2lab.diagnose.code.bare_imports import bare_sibling
 from ros2lab.diagnose.code.bound_names import MODULE_NAMES, global_names, undefined_names
 from ros2lab.diagnose.code.meant_names import meant
-from ros2lab.diagnose.code.wrong_imports import wrong_imports
+from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Import, PythonSource, read_source
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+from ros2lab.diagnose.sources.spelling import nearest
 
 ROS_1 = {
     "rospy": "rclpy",
@@ -97,24 +97,13 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             yield from _own_module(source, imported, own_modules)
         elif bare_sibling(source, imported, own_modules):
             continue  # whether Python finds it depends on how the file is started
-        elif top not in own_modules and (wanted := interfaces.meant(top) or _own_package(top, own_modules)):
-            yield Finding(
-                "module-missing",
-                f"There is no Python package {top}. Did you mean {wanted}?",
-                source.at(imported.line),
-                f"write {wanted}",
-            )
+    yield from misspelt_packages(source, own_modules)
     yield from wrong_imports(source, names_of(source, own_modules))
     for name, node in undefined_names(source):
         cause, fix = meant(source, name, node, sources.members_at(source, node))
         yield Finding("name-undefined", cause, source.at(node), fix)
 
 
-def _own_package(name: str, own_modules: Collection[str]) -> str | None:
-    """Return the package of the workspace that a name misspells; None if there is none."""
-    if name in sys.stdlib_module_names or interfaces.is_installed(name):
-        return None
-    return next((module for module in own_modules if "." not in module and is_near_miss(name, module)), None)
 
 
 def names_of(source: PythonSource, modules: Mapping[str, PythonSource]) -> dict[str, frozenset[str]]:

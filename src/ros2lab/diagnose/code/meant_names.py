@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 from ros2lab.diagnose.code.bound_names import undefined_names
-from ros2lab.diagnose.code.similar_names import as_another
+from ros2lab.diagnose.code.similar_names import as_another, as_foreign
 from ros2lab.diagnose.code.unknown_names import FUNCTIONS, Unknown, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
@@ -39,7 +39,9 @@ def meant(
         _as_after_dot,
         _as_member,
         _as_alias,
+        as_foreign,
         _as_import,
+        _as_path,
         as_another,
         _as_of_module,
         _as_of_python,
@@ -123,27 +125,29 @@ def _as_import(unknown: Unknown) -> Reading | None:
     name = unknown.name
     asked = unknown.attributes
     is_module = name in sys.stdlib_module_names or (interfaces.is_installed(name) and bool(asked))
-    inner = (interfaces.importable_names(name) or ()) if is_module else ()
-    if asked and all(attribute in inner for attribute in asked):
+    inner = interfaces.importable_names(name) if is_module else frozenset[str]()
+    if asked and (inner is None or asked <= inner):
         return cause_of(unknown), f"write `import {name}` at the top"
-    if unknown.is_called and name in inner:
+    if unknown.is_called and name in (inner or ()):
         return cause_of(unknown), f"write `from {name} import {name}` at the top"
     home = "" if is_module else _home_of(unknown, name)
     if not home:
         return None
     others = [other for other, _ in undefined_names(unknown.source) if other != name]
-    names = [name, *(other for other in others if _home_of(unknown, other) == home)]
+    names = sorted([name, *(other for other in others if _home_of(unknown, other) == home)])
     return cause_of(unknown), f"write `from {home} import {', '.join(names)}` at the top"
 
 
 def _home_of(unknown: Unknown, name: str) -> str:
     """Return the module of ROS, or one that the file imports from already, that has a name; empty if none has."""
-    imports = unknown.source.imports
-    homes = interfaces.homes_for(name, [imported.target for imported in imports])
-    around = unknown.above()
-    is_message = bool(homes) and homes[0].endswith((".msg", ".srv"))
-    if is_message and unknown.is_called and isinstance(around, ast.Call) and around.args:
-        homes = ()  # a message takes no positional arguments: it is another class of the same name
+    imports, around = unknown.source.imports, unknown.above()
+    targets = [imported.target for imported in imports]
+    homes = interfaces.homes_for(name, targets)
+    if homes and homes[0].endswith((".msg", ".srv")) and interfaces.homes_around(name, ""):
+        # A launch file uses no messages, and a message takes no positional arguments.
+        is_launch = any(target.startswith("launch") for target in targets)
+        is_given = isinstance(around, ast.Call) and around.func is unknown.node and bool(around.args)
+        homes = () if is_launch or is_given else homes
     if homes:
         return homes[0]
     used = [imported.target.rpartition(".")[0] for imported in imports if imported.is_from]
@@ -208,6 +212,9 @@ def _as_of_another_function(unknown: Unknown) -> Reading | None:
 
 def _as_package(unknown: Unknown) -> Reading | None:
     """The name of the package in its setup.py: `name=`, an item of `packages`, or a part of a path."""
+    if unknown.package == unknown.name:
+        cause = f"{unknown.name} is the name of the package; without quotes it is that of a variable."
+        return cause, unknown.with_text(unknown.node, repr(unknown.name))
     if not unknown.package or not any(_names_package(unknown, use) for use in unknown.uses):
         return None
     line = f"`{unknown.name} = '{unknown.package}'`"
@@ -233,11 +240,51 @@ def _names_package(unknown: Unknown, use: ast.AST) -> bool:
 
 def _as_object(unknown: Unknown) -> Reading | None:
     """A variable whose assignment is missing, if its uses tell what it holds."""
-    made = _sent(unknown) or _unused_class(unknown)
+    made = _sent(unknown) or _unused_class(unknown) or _first_value(unknown)
     if not made:
         return None
     cause = f"{cause_of(unknown)} A line that assigns it is missing."
-    return cause, f"write `{unknown.name} = {made}` above line {unknown.statement.lineno}"
+    return cause, f"write `{unknown.name} = {made}` above line {_outside_loops(unknown).lineno}"
+
+
+def used_too_early(source: PythonSource, name: str, node: ast.AST) -> Reading | None:
+    """Return why a name that is assigned elsewhere has no value yet, and what to write; None if that is not known."""
+    unknown = Unknown(source, name, node)
+    value = _first_value(unknown)
+    if not value:
+        return None
+    is_global = any(isinstance(n, ast.Global) and name in n.names for n in source.nodes)
+    top = min((n.lineno for n in source.tree.body if isinstance(n, (*FUNCTIONS, ast.ClassDef))), default=1)
+    number = top if is_global else _outside_loops(unknown).lineno
+    return (
+        f"Nothing gives {name} a value before this line runs.",
+        f"write `{name} = {value}` above line {number}",
+    )
+
+
+def _first_value(unknown: Unknown) -> str:
+    """Return the value with which a variable begins, if its uses tell: None, a number, a list or a dictionary."""
+    for use in unknown.uses:
+        match unknown.above(use):
+            case ast.Compare(ops=[ast.Is() | ast.IsNot()], comparators=[ast.Constant(value=None)]):
+                return "None"
+            case ast.AugAssign(op=ast.Add() | ast.Sub(), value=ast.Constant(value=int() | float() as step)):
+                return "0.0" if isinstance(step, float) else "0"
+            case ast.Attribute(attr="append" | "extend"):
+                return "[]"
+            case ast.Subscript(ctx=ast.Store(), slice=ast.Constant(value=str())):
+                return "{}"
+    return ""
+
+
+def _outside_loops(unknown: Unknown) -> ast.stmt:
+    """Return the statement around the use that no loop repeats."""
+    found, node = unknown.statement, unknown.node
+    while node not in unknown.scopes:
+        node = unknown.above(node)
+        if isinstance(node, (ast.For, ast.While)):
+            found = node
+    return found
 
 
 def _sent(unknown: Unknown) -> str:
@@ -284,20 +331,28 @@ def _has_all(unknown: Unknown, definition: ast.ClassDef) -> bool:
     return is_free and unknown.attributes <= names and bool(unknown.attributes or (is_node and is_handed))
 
 
-def _as_text(unknown: Unknown) -> Reading | None:
-    """A string without quotes, where a string makes sense and the name is used for nothing else."""
+def _as_path(unknown: Unknown) -> Reading | None:
+    """A path or the name of a file without quotes: `launch/demo.launch.py`, or `share/ + package_name`."""
     whole, text = _whole(unknown)
-    if len(unknown.uses) > 1 or not _may_be_text(unknown, whole):
+    if whole is unknown.node or not _may_be_text(unknown, whole):
         return None
-    if whole is unknown.node:
-        fix = unknown.with_text(whole, repr(text))
-        return cause_of(unknown), f"{fix} if it is meant as a string; otherwise import or define {text} above"
     match whole:
         case ast.BinOp(right=ast.UnaryOp(op=ast.UAdd(), operand=rest)):  # a `/` ends it, and a `+` follows
             quoted = f"{text!r} + {ast.unparse(rest)}"
         case _:
             quoted = repr(text)
     return f"The quotes around {text} are missing.", unknown.with_text(whole, quoted)
+
+
+def _as_text(unknown: Unknown) -> Reading | None:
+    """A word without quotes, where a string makes sense and the name is used for nothing else."""
+    if len(unknown.uses) > 1 or not _may_be_text(unknown, unknown.node):
+        return None
+    fix = unknown.with_text(unknown.node, repr(unknown.name))
+    return (
+        cause_of(unknown),
+        f"{fix} if it is meant as a string; otherwise import or define {unknown.name} above",
+    )
 
 
 def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
@@ -315,11 +370,9 @@ def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
         signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None
         named = signature.named(around.arg or "") if signature else None
         return named is None or named.takes(ast.Constant(""))
-    is_value = isinstance(around, (ast.Return, ast.Assign)) or (
-        isinstance(around, ast.BinOp) and isinstance(around.op, ast.Add)
-    )
-    is_path = whole is not unknown.node
-    return isinstance(around, (ast.List, ast.Tuple, ast.Dict, ast.Set)) or (is_value and is_path)
+    is_joined = isinstance(around, ast.BinOp) and isinstance(around.op, ast.Add)
+    is_value = isinstance(around, (ast.List, ast.Tuple, ast.Dict, ast.Set, ast.Return, ast.Assign))
+    return is_value or (is_joined and whole is not unknown.node)
 
 
 def _whole(unknown: Unknown) -> tuple[ast.AST, str]:

@@ -23,6 +23,13 @@ _ALIKE = 0.7
 _SHORT = 2  # letters; a name of so few resembles too many others
 
 
+def as_foreign(unknown: Unknown) -> tuple[str, str] | None:
+    """Read the name as a word of another language: `this` for `self`."""
+    word = _FOREIGN.get(unknown.name.lower())
+    cause = f"Python has no {unknown.name}; in Python it is {word}."
+    return (cause, unknown.with_text(unknown.node, word)) if word else None
+
+
 def as_another(unknown: Unknown, *, is_class_meant: bool = False) -> tuple[str, str] | None:
     """Read the name as another that it resembles.
 
@@ -31,8 +38,6 @@ def as_another(unknown: Unknown, *, is_class_meant: bool = False) -> tuple[str, 
         is_class_meant: whether a name that begins with a small letter may mean a class that is not called.
     """
     name = unknown.name
-    if word := _FOREIGN.get(name.lower()):
-        return f"Python has no {name}; in Python it is {word}.", unknown.with_text(unknown.node, word)
     found = sorted(_candidates(unknown, is_class_meant=is_class_meant))
     if not found:
         return None
@@ -92,9 +97,12 @@ def _fits(unknown: Unknown, candidate: str, *, is_class_meant: bool) -> bool:
         return unknown.attributes <= {*dir(getattr(builtins, candidate))}
     is_free = not (unknown.is_called or unknown.attributes)
     target = unknown.source.names.get(candidate, "")
-    if unknown.name[:1].islower() and candidate[:1].isupper() and not unknown.is_called:
+    is_class = candidate[:1].isupper() and candidate in unknown.source.names
+    if unknown.name[:1].islower() and is_class and not unknown.is_called:
         return is_class_meant and not (is_free and candidate in unknown.own_classes)
-    if unknown.name[:1].isupper() and unknown.is_called and not target:  # a class is called, and no variable
+    if (
+        unknown.name[:1].isupper() and (unknown.is_called or unknown.is_type) and not target
+    ):  # a class is called, and no variable
         return candidate[:1].isupper()
     names = interfaces.importable_names(target) if target and interfaces.is_module(target) else None
     return names is None or (not unknown.is_called and unknown.attributes <= names)

@@ -102,12 +102,21 @@ class Unknown:
         return self.source.text.splitlines()[getattr(node, "lineno", 1) - 1]
 
     def with_text(self, node: ast.AST, text: str) -> str:
-        """Say to write a line with another text for one of its nodes, or only the text if the line is long."""
-        old = ast.get_source_segment(self.source.text, node) or ast.unparse(node)
-        row, start, end = self.line(node).encode(), node.col_offset, node.end_col_offset  # type: ignore[attr-defined]
-        new = b"".join((row[:start], text.encode(), row[end:])).decode(errors="replace")
-        is_there = row[start:end].decode(errors="replace") == old
-        return f"write {as_code(new)}" if is_there and as_code(new) else f"write {text} instead of {old}"
+        """Say to write a line with another text for one of its nodes."""
+        return written_with(self.source, node, text)
+
+
+def written_with(source: PythonSource, node: ast.AST, text: str) -> str:
+    """Say to write a line with another text for one of its nodes, or only the text if the line is not a statement."""
+    old = ast.get_source_segment(source.text, node) or ast.unparse(node)
+    number = getattr(node, "lineno", 1)
+    row = source.text.splitlines()[number - 1].encode()
+    start, end = getattr(node, "col_offset", 0), getattr(node, "end_col_offset", 0)
+    new = as_code(b"".join((row[:start], text.encode(), row[end:])).decode(errors="replace"))
+    is_there = row[start:end].decode(errors="replace") == old
+    statements = [n for n in source.nodes if isinstance(n, ast.stmt) and n.lineno == number]
+    is_whole = any(n.end_lineno == number or hasattr(n, "body") for n in statements)
+    return f"write {new}" if is_there and is_whole and new else f"write `{text}` instead of `{old}`"
 
 
 def _body(node: ast.AST) -> list[ast.AST]:

@@ -3,18 +3,45 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 _Home = tuple[str, str]  # the module and the name in it
 # The packages whose names are known to be those of the student's computer, too.
 _KNOWN = interfaces.PACKAGES | sys.stdlib_module_names | {"setuptools"}
 _MOST_OFFERED = 6  # names of a module that are offered
+
+
+def misspelt_packages(source: PythonSource, own: Collection[str]) -> Iterator[Finding]:
+    """Yield imports whose package is spelt almost like one of ROS, of the workspace or setuptools.
+
+    Args:
+        source: the file.
+        own: the modules of the workspace.
+    """
+    for imported in source.imports:
+        top = imported.target.partition(".")[0]
+        if imported.is_guarded or top in own:
+            continue
+        if wanted := interfaces.meant(top) or _own_package(top, (*own, "setuptools")):
+            line = source.text.splitlines()[imported.line - 1].strip()
+            new = re.sub(rf"\b{top}\b", wanted, line, count=1)
+            fix = f"write `{new}`" if top in line and "(" not in line else f"write {wanted} instead of {top}"
+            cause = f"There is no Python package {top}. Did you mean {wanted}?"
+            yield Finding("module-missing", cause, source.at(imported.line), fix)
+
+
+def _own_package(name: str, own_modules: Collection[str]) -> str | None:
+    """Return the package of the workspace that a name misspells; None if there is none."""
+    if name in sys.stdlib_module_names or interfaces.is_installed(name):
+        return None
+    return next((module for module in own_modules if "." not in module and is_near_miss(name, module)), None)
 
 
 def wrong_imports(

@@ -11,7 +11,7 @@ from difflib import get_close_matches
 from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.code.bound_names import global_names
-from ros2lab.diagnose.code.meant_names import meant
+from ros2lab.diagnose.code.meant_names import meant, used_too_early
 from ros2lab.diagnose.code.syntax import explained
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.not_found import no_module, wrong_import
@@ -113,9 +113,11 @@ def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool)
     used = (node for node in spot.nodes if isinstance(node, ast.Name) and node.id == name)
     if spot.source and (node := next(used, None)):
         # The name is bound somewhere, but not yet when this line runs, or the file is not part of a package.
-        cause, do = meant(spot.source, name, node)
-        if name not in global_names(spot.source):
-            return Finding(code, cause, place, do)
+        is_bound = name in global_names(spot.source)
+        told = used_too_early(spot.source, name, node) if is_bound else meant(spot.source, name, node)
+        if told:
+            return Finding(code, told[0], place, told[1])
+        near = "" if is_bound else near
     homes = launch_homes_of(name) if is_launched else homes_of(name)
     do = f"write {near}" if near else f"import {name} or define it above, or fix its spelling"
     do = f"write `from {homes[0]} import {name}` at the top" if homes else do

@@ -12,9 +12,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, path_faults, tuple_by_comma
+from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.syntax import syntax_finding
-from ros2lab.diagnose.code.wrong_imports import wrong_imports
+from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.entity_words import entity_repair
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
@@ -143,7 +145,11 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             cause = f"{imported.local} here is {imported.target}, but the {imported.local} for launch files is in {homes[0]}."
             fix = f"write `from {homes[0]} import {imported.local}`"
             yield Finding("import-wrong", cause, source.at(imported.line), fix)
+    yield from misspelt_packages(source, ())
     yield from wrong_imports(source, {})
+    for name, node in undefined_names(source):
+        cause, fix = meant(source, name, node)
+        yield Finding("name-undefined", cause, source.at(node), fix)
     yield from comma_faults(source)
     yield from path_faults(source)
     worded = {finding.fix.partition("'")[2].partition("'")[0] for finding in kind_faults(source)}

@@ -10,8 +10,9 @@ from pathlib import Path
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
 from ros2lab.diagnose.code.meant_names import meant
+from ros2lab.diagnose.code.refused_keywords import refused_keywords
 from ros2lab.diagnose.code.syntax import syntax_finding
-from ros2lab.diagnose.code.wrong_imports import wrong_imports
+from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
@@ -42,8 +43,10 @@ def packaging_faults(
     if setup.source.tree is not None and setup.source.fault:
         yield syntax_finding("setup-syntax", setup.source)
         return
+    yield from misspelt_packages(setup.source, package.sources)
     yield from wrong_imports(setup.source, {})
     yield from _undefined(package, setup)
+    yield from refused_keywords(setup.source)
     yield from path_faults(setup.source)
     yield from comma_faults(setup.source, "setup-syntax")
     if not setup.is_called:

@@ -295,7 +295,8 @@ def launch_homes_of(name: str) -> list[str]:
         if folder and rest and not files:
             files = [folder.joinpath(*rest).with_suffix(".py")]
         if any(
-            re.search(rf"^(?:class|def) {re.escape(name)}\b", read_text(file), re.MULTILINE) for file in files
+            re.search(rf"^(?:(?:class|def) {name}\b|{name} = )", read_text(file), re.MULTILINE)
+            for file in files
         ):
             found.append(module)
     return found
