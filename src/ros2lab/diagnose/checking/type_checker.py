@@ -24,6 +24,7 @@ from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain, typ
 from ros2lab.diagnose.code.lost_parameters import CODE, definitions
 from ros2lab.diagnose.finding import SAID, Finding, shown_path, stops_node
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.unset_attributes import unset
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
@@ -351,6 +352,18 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
     return "argument-type", *not_taken(short, said.get("value", ""), said["wanted"], said["given"])
 
 
+def _unset(name: str, spot: Spot) -> tuple[str, str] | None:
+    """Return why the class around a line has no such attribute, and what to write; None if its uses do not tell."""
+    for node in spot.source.nodes if spot.source else ():
+        if (
+            isinstance(node, ast.ClassDef)
+            and node.lineno <= spot.line <= (node.end_lineno or 0)
+            and spot.source
+        ):
+            return unset(spot.source, node, name)
+    return None
+
+
 def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str]:
     cause = f"{plain(owner)} has no {name}."
     if close := in_place_of(name, owner, spot, look):
@@ -364,6 +377,8 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, s
             else (cause, f"write {close}")
         )
     if owner.startswith("Self@"):
+        if told := _unset(name, spot):
+            return told
         cause = f"self.{name} is used here, but nothing in the class sets it."
         return cause, f"write self.{name} = ... in __init__, with its initial value"
     if name in (interfaces.names_in("rclpy") or ()):

@@ -5,10 +5,12 @@ from __future__ import annotations
 import ast
 import re
 
+from ros2lab.diagnose.code.bound_names import bound_in
+from ros2lab.diagnose.code.unknown_names import written_with
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import own_nodes
 from ros2lab.diagnose.sources.signatures import heads_of
-from ros2lab.diagnose.sources.spelling import with_article
+from ros2lab.diagnose.sources.spelling import same_letters, with_article
 
 
 def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
@@ -19,21 +21,36 @@ def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
         f"{name or 'The class'} is the class itself, not an instance: the parentheses after it are missing."
     )
     place = spot.source.at(spot.line)
-    if made := _made_of(name, spot):
-        return cause, place, f"write {made} instead of {name}"
+    used = _class_used(name, spot)
+    if used is not None and (made := _made_of(used.id, spot)):
+        cause = f"{used.id} is the class itself; its instance here is {made}."
+        return cause, place, written_with(spot.source, used, made)
     where = f", as in node = {name}()" if name else ""
     new = f"{name}()" if name else "() after the name of the class"
     return cause, place, f"write {new} where the instance is made{where}"
 
 
+def _class_used(name: str, spot: Spot) -> ast.Name | None:
+    """Return where a line uses a class; if its name is not known, the only class that it uses without calling it."""
+    called = {id(node.func) for node in spot.nodes if isinstance(node, ast.Call)}
+    known = spot.source.names if spot.source else {}
+    names = [n for n in spot.nodes if isinstance(n, ast.Name) and n.id in known and id(n) not in called]
+    found = [n for n in names if n.id == name or (not name and n.id[:1].isupper())]
+    return found[0] if len(found) == 1 else None
+
+
 def _made_of(name: str, spot: Spot) -> str:
-    """Return the variable to which the function assigns an instance of a class; empty if there is none."""
-    for node in own_nodes(spot.function) if spot.function else ():
+    """Return the variable that holds an instance of a class or has its name in small letters; empty if none."""
+    scope = spot.function or (spot.source.tree if spot.source else None)
+    alike = (
+        [known for known in bound_in(scope) if known != name and same_letters(known, name)] if scope else []
+    )
+    for node in own_nodes(scope) if scope else ():
         match node:
             case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))):
                 if called == name:
                     return made
-    return ""
+    return alike[0] if alike else ""
 
 
 def types_named(said: str, message: str) -> int:

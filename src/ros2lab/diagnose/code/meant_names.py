@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 from ros2lab.diagnose.code.bound_names import undefined_names
+from ros2lab.diagnose.code.first_values import compared, first_value
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
 from ros2lab.diagnose.code.unknown_names import FUNCTIONS, Unknown, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
@@ -70,16 +71,9 @@ def _as_keyword_argument(unknown: Unknown) -> Reading | None:
 
 def _as_assignment(unknown: Unknown) -> Reading | None:
     """`node == Talker()` as a statement for `node = Talker()`."""
-    match unknown.statement:
-        case ast.Expr(value=ast.Compare(left=left, ops=[ast.Eq()])) if unknown.node in walk(left):
-            targets = left.elts if isinstance(left, (ast.Tuple, ast.List)) else [left]
-            if unknown.node in targets:
-                row = unknown.line(left).encode()
-                end = left.end_col_offset if left.end_lineno == left.lineno else 0
-                new = row[:end] + row[end or 0 :].replace(b"==", b"=", 1)
-                cause = f"`==` only compares, so nothing sets {unknown.name}; a single `=` assigns."
-                return cause, f"write {as_code(new.decode()) or '= instead of =='}"
-    return None
+    fix = compared(unknown.source, unknown.node)
+    cause = f"`==` only compares, so nothing sets {unknown.name}; a single `=` assigns."
+    return (cause, fix) if fix else None
 
 
 def _as_member(unknown: Unknown) -> Reading | None:
@@ -143,11 +137,12 @@ def _home_of(unknown: Unknown, name: str) -> str:
     imports, around = unknown.source.imports, unknown.above()
     targets = [imported.target for imported in imports]
     homes = interfaces.homes_for(name, targets)
-    if homes and homes[0].endswith((".msg", ".srv")) and interfaces.homes_around(name, ""):
+    is_message = bool(homes) and homes[0].endswith((".msg", ".srv"))
+    if is_message and (unknown.is_exception or interfaces.homes_around(name, "")):
         # A launch file uses no messages, and a message takes no positional arguments.
         is_launch = any(target.startswith("launch") for target in targets)
         is_given = isinstance(around, ast.Call) and around.func is unknown.node and bool(around.args)
-        homes = () if is_launch or is_given else homes
+        homes = () if is_launch or is_given or unknown.is_exception else homes
     if homes:
         return homes[0]
     used = [imported.target.rpartition(".")[0] for imported in imports if imported.is_from]
@@ -166,10 +161,17 @@ def _as_of_module(unknown: Unknown) -> Reading | None:
 
 
 def _as_of_python(unknown: Unknown) -> Reading | None:
-    """`Path` without `from pathlib import Path`."""
-    is_one = unknown.is_called or unknown.name[:1].isupper()
-    homes = interfaces.homes_around(unknown.name, "") if is_one else []
-    return (cause_of(unknown), f"write `from {homes[0]} import {unknown.name}` at the top") if homes else None
+    """`Path` without `from pathlib import Path`, with the other names that the same line has to import."""
+    if not (unknown.is_called or unknown.is_exception or unknown.name[:1].isupper()):
+        return None
+    names = [name for name, _ in undefined_names(unknown.source)]
+    homes = (interfaces.homes_around(name, "")[:1] for name in (unknown.name, *names))
+    for home in (home for found in homes for home in found):
+        inner = interfaces.importable_names(home) or ()
+        if unknown.name in inner:
+            joined = ", ".join(sorted({unknown.name, *(name for name in names if name in inner)}))
+            return cause_of(unknown), f"write `from {home} import {joined}` at the top"
+    return None
 
 
 def _as_parameter(unknown: Unknown) -> Reading | None:
@@ -240,7 +242,7 @@ def _names_package(unknown: Unknown, use: ast.AST) -> bool:
 
 def _as_object(unknown: Unknown) -> Reading | None:
     """A variable whose assignment is missing, if its uses tell what it holds."""
-    made = _sent(unknown) or _unused_class(unknown) or _first_value(unknown)
+    made = _sent(unknown) or _unused_class(unknown) or first_value(unknown.source, unknown.uses)
     if not made:
         return None
     cause = f"{cause_of(unknown)} A line that assigns it is missing."
@@ -250,7 +252,7 @@ def _as_object(unknown: Unknown) -> Reading | None:
 def used_too_early(source: PythonSource, name: str, node: ast.AST) -> Reading | None:
     """Return why a name that is assigned elsewhere has no value yet, and what to write; None if that is not known."""
     unknown = Unknown(source, name, node)
-    value = _first_value(unknown)
+    value = first_value(source, unknown.uses)
     if not value:
         return None
     is_global = any(isinstance(n, ast.Global) and name in n.names for n in source.nodes)
@@ -260,21 +262,6 @@ def used_too_early(source: PythonSource, name: str, node: ast.AST) -> Reading | 
         f"Nothing gives {name} a value before this line runs.",
         f"write `{name} = {value}` above line {number}",
     )
-
-
-def _first_value(unknown: Unknown) -> str:
-    """Return the value with which a variable begins, if its uses tell: None, a number, a list or a dictionary."""
-    for use in unknown.uses:
-        match unknown.above(use):
-            case ast.Compare(ops=[ast.Is() | ast.IsNot()], comparators=[ast.Constant(value=None)]):
-                return "None"
-            case ast.AugAssign(op=ast.Add() | ast.Sub(), value=ast.Constant(value=int() | float() as step)):
-                return "0.0" if isinstance(step, float) else "0"
-            case ast.Attribute(attr="append" | "extend"):
-                return "[]"
-            case ast.Subscript(ctx=ast.Store(), slice=ast.Constant(value=str())):
-                return "{}"
-    return ""
 
 
 def _outside_loops(unknown: Unknown) -> ast.stmt:

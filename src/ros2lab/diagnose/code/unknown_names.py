@@ -70,7 +70,14 @@ class Unknown:
             getattr(around, "annotation", None),
             getattr(around, "returns", None),
         )
-        return is_annotation or isinstance(around, (ast.ExceptHandler, ast.Raise))
+        return is_annotation or self.is_exception
+
+    @property
+    def is_exception(self) -> bool:
+        """Whether the use names an exception to catch or to raise."""
+        around = self.above()
+        around = self.above(around) if isinstance(around, (ast.Tuple, ast.Call)) else around
+        return isinstance(around, (ast.ExceptHandler, ast.Raise))
 
     @property
     def attributes(self) -> set[str]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
 from ros2lab.diagnose.nodes.taken_names import hiding_methods, taken_attributes
+from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import meant_call
 from ros2lab.diagnose.sources.construction import given_to_super, lost_constructor, super_call
@@ -22,7 +23,6 @@ from ros2lab.diagnose.sources.node_source import (
     is_self_attribute,
 )
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, returns_value, walk
-from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.unbound_names import unbound_names
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -154,75 +154,7 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
         elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"
-            yield _no_such_member(owner, node, what, members)
-
-
-def _no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
-    where, fix = _elsewhere(owner, node.attr)
-    public = [member for member in members if member[0] != "_" or node.attr[0] == "_"]
-    close = None if where else nearest(node.attr, owner.attributes) or nearest(node.attr, public)
-    meant = f" Did you mean {close}?" if close else ""
-    cause = f"{owner.definition.name} has no {what} {node.attr}{where or '.'}{meant}"
-    fix = f"write self.{close}, or define self.{node.attr} in __init__" if close else fix
-    return Finding("attribute-missing", cause, owner.source.at(node), fix)
-
-
-def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
-    """Say where a name that a class lacks is defined, and what to do about it."""
-    for node in owner.source.nodes:
-        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
-            continue
-        holder = next((h for h in owner.source.nodes if node in getattr(h, "body", [])), None)
-        line = f"line {node.lineno}"
-        if isinstance(holder, ast.ClassDef):
-            return (
-                f": it belongs to {holder.name} ({line}).",
-                f"move the method {name} into the class {owner.definition.name}",
-            )
-        if holder is owner.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
-            return (
-                f": {name} is a function outside the class ({line}).",
-                f"write {name} instead of self.{name}",
-            )
-        inside = (
-            f"inside {holder.name}()"
-            if isinstance(holder, (ast.FunctionDef, ast.AsyncFunctionDef))
-            else "outside the class"
-        )
-        return (
-            f": its indentation puts its definition {inside} ({line}).",
-            f"indent def {name} and its body like the other methods of {owner.definition.name}",
-        )
-    for local in owner.methods.values():
-        set_here = [n for n in own_nodes(local) if isinstance(n, ast.stmt) and name in _assigned(n)]
-        if set_here:
-            cause = f": {local.name}() sets {name} without self."
-            if len(set_here) == 1 and not _is_read(local, name):
-                text = re.sub(rf"\b{name}\b", f"self.{name}", ast.unparse(set_here[0]), count=1)
-                return cause, f"write `{text}` on line {set_here[0].lineno}"
-            last = max(node.end_lineno or node.lineno for node in set_here)
-            return cause, f"write `self.{name} = {name}` below line {last}, in {local.name}()"
-    return "", f"define {name}, or fix its spelling"
-
-
-def _is_read(function: Function, name: str) -> bool:
-    """Return whether a function, or one inside it, uses a name other than by assigning to it."""
-    return any(
-        isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Load) for n in walk(function)
-    )
-
-
-def _assigned(statement: ast.stmt) -> set[str]:
-    """Return the names that an assignment gives a value."""
-    targets = getattr(statement, "targets", None) or [getattr(statement, "target", None)]
-    kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign)
-    return {
-        n.id
-        for target in targets
-        if target and isinstance(statement, kinds)
-        for n in ast.walk(target)
-        if isinstance(n, ast.Name)
-    }
+            yield no_such_member(owner, node, what, members)
 
 
 def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:

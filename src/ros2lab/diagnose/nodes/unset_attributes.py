@@ -1,0 +1,138 @@
+"""Attributes that a node uses and nothing sets: where they are defined instead, and what they should hold."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection, Iterator
+
+from ros2lab.diagnose.code.first_values import compared, first_value
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.spelling import nearest
+
+_SENDERS = {"publish": "create_publisher", "call_async": "create_client", "call": "create_client"}
+
+
+def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
+    """Return the finding of an attribute or a method that a node class lacks."""
+    name = node.attr
+    where, fix = _elsewhere(owner, name)
+    public = [member for member in members if member[0] != "_" or name[0] == "_"]
+    close = None if where else nearest(name, owner.attributes) or nearest(name, public)
+    meant = f" Did you mean {close}?" if close else ""
+    cause = f"{owner.definition.name} has no {what} {name}{where or '.'}{meant}"
+    if not where and (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
+        cause, fix = told
+    elif close:
+        fix = f"write self.{close}, or define self.{name} in __init__"
+    return Finding("attribute-missing", cause, owner.source.at(node), fix)
+
+
+def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[str, str] | None:
+    """Return why an attribute of self has no value, and the line that gives it one; None if its uses do not tell."""
+    uses = [n for n in walk(definition) if is_self_attribute(n) and getattr(n, "attr", "") == name]
+    for use in uses:
+        if told := compared(source, use):
+            return f"`==` only compares, so nothing sets self.{name}; a single `=` assigns.", told
+    value = _sender(source, definition, name) or first_value(source, uses)
+    if not value:
+        return None
+    cause = f"self.{name} is used here, but nothing in the class sets it."
+    line = max(_constructed(definition), default=0)
+    where = f"below line {line}, in __init__()" if line else "as the first line of __init__()"
+    return cause, f"write `self.{name} = {value}` {where}"
+
+
+def _constructed(definition: ast.ClassDef) -> Iterator[int]:
+    """Yield the line on which the constructor of a class calls that of its base class."""
+    for node in walk(definition):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "super().__init__":
+            yield node.end_lineno or node.lineno
+
+
+def _sender(source: PythonSource, definition: ast.ClassDef, name: str) -> str:
+    """Return the creation of the publisher or the client that an attribute is used as; empty if it is none."""
+    for call in walk(definition):
+        match call:
+            case ast.Call(func=ast.Attribute(value=owner, attr=method), args=[sent]) if method in _SENDERS:
+                kind = _kind(definition, sent) if ast.unparse(owner) == f"self.{name}" else ""
+                if kind in source.names and method == "publish":
+                    return f"self.create_publisher({kind}, '{name.strip('_')}', 10)"
+                if kind.removesuffix(".Request") in source.names and method != "publish":
+                    return f"self.create_client({kind.removesuffix('.Request')}, '{name.strip('_')}')"
+    return ""
+
+
+def _kind(definition: ast.ClassDef, sent: ast.expr) -> str:
+    """Return the class of which a message is an instance, as the file writes it; empty if it is not known."""
+    if isinstance(sent, ast.Call):
+        return ast.unparse(sent.func)
+    for node in walk(definition):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=func)):
+                if isinstance(sent, ast.Name) and made == sent.id:
+                    return ast.unparse(func)
+            case ast.arg(arg=made, annotation=ast.expr() as kind):
+                if isinstance(sent, ast.Name) and made == sent.id:
+                    return ast.unparse(kind)
+    return ""
+
+
+def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
+    """Say where a name that a class lacks is defined, and what to do about it."""
+    for node in owner.source.nodes:
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
+            continue
+        holder = next((h for h in owner.source.nodes if node in getattr(h, "body", [])), None)
+        line = f"line {node.lineno}"
+        if isinstance(holder, ast.ClassDef):
+            return (
+                f": it belongs to {holder.name} ({line}).",
+                f"move the method {name} into the class {owner.definition.name}",
+            )
+        if holder is owner.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
+            return (
+                f": {name} is a function outside the class ({line}).",
+                f"write {name} instead of self.{name}",
+            )
+        inside = (
+            f"inside {holder.name}()"
+            if isinstance(holder, (ast.FunctionDef, ast.AsyncFunctionDef))
+            else "outside the class"
+        )
+        return (
+            f": its indentation puts its definition {inside} ({line}).",
+            f"indent def {name} and its body like the other methods of {owner.definition.name}",
+        )
+    for local in owner.methods.values():
+        set_here = [n for n in own_nodes(local) if isinstance(n, ast.stmt) and name in _assigned(n)]
+        if set_here:
+            cause = f": {local.name}() sets {name} without self."
+            if len(set_here) == 1 and not _is_read(local, name):
+                text = re.sub(rf"\b{name}\b", f"self.{name}", ast.unparse(set_here[0]), count=1)
+                return cause, f"write `{text}` on line {set_here[0].lineno}"
+            last = max(node.end_lineno or node.lineno for node in set_here)
+            return cause, f"write `self.{name} = {name}` below line {last}, in {local.name}()"
+    return "", f"define {name}, or fix its spelling"
+
+
+def _is_read(function: Function, name: str) -> bool:
+    """Return whether a function, or one inside it, uses a name other than by assigning to it."""
+    return any(
+        isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Load) for n in walk(function)
+    )
+
+
+def _assigned(statement: ast.stmt) -> set[str]:
+    """Return the names that an assignment gives a value."""
+    targets = getattr(statement, "targets", None) or [getattr(statement, "target", None)]
+    kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign)
+    return {
+        n.id
+        for target in targets
+        if target and isinstance(statement, kinds)
+        for n in ast.walk(target)
+        if isinstance(n, ast.Name)
+    }
