@@ -12,7 +12,7 @@ from difflib import SequenceMatcher
 from ros2lab.diagnose.code.bound_names import bound_by, bound_in
 from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.python_source import own_nodes, walk
 from ros2lab.diagnose.sources.spelling import edits, same_letters
 
 # Words of other languages, and what Python calls them.
@@ -48,7 +48,9 @@ def as_another(unknown: Unknown, *, is_class_meant: bool = False) -> tuple[str, 
         new = re.sub(rf"\b{near}\b", name, unknown.line(bound), count=1)
         cause = f"{cause_of(unknown)} Line {number} calls it {near}."
         return cause, f"write {as_code(new) or f'{name} instead of {near}'} on line {number}"
-    others = sorted({use.lineno for use in unknown.uses} - {getattr(unknown.node, "lineno", 0)})
+    inside = {id(inner) for inner in walk(unknown.scopes[0])}
+    loads = (use for use in unknown.uses if isinstance(use.ctx, ast.Load) and id(use) in inside)
+    others = sorted({use.lineno for use in loads} - {getattr(unknown.node, "lineno", 0)})
     more = f", and {near} on line {' and '.join(map(str, others))} as well" if others else ""
     fix = unknown.with_text(unknown.node, near)
     if same_letters(name, near) and (near in dir(builtins) or keyword.iskeyword(near)):
