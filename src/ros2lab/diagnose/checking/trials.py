@@ -15,7 +15,6 @@ from ros2lab.diagnose.finding import stops_node
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.calls import missing_imports
-from ros2lab.diagnose.sources.interfaces import has_name
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, children, own_nodes, parameters
 
@@ -118,17 +117,6 @@ class Trial:
         """Return the type of an expression on the line, or of a name in scope; empty if it is unknown."""
         kind = self._kinds.get(text, "")
         return "" if UNKNOWN_TYPE.search(kind) else kind
-
-    def is_undefined(self, name: str) -> bool:
-        """Return whether the type checker reports a name as undefined."""
-        return any(row.rule == "unresolved-reference" and f"`{name}`" in row.said for row in self.objections)
-
-    def modules_with(self, name: str) -> list[str]:
-        """Return the local names of imported modules that have a member of this name."""
-        modules = [
-            (imported.local, imported.target) for imported in self.source.imports if not imported.is_from
-        ]
-        return [local for local, target in modules if has_name(target, name)]
 
     def is_open(self, text: str) -> bool:
         """Return whether a text calls a function with an unknown return type."""

@@ -100,7 +100,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
     yield from misspelt_packages(source, own_modules)
     yield from wrong_imports(source, names_of(source, own_modules))
     for name, node in undefined_names(source):
-        cause, fix = meant(source, name, node, sources.members_at(source, node))
+        cause, fix = meant(source, name, node, members=sources.members_at(source, node), own=own_modules)
         yield Finding("name-undefined", cause, source.at(node), fix)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 from ros2lab.diagnose.code.bound_names import undefined_names
@@ -22,7 +22,13 @@ _PATH_SIGNS = (ast.Div, ast.Sub, ast.MatMult)  # `/`, `-` and `@` in a string wi
 
 
 def meant(
-    source: PythonSource, name: str, node: ast.AST, members: Collection[str] = (), package: str = ""
+    source: PythonSource,
+    name: str,
+    node: ast.AST,
+    *,
+    members: Collection[str] = (),
+    package: str = "",
+    own: Mapping[str, PythonSource] | None = None,
 ) -> Reading:
     """Return why a name is not defined, and what to write instead; the likeliest of all readings.
 
@@ -32,8 +38,9 @@ def meant(
         node: where it is used.
         members: the attributes that `self` has there.
         package: the name of the package whose setup.py the file is.
+        own: the modules of the workspace.
     """
-    unknown = Unknown(source, name, node, members, package)
+    unknown = Unknown(source, name, node, members, package, own or {})
     readings: Sequence[Callable[[Unknown], Reading | None]] = (
         _as_keyword_argument,
         _as_assignment,
@@ -44,6 +51,7 @@ def meant(
         _as_import,
         _as_path,
         _as_of_another_function,
+        _as_own,
         as_another,
         _as_of_module,
         _as_of_python,
@@ -149,6 +157,16 @@ def _home_of(unknown: Unknown, name: str) -> str:
     used += ["setuptools"] * unknown.source.shown.endswith("setup.py")
     has = (module for module in dict.fromkeys(used) if name in (interfaces.importable_names(module) or ()))
     return next(has, "")
+
+
+def _as_own(unknown: Unknown) -> Reading | None:
+    """A function or a class of another module of the workspace, which is not imported."""
+    for module, other in unknown.own.items():
+        kinds = (*FUNCTIONS, ast.ClassDef)
+        defined = {node.name for node in other.tree.body if isinstance(node, kinds)} - {"main"}
+        if other is not unknown.source and unknown.name in defined:
+            return cause_of(unknown), f"write `from {module} import {unknown.name}` at the top"
+    return None
 
 
 def _as_of_module(unknown: Unknown) -> Reading | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -23,6 +23,7 @@ class Unknown:
         node: where it is used first.
         members: the attributes that `self` has there.
         package: the name of the package, if it is known and the file is its setup.py.
+        own: the modules of the workspace.
     """
 
     source: PythonSource
@@ -30,6 +31,7 @@ class Unknown:
     node: ast.AST
     members: Collection[str] = ()
     package: str = ""
+    own: Mapping[str, PythonSource] = field(default_factory=dict)
     _above: dict[int, ast.AST] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
@@ -64,13 +66,14 @@ class Unknown:
 
     @property
     def is_type(self) -> bool:
-        """Whether the use is an annotation, or the name of an exception."""
+        """Whether the use is an annotation, a decorator, a base class, or the name of an exception."""
         around = self.above()
         is_annotation = isinstance(around, (ast.arg, ast.AnnAssign, *FUNCTIONS)) and self.node in (
             getattr(around, "annotation", None),
             getattr(around, "returns", None),
         )
-        return is_annotation or self.is_exception
+        above = [*getattr(around, "decorator_list", ()), *getattr(around, "bases", ())]
+        return is_annotation or self.node in above or self.is_exception
 
     @property
     def is_exception(self) -> bool:

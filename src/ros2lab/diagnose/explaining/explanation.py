@@ -132,6 +132,8 @@ def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Fin
             for finding in found
         ]
     first, *others = found
+    if first.code.startswith("name-undefined"):
+        return found  # no other change of the line says what the name stands for
     own = own_frames(error.reports[-1].frames) if error.reports else []
     is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
     is_sure |= re.search(r"\bline \d+", first.fix) is not None

@@ -297,10 +297,6 @@ def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
             is_joined = any(map(launch_homes_of, kinds))  # as launch joins strings and substitutions
             cost = PLACE if is_joined else LESS
             yield Change(Edit(node, f"[{ast.unparse(left)}, {ast.unparse(right)}]"), cost)
-        case ast.Name(id=name) if trial.is_undefined(name):
-            yield from (Change(Edit(node, f"{module}.{name}"), _SLIP) for module in trial.modules_with(name))
-            yield from (Change(Edit(node, known), _SLIP) for known in trial.names if known == f"self.{name}")
-            yield Change(Edit(node, repr(name)), LESS)
     if kind.endswith("| None"):
         empty = _EMPTY.get(kind.removesuffix(" | None"), "...")
         yield Change(Edit(node, f"({text} or {empty})"), _VALUE)
