@@ -85,8 +85,9 @@ def _as_assignment(unknown: Unknown) -> Reading | None:
 
 
 def _as_member(unknown: Unknown) -> Reading | None:
-    if unknown.name not in unknown.members:
-        return None
+    set_here = [ast.unparse(target) for target in getattr(unknown.statement, "targets", ())]
+    if unknown.name not in unknown.members or f"self.{unknown.name}" in set_here:
+        return None  # what the statement itself sets has no value yet
     cause = f"{unknown.name} belongs to the class, so its methods can use it only as self.{unknown.name}."
     return cause, unknown.with_text(unknown.node, f"self.{unknown.name}")
 
@@ -337,7 +338,11 @@ def _has_all(unknown: Unknown, definition: ast.ClassDef) -> bool:
 
 
 def _as_path(unknown: Unknown) -> Reading | None:
-    """A path or the name of a file without quotes: `launch/demo.launch.py`, or `share/ + package_name`."""
+    """A path, the name of a file or `__main__` without quotes: `launch/demo.launch.py`, or `share/ + package_name`."""
+    if re.fullmatch(r"__\w+__", unknown.name):
+        return f"The quotes around {unknown.name} are missing.", unknown.with_text(
+            unknown.node, repr(unknown.name)
+        )
     whole, text = _whole(unknown)
     if whole is unknown.node or not _may_be_text(unknown, whole):
         return None

@@ -77,7 +77,7 @@ def _candidates(unknown: Unknown, *, is_class_meant: bool) -> Iterator[tuple[boo
             is_near = distance < 2 and len(wanted) > _SHORT
         if is_near:
             is_idle = far < _KEYWORDS and distance < 2 and candidate not in unknown.loaded
-            yield not is_idle, min(distance, 3), far, -alike, candidate
+            yield not is_idle, min(distance, 3), min(far, _KEYWORDS), -alike, candidate
 
 
 def _known(unknown: Unknown) -> dict[str, int]:
