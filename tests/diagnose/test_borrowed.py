@@ -122,6 +122,7 @@ def test_a_variable_of_another_function(tmp_path: Path) -> None:
     root = files.change("driver", "    rclpy.spin(node)", "    node.drive()").write(tmp_path)
     first = of_text(printed(root), root)[0]
     assert first.cause.startswith("node is a variable of main()")
+    assert first.fix == "write `self.publisher_.publish(msg)`"
 
 
 def first_of(files: Files, folder: Path) -> Finding:

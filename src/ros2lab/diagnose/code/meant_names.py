@@ -45,6 +45,7 @@ def meant(
         _as_keyword_argument,
         _as_assignment,
         _as_after_dot,
+        _as_self,
         _as_member,
         _as_alias,
         as_foreign,
@@ -82,6 +83,24 @@ def _as_assignment(unknown: Unknown) -> Reading | None:
     fix = compared(unknown.source, unknown.node)
     cause = f"`==` only compares, so nothing sets {unknown.name}; a single `=` assigns."
     return (cause, fix) if fix else None
+
+
+def _as_self(unknown: Unknown) -> Reading | None:
+    """`node.pub` in a method, where another function calls the instance of the class `node`."""
+    around = [unknown.above(scope) for scope in unknown.scopes[:-1]]
+    classes = {node.name for node in around if isinstance(node, ast.ClassDef)}
+    if not classes or not unknown.attributes:
+        return None
+    functions = (node for node in unknown.source.tree.body if isinstance(node, FUNCTIONS))
+    for function, node in ((owner, node) for owner in functions for node in own_nodes(owner)):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id=made))):
+                if name == unknown.name and made in classes:
+                    cause = (
+                        f"{name} is a variable of {function.name}(); a method knows its own object as self."
+                    )
+                    return cause, unknown.with_text(unknown.node, "self")
+    return None
 
 
 def _as_member(unknown: Unknown) -> Reading | None:
