@@ -8,7 +8,7 @@ import contextlib
 from collections.abc import Collection, Iterable, Iterator
 from weakref import WeakKeyDictionary
 
-from ros2lab.diagnose.code.imports import undefined_names
+from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.cases import leaves, text_of
 from ros2lab.grading.possible import Facts, Possible

@@ -104,8 +104,6 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
         yield Finding("name-undefined", cause, source.at(node), fix)
 
 
-
-
 def names_of(source: PythonSource, modules: Mapping[str, PythonSource]) -> dict[str, frozenset[str]]:
     """Return the names of each module that a file imports from; none for the other modules."""
     asked = {source.absolute(node) for node in source.nodes if isinstance(node, ast.ImportFrom)}

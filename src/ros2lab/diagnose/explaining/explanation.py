@@ -429,13 +429,9 @@ def _unknown(error: ErrorText, look: Look | None) -> Finding:
 
 def _workspace_of(error: ErrorText) -> Path | None:
     """Return the workspace of the first file in the traceback that exists here; None if there is none."""
-    for frame in own_frames(error.frames):
-        path = Path(frame.file)
-        if path.is_absolute() and path.is_file():
-            root = workspace_around(path.parent)
-            if root is not None:
-                return root
-    return None
+    paths = (Path(frame.file) for frame in own_frames(error.frames))
+    roots = (workspace_around(path.parent) for path in paths if path.is_absolute() and path.is_file())
+    return next((root for root in roots if root is not None), None)
 
 
 def _beside(error: ErrorText, sources: Mapping[str, str], look: Look | None) -> Iterator[Finding]:
