@@ -10,7 +10,7 @@ from styles import MAIN
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_text, of_workspace
-from ros2lab.diagnose.checking import type_checker
+from ros2lab.diagnose.checking import objections
 
 TALK = "        self.count += 1\n"
 FAULTS = [
@@ -141,7 +141,7 @@ def test_what_is_too_large_to_be_read_is_not_given_to_it(
         with (package / folder / "big.launch.py").open("w") as file:
             file.truncate(100_000_000)
     given: list[str] = []
-    monkeypatch.setattr(type_checker, "said_of", lambda files, **_: given.extend(files) or [])
+    monkeypatch.setattr(objections, "said_of", lambda files, **_: given.extend(files) or [])
     of_workspace(root)
     assert given
     assert not [path for path in given if "big" in path]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import ast
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.checking.call_forms import (
     argument_at,
@@ -15,27 +14,20 @@ from ros2lab.diagnose.checking.call_forms import (
     given_another,
     rewritten,
 )
-from ros2lab.diagnose.checking.checked_copies import RULES, checked, first_that_stands, said_of
-from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted, is_doubtful
+from ros2lab.diagnose.checking.checked_copies import checked, first_that_stands
 from ros2lab.diagnose.checking.members import in_place_of, members
+from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
-from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain, types_named
-from ros2lab.diagnose.code.lost_parameters import CODE, definitions
-from ros2lab.diagnose.finding import SAID, Finding, shown_path, stops_node
+from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
+from ros2lab.diagnose.finding import SAID, Finding, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.unset_attributes import unset
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
-from ros2lab.diagnose.sources.construction import is_of_construction
-from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource, children, read_source, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import nearest
-
-# Types about which there is no doubt: no unions and no containers.
-_PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|")
-_CATCHES = frozenset(("AttributeError", "TypeError", "Exception", "ImportError"))
 
 
 def type_faults(
@@ -57,126 +49,19 @@ def type_faults(
         for finding in known
         if stops_node(finding) or (finding.place not in lines and finding.code != SAID)
     }
-    sources = {
-        str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
-    }
-    owners = {s: look.sources(p) for p in look.packages for s in p.sources.values()}
-    rows = said_of([*sources, *_launch_files(look)], packages=[package.folder for package in look.packages])
-    objections: dict[str, list[tuple[int, str]]] = {}
-    for row in rows:
-        objections.setdefault(f"/{row['file']}", []).append((int(row["line"]), row["said"]))
-    denied = {path: contradicted(sources[path], said) for path, said in objections.items() if path in sources}
-    for row in sorted(rows, key=lambda row: -types_named(row["said"], message)):
-        said = re.search(RULES[row["rule"]], row["said"]) if row["rule"] in RULES else None
-        source = sources.get(f"/{row['file']}")
-        shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
-        place = f"{shown}:{row['line']}"
-        if said is None or place in told or shown in unread or _is_told_elsewhere(row, said):
+    objections = objections_of(look, message)
+    doubts = Doubts(look, known, objections)
+    for objection in objections:
+        if objection.place in told or objection.shown in unread or doubts.is_of_another_rule(objection):
             continue
-        if row["rule"] in _OF_ARGUMENTS and _is_of_def(said["owner"], owners, known):
-            continue
-        if source in owners and is_of_construction(owners[source], source, int(row["line"]), said[0]):
-            continue
-        groups = {key: value or "" for key, value in said.groupdict().items()}
-        is_sure = _is_sure(groups) and _may_not_fail(source, int(row["line"]), groups)
-        if place not in lines and not (
-            is_sure
-            and (source is None or not is_contradicted(source, int(row["line"]), denied[str(source.path)]))
-            and (source not in owners or not is_doubtful(row, said, source, owners[source]))
-        ):
-            continue
-        told.add(place)
-        source = source or read_source(Path("/", row["file"]), Path(row["file"]).stem, shown)
-        yield _finding(row, groups, Spot(source, int(row["line"])), look)
-
-
-_OF_ARGUMENTS = frozenset(("too-many-positional-arguments", "unknown-argument", "missing-argument"))
-
-
-def _is_of_def(name: str, owners: Mapping[PythonSource, NodeSources], known: Iterable[Finding]) -> bool:
-    """Return whether the def of a function is wrong, and not its calls."""
-    told = {finding.place for finding in known if finding.code == CODE}
-    named = (
-        (found for source in owners for found in definitions(source) if found.name == name) if told else ()
-    )
-    return any(definition.source.at(definition.function) in told for definition in named)
-
-
-def _launch_files(look: Look) -> Iterator[str]:
-    """Yield the paths of the Python launch files; files too large to read are left out."""
-    paths = (path for package in look.packages for path in package.launch_files)
-    return (str(path) for path in paths if path.suffix == ".py" and read_text(path))
-
-
-def _is_told_elsewhere(row: re.Match[str], said: re.Match[str]) -> bool:
-    """Return whether another rule reports this better: undefined names, members of a class or None."""
-    if row["rule"] == "unresolved-reference":  # our own rule knows exec() and globals()
-        return True
-    groups = said.groupdict()
-    return groups.get("owner") in ("property", "None") or groups.get("message") == "None"
-
-
-def _may_not_fail(source: PythonSource | None, line: int, groups: dict[str, str]) -> bool:
-    """Return whether a line is not guarded by `try`, and uses no class that may be a subclass, nor an added attribute."""
-    if source is None:
-        return True
-    return not (
-        _is_guarded(source, line)
-        or _is_of_any_class(source, line, groups["owner"])
-        or _is_set_from_outside(source, *_owner_and_name(groups))
-    )
-
-
-def _is_sure(said: dict[str, str]) -> bool:
-    owner = said["owner"]
-    if owner.startswith("bound method "):
-        return True
-    kinds = [said.get(name, "") for name in ("wanted", "given", "both")]
-    if not all(_PLAIN.fullmatch(kind) for kind in kinds):
-        return False
-    # The class that a mixin is used with is not known, and functions may have attributes.
-    is_clear = not owner.startswith(("Self@", "def ")) and not re.search(r"Unknown| \| |\[|^object$", owner)
-    return is_clear or _PLAIN.fullmatch(owner) is not None
-
-
-def _is_guarded(source: PythonSource, line: int) -> bool:
-    """Return whether a line may fail because its exceptions are caught."""
-    for node in source.nodes:
-        if isinstance(node, ast.Try) and node.lineno <= line <= (node.body[-1].end_lineno or 0):
-            for handler in node.handlers:
-                names = (
-                    {getattr(n, "id", "") for n in (handler.type, *children(handler.type))}
-                    if handler.type
-                    else _CATCHES
-                )
-                if names & _CATCHES:
-                    return True
-    return False
-
-
-def _is_set_from_outside(source: PythonSource, owner: str, name: str) -> bool:
-    """Return whether a file sets an attribute on an object other than self; messages refuse new attributes."""
-    stored = (n for n in source.nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store))
-    is_message = any(interfaces.fields_of(f"{home}.{owner}") for home in interfaces.homes_of(owner))
-    return not is_message and any(node.attr == name and not is_self_attribute(node) for node in stored)
-
-
-def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:
-    """Return whether a line instantiates a class in a variable, which may take other arguments."""
-    given = {node.arg for node in source.nodes if isinstance(node, ast.arg)}
-    given |= {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    called = [n.func for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
-    return owner.endswith(".__init__") and any(
-        isinstance(function, ast.Subscript)
-        or is_self_attribute(function)
-        or getattr(function, "id", "") in given
-        for function in called
-    )
+        if objection.place in lines or doubts.is_certain(objection):
+            told.add(objection.place)
+            yield _finding(objection.row, objection.groups, Spot(objection.read(), objection.line), look)
 
 
 def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -> Finding:
     rule = row["rule"]
-    owner, name = _owner_and_name(said)
+    owner, name = owner_and_name(said)
     assert spot.source is not None
     place = spot.source.at(spot.line)
     if rule in _OF_VALUES:
@@ -225,16 +110,10 @@ def _classes(source: PythonSource) -> set[str]:
     return {node.name for node in source.nodes if isinstance(node, ast.ClassDef)}
 
 
-def _owner_and_name(said: dict[str, str]) -> tuple[str, str]:
-    """Return the owner and the name of the member or argument that the type checker reports."""
-    name = said.get("name") or said.get("field", "")
-    return (said["owner"] or said.get("message", "")).removesuffix(".__init__"), name.replace("`", "")
-
-
 def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Finding:
     """Return the finding of a member or an operation that a value lacks, with what was meant."""
     assert spot.source is not None
-    owner, name = _owner_and_name(said)
+    owner, name = owner_and_name(said)
     code, cause, fix = _of_value(rule, said, spot, look)
     if rule == "missing-attribute" and owner == "rclpy" and (told := of_a_node(name, spot)):
         cause, fix = told
@@ -290,7 +169,7 @@ def _unwrapped(said: dict[str, str], spot: Spot) -> str:
 
 def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[str, str, str]:
     """Return code, cause and fix of a member or an operation that a value lacks."""
-    owner, name = _owner_and_name(said)
+    owner, name = owner_and_name(said)
     if rule == "missing-union-attribute":
         fix = (
             f"write `if ... is not None:` above this line, with the object before .{name}, or set it earlier"

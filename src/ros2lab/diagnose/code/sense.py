@@ -30,19 +30,26 @@ def nonsense(tree: ast.Module, first: int, last: int, before: str, after: str) -
     """
     known = _bound(tree) | _BUILTINS
     near = [node for node in ast.walk(tree) if _is_within(node, first, last)]
-    new = {text for text in _texts(near) if text not in {old[1:-1] for old in _TEXT.findall(before)}}
+    new = _texts(near) - {text[1:-1] for text in _TEXT.findall(before)}
     odd: float = sum(is_odd(node) for node in near for is_odd in _ODDITIES)
-    names = [n for n in near if isinstance(n, ast.Name)]
-    own = (
-        {n.id for n in names if isinstance(n.ctx, ast.Store)} - _bound(tree, near) if first == last else set()
-    )
-    odd += sum(isinstance(n.ctx, ast.Load) and (n.id in own or n.id not in known) for n in names)
-    # What is used by itself elsewhere is seldom a member: `TOPIC.QOS` for `TOPIC, QOS`.
-    bare = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    odd += sum(isinstance(node, ast.Attribute) and node.attr in bare for node in near) / 10
-    odd += sum(_is_code(text, known) for text in new) + sum(1 for _ in _lost(tree, first, last))
+    odd += _unknown(tree, near, known, is_one_line=first == last) + sum(_is_code(text, known) for text in new)
     odd += sum(2 if new & _texts([node.value]) else 1 for node in _idle(tree, first, last, new))
+    odd += sum(1 for _ in _lost(tree, first, last)) + _members(tree, near) / 10
     return _PENALTY * (odd + max(len(_JOINED.findall(after)) - len(_JOINED.findall(before)), 0))
+
+
+def _unknown(tree: ast.Module, near: list[ast.AST], known: set[str], *, is_one_line: bool) -> int:
+    """Return how many names are read that nothing binds, or nothing but the very line."""
+    names = [node for node in near if isinstance(node, ast.Name)]
+    stored = {name.id for name in names if isinstance(name.ctx, ast.Store)} if is_one_line else set()
+    own = stored - _bound(tree, near) if stored else stored
+    return sum(isinstance(name.ctx, ast.Load) and (name.id in own or name.id not in known) for name in names)
+
+
+def _members(tree: ast.Module, near: list[ast.AST]) -> int:
+    """Return how many members are names that the file uses by themselves: `TOPIC.QOS` for `TOPIC, QOS`."""
+    bare = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    return sum(isinstance(node, ast.Attribute) and node.attr in bare for node in near)
 
 
 def _is_within(node: ast.AST, first: int, last: int) -> bool:
