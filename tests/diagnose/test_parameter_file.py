@@ -109,6 +109,17 @@ def test_what_rcl_refuses_is_told_where_it_stands(tmp_path: Path, text: str, lin
     assert fix in found.fix
 
 
+@pytest.mark.parametrize(
+    "value", ["[10, 22.5, 45]", "[1, 'a']", "[1.5, 2, true]", "[[1, 2], [3]]", "[1.5, two]"]
+)
+def test_values_that_do_not_go_together_are_no_slip_of_typing(value: str) -> None:
+    """YAML reads them as they are meant: no sign is to be left out, and no number changed."""
+    text = f"{HEAD}    p: {value}\n"
+    with pytest.raises(ParameterFileError) as refused:
+        read_parameter_file(text)
+    assert unread_file("some.yaml", text, refused.value).fix == refused.value.fix
+
+
 LEVELS = "".join(f"{' ' * depth}n{depth}:\n" for depth in range(60))
 TOO_LARGE = {
     "a long comment": (f"{HEAD}    p: 1\n# {'#' * 100_000}\n", "more than 100000 characters", None),

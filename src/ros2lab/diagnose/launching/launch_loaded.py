@@ -252,7 +252,7 @@ def _refusals(
     for tag in tags:
         faults = [fault for fault in told["faults"] if fault["tag"] == tag]
         missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
-        strange = list(dict.fromkeys(name for fault in faults for name in fault.get("unexpected", ())))
+        strange = sorted({name for fault in faults for name in fault.get("unexpected", ())})
         known = {name for fault in faults for name in fault.get("known", ())} - {*strange}
         meant = missing[0] if len(missing) == 1 else nearest(strange[0], known, 0.6) if strange else None
         unknown = f"has no attribute called {' or '.join(strange)}"

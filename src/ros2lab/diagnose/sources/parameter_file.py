@@ -84,7 +84,19 @@ def parameter_file_repair(text: str) -> Slip | None:
     if BELOW not in text:
         return yaml_repair(text, Vocabulary(()))
     # An alias whose value is there is no slip: rcl reads none.
-    return None if re.search(r"(?s)&(\w+)\b.*\*\1\b", text) else yaml_repair(text, _WORDS, _check)
+    if re.search(r"(?s)&(\w+)\b.*\*\1\b", text) or not _may_be_a_slip(text):
+        return None
+    return yaml_repair(text, _WORDS, _check)
+
+
+def _may_be_a_slip(text: str) -> bool:
+    try:
+        bounded_yaml.load(text, _Loader, has_aliases=False)
+    except _RclError as error:
+        return error.is_slip
+    except (yaml.YAMLError, ValueError):
+        return True
+    return True
 
 
 def _check(node: yaml.Node) -> None:
@@ -214,7 +226,7 @@ def _expect_parameters(node: yaml.Node) -> None:
 
 def _expect_alike(key: yaml.Node, value: yaml.SequenceNode) -> None:
     if any(not isinstance(item, yaml.ScalarNode) for item in value.value):
-        raise _error(
+        raise _value_error(
             key,
             f"{key.value} is a list that does not hold plain values",
             "write one list of numbers or of strings",
@@ -232,16 +244,23 @@ def _expect_alike(key: yaml.Node, value: yaml.SequenceNode) -> None:
             else "as values of one type"
         )
         reason = f"the list {key.value} mixes values of different types: {', '.join(others)} and {last}"
-        raise _error(key, reason, f"write all of them {alike}")
+        raise _value_error(key, reason, f"write all of them {alike}")
 
 
 class _RclError(yaml.MarkedYAMLError):
-    fix = ""
+    fix, is_slip = "", True
 
 
 def _error(node: yaml.Node, reason: str, fix: str) -> _RclError:
     error = _RclError(problem=reason, problem_mark=node.start_mark)
     error.fix = fix
+    return error
+
+
+def _value_error(node: yaml.Node, reason: str, fix: str) -> _RclError:
+    """Return an error about a value that is written as it was meant: no slip of typing."""
+    error = _error(node, reason, fix)
+    error.is_slip = False
     return error
 
 
