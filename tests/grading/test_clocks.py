@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import evidences
 import pytest
 
+from ros2lab.diagnose.sources.python_source import read_source
 from ros2lab.grading.build import underlay
+from ros2lab.grading.clock_readers import clock_readers
 from ros2lab.grading.clocks import otherwise
 from ros2lab.grading.evidence import Build, CommandSeen, Executable, Files, Heard, Run
 from ros2lab.grading.observe import SHOWN, Observer
@@ -70,6 +73,8 @@ def _watched(folder: Path, programs: dict[str, tuple[str, str]], facts: Files) -
         Executable(name, "", "script", [sys.executable, f"{FILES}/{name}.py"], modules=[name])
         for name in programs
     ]
+    sources = [read_source(folder / f"{name}.py", name, f"{name}.py") for name in programs]
+    facts = replace(facts, clock_readers=clock_readers(sources, ()))
     built = Build(bool(facts.launch_files), "", [], [], found, [], underlay(), 0.0)
     with World(folder, shown=SHOWN) as world, Observer(world, rooms=3, seconds=math.inf) as observer:
         return watch(observer, Submission("files", None, [], None, [], []), facts, built)

@@ -26,6 +26,7 @@ from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
+from ros2lab.grading.clock_readers import clock_readers
 from ros2lab.grading.compared import compared
 from ros2lab.grading.dependence import depended_on
 from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
@@ -139,6 +140,9 @@ class _PackageReader:
             "ends_elsewhere": lambda: ends_elsewhere(
                 root, self.paths, self.sources, itertools.chain(*self.ends)
             ),
+            "clock_readers": lambda: clock_readers(
+                self.sources, {source.name.partition(".")[0] for source in self.sources}
+            ),
             "declared": lambda: {
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
@@ -194,6 +198,7 @@ def _loose(
         "ends_elsewhere": lambda: ends_elsewhere(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
+        "clock_readers": lambda: clock_readers(loose, ()),
         "findings": lambda: diagnosed(
             lambda: [finding for source in loose for finding in text_faults(source)]
         ),
