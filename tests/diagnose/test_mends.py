@@ -29,7 +29,12 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "self.get_logger().info(str(self.get_clock().now() - 2.0))",
         "write `self.get_clock().now() - Duration(seconds=2.0)`, with `from rclpy.duration import Duration` at the top",
     ),
-    "a text for a factor": ("driver", "self.speed = 0.5", "self.speed = 0.5 * '2'", "write `0.5 * 2`"),
+    "a text for a factor": (
+        "driver",
+        "self.speed = 0.5",
+        "self.speed = 0.5 * '2'",
+        "write `self.speed = 0.5 * 2`",
+    ),
     "an argument that is not handed in": (
         "driver",
         "def main(args=None):",

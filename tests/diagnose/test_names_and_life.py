@@ -46,7 +46,7 @@ def test_a_method_in_the_wrong_class(tmp_path: Path, files: Files) -> None:
 def test_self_left_out_where_it_is_set(tmp_path: Path, files: Files) -> None:
     files.change("node", "self.count = 0", "count = 0").change("node", "self.count += 1", "pass")
     (finding,) = of_workspace(files.write(tmp_path))
-    assert finding.fix == "write `self.count = count` below line 12, in __init__()"
+    assert finding.fix == "write `self.count = 0` on line 12"
     files.change("node", "        count = 0", "        self.count = 0")
     assert of_workspace(files.write(tmp_path)) == []
 

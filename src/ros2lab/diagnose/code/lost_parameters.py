@@ -223,7 +223,8 @@ def named_by(call: ast.Call, number: int) -> list[str]:
 def _starred(function: Function, names: Sequence[str], known: ast.arg | None) -> str:
     given = [n.value for n in walk(function) if isinstance(n, ast.Starred) and known is None]
     by_use = next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
-    return by_use or ("args" if "args" in names and known is None else "")
+    # By itself, `args` may be a plain parameter, as that of main() is.
+    return by_use or ("args" if {"args", "kwargs"} <= {*names} and known is None else "")
 
 
 def _double_starred(function: Function, names: Sequence[str]) -> str:

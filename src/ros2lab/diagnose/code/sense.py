@@ -132,7 +132,9 @@ def _is_made_in_vain(node: ast.AST) -> bool:
             is_key = isinstance(values[0], ast.Constant) and not all(
                 isinstance(v, ast.Constant) for v in values
             )
-            return is_key or any(isinstance(value, (ast.Dict, ast.List, ast.Set)) for value in values)
+            return is_key or any(
+                isinstance(value, (ast.Dict, ast.List, ast.Set, ast.Compare)) for value in values
+            )
     return False
 
 

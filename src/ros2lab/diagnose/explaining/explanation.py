@@ -27,7 +27,7 @@ from ros2lab.diagnose.explaining.commands import Corrected, corrected
 from ros2lab.diagnose.explaining.in_words import said_of
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
-from ros2lab.diagnose.explaining.needed import of_needed
+from ros2lab.diagnose.explaining.needed import is_refuted, of_needed
 from ros2lab.diagnose.explaining.outdated import of_earlier
 from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own_warnings
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
@@ -80,6 +80,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return [earlier]
     error = _whole(error, text, look)
     known = [*_beside(error, sources, look), *of_needed(look.findings, error, look)]
+    known = [finding for finding in known if not is_refuted(finding, error, look)]
     shown = [*shown_values(error, look), *sections_read(error, look)[0]] if not error.reports else []
     return [worth_typing(finding, look) for finding in shown] or _of_error(error, text, known, look)
 

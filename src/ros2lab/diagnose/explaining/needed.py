@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import place_of
 from ros2lab.diagnose.sources.package import SourcePackage
 
 _BUILDS_ALL = re.compile(r"\bcolcon build\b(?!.*--packages-(?:select|up-to|start|end|ignore|skip))")
@@ -54,3 +55,15 @@ def uses(package: SourcePackage, look: Look) -> Iterator[str]:
     for file in look.launch_files:
         if file.shown in own:
             yield from (str(node.package) for node in file.nodes)
+
+
+def is_refuted(finding: Finding, error: ErrorText, look: Look) -> bool:
+    """Return whether a line that stopped by another error had all its names: one that lacks a name stops by that."""
+    report = error.reports[-1] if error.reports else None
+    if (
+        finding.code != "name-undefined"
+        or report is None
+        or report.kind in ("NameError", "UnboundLocalError")
+    ):
+        return False
+    return finding.place == place_of(own_frames(report.frames), look)
