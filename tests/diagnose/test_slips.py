@@ -208,3 +208,20 @@ def test_what_nothing_mends_is_not_explained_by_more_nonsense(text: str) -> None
     source = PythonSource("file", "file.py", text, False, Path("file.py"))
     assert not source.tree.body
     assert "write `'" not in syntax_finding("node-syntax", source).fix
+
+
+def test_of_several_slips_all_are_told_if_the_file_can_be_read_then() -> None:
+    node = "        Node(\n            package='p',\n            executable='a',\n        )"
+    text = f"def generate_launch_description():\n    return LaunchDescription([\n{node}\n{node}\n{node}\n    ])\n"
+    source = PythonSource("a", "a.launch.py", text, False, Path("a.launch.py"))
+    assert not source.tree.body
+    found = syntax_finding("launch-syntax", source)
+    assert (found.place, found.fix) == ("a.launch.py:6", "write `),`; on line 10 write `),`")
+
+
+def test_what_does_not_let_python_read_even_the_function_is_not_told() -> None:
+    text = "def main():\n    x = (1, 2\n    y = } 3 ] for ( if\n    z = = = 4 (( 'a\n"
+    source = PythonSource("a", "a.py", text, False, Path("a.py"))
+    assert not source.tree.body
+    assert source.fault is not None
+    assert repairs_of(text, source.fault) == []

@@ -129,8 +129,8 @@ def _inserted(line: _Line) -> Iterator[Repair]:
         space = line.text[at : len(line.text) - len(after)]
         for sign, new in _INSERTED.items():
             is_empty = sign == "(" and after.startswith(")") and re.match(r"\w", before)
-            is_usual = _is_usual(sign, before) and not (sign == "(" and after.startswith("("))
-            cost = SELDOM - 0.1 if is_empty else USUAL if is_usual else RARE if before else SELDOM
+            cost = USUAL if _is_usual(sign, before, after) else RARE if before else SELDOM
+            cost = SELDOM - 0.1 if is_empty else cost
             why = f"{_NAMES[sign]} is missing {line.beside(at)}"
             if space and sign in ".([{":
                 yield line.spliced(at, at + len(space), sign, why, cost - 0.1)
@@ -153,13 +153,17 @@ def _with_quotes(line: _Line) -> Iterator[Repair]:
                 yield line.spliced(at, at, quote, f"a quote {quote} is missing after `{line.to(at)}`", cost)
 
 
-def _is_usual(sign: str, before: str) -> bool:
-    """Return whether a sign often stands here: a call's bracket after a name, a list's after another sign."""
+def _is_usual(sign: str, before: str, after: str) -> bool:
+    """Return whether a sign often stands between two others: a call's bracket after a name, a list's after a sign."""
+    if sign == "(":
+        return re.match(r"[\w\]]", before) is not None and not after.startswith("(")
     if sign in _OPENERS:
-        is_after_name = re.match(r"[\w)\]]", before) is not None
-        return bool(before) and is_after_name == (sign == "(")
+        return bool(before) and re.match(r"[\w)\]]", before) is None and (bool(after) or before in "=([{:")
     if sign in _CLOSERS:
-        return re.match(r"[\w)\]}'\"]", before) is not None or before + sign == "()"
+        is_last = re.match(r"$|[^\w\s(\[{'\"]", after) is not None
+        return is_last and (
+            re.match(r"[\w)\]}'\"]", before) is not None or (before + sign == "()" and bool(after))
+        )
     return sign not in "+=:"
 
 

@@ -16,7 +16,7 @@ from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.sense import nonsense
 
 _LONGEST = 500  # characters that a line may have for changes to be tried
-_TRIED = (4, 2, 1, 1)  # changes that are tried for the first fault of a file, for the second, and so on
+_TRIED = (6, 3, 1, 1)  # changes that are tried for the first fault of a file, for the second, and so on
 _MOST_READ = 100_000  # lines that are parsed in all, about half a second
 _END = 10**9  # stands for the line of the error in a file that has none
 _UNREAD = 100.0  # what a fault costs that stays
@@ -26,11 +26,16 @@ _SHOWN = 100
 
 
 def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
-    """Return the changes that let Python read a text; if none do, those that let it read furthest."""
+    """Return the changes that let Python read a text; if none do, the one that lets it read the function around a fault."""
     lines = text.splitlines()
     if max(map(len, lines), default=0) > _LONGEST or not fault.lineno or "codec" in (fault.msg or ""):
         return []
-    return _cheapest(lines, _Reader(), _TRIED)[1]
+    cost, repairs = _cheapest(lines, _Reader(), _TRIED)
+    if cost < _UNREAD or not repairs:
+        return repairs
+    reader = _Reader()
+    part = _part(lines, min(reader.stops_at(lines), len(lines)), reader)
+    return repairs[:1] if part and part.holds(repairs[0]) and part.is_mended_by(repairs[0], reader) else []
 
 
 def _cheapest(lines: list[str], reader: _Reader, tried: Sequence[int]) -> tuple[float, list[Repair]]:
@@ -88,10 +93,13 @@ class _Part:
         inner = replace(repair, line=repair.line - self.first + 1).applied(self.lines)
         return ["if True:", *inner] if depth_of(self.lines[0]) else inner
 
+    def holds(self, repair: Repair) -> bool:
+        """Return whether a change lies within it."""
+        return self.first <= repair.line and repair.last < self.first + len(self.lines)
+
     def is_mended_by(self, repair: Repair, reader: _Reader) -> bool:
         """Return whether Python reads it with a change, or the change lies outside."""
-        is_inside = self.first <= repair.line and repair.last < self.first + len(self.lines)
-        return not is_inside or reader.stops_at(self.changed(repair)) == _END
+        return not self.holds(repair) or reader.stops_at(self.changed(repair)) == _END
 
 
 _BEGINS = re.compile(r"\s*(?:async def|def|class|@|import|from|if|for|while|try|with|match)\b|[A-Za-z_]\w*")
