@@ -41,6 +41,17 @@ def test_a_node_does_not_have_the_first_name(tmp_path: Path, pair: str, fix: str
 
 
 @pytest.mark.parametrize(
+    ("first", "begin"),
+    [("/robot/report", "write ('/cmd_vel',"), ("steering", "remove it if '/cmd_vel' is right")],
+)
+def test_which_way_round_a_remapping_is_meant_is_told_by_the_other_nodes(
+    tmp_path: Path, first: str, begin: str
+) -> None:
+    (found,) = found_in(remapped(f"('{first}', '/cmd_vel')"), tmp_path)
+    assert found.fix.startswith(begin)
+
+
+@pytest.mark.parametrize(
     "files",
     [
         remapped("('/cmd_vel', 'steering')"),

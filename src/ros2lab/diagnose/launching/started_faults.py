@@ -189,10 +189,13 @@ def started_faults(
             # A remapping given to several nodes is meant for those that use the name.
             is_shared = sum((topic, new) in launched.remappings for launched in file.nodes) > 1
             if own and not is_shared and not _is_among(topic, own, node):
-                yield _remapped(node, topic, new, own)
+                others = [_own_names(other) for other in nodes if other is not node]
+                yield _remapped(
+                    node, topic, new, own, {name.lstrip("/") for names in others for name in names}
+                )
             elif topics and not _is_among(topic, topics, node):
                 wanted = nearest(topic.lstrip("/"), topics, 0.6)
-                yield from [_remapped(node, topic, None, {wanted})] if wanted else []
+                yield from [_remapped(node, topic, None, {wanted}, set())] if wanted else []
 
 
 def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
@@ -241,8 +244,8 @@ def _is_among(topic: str, names: set[str], node: Started) -> bool:
     return is_every_nodes or is_below_node or is_named or is_resolved
 
 
-def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
-    """Return a finding about a remapping whose first name is none of a node's names."""
+def _remapped(node: Started, topic: str, new: Any, own: set[str], beside: set[str]) -> Finding:
+    """Return a finding about a remapping whose first name is none of a node's names, beside those of the others."""
     there = ", ".join(repr(name) for name in sorted(own))
     cause = f"The launch file remaps {topic!r}, but {node.launched.executable} does not use it: the first name must be the one in the code, which uses {there}."
     is_turned = isinstance(new, str) and new.lstrip("/") in own
@@ -250,7 +253,10 @@ def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
     fix = f"write one of these as the first name of the remapping: {there}"
     fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
     if is_turned:
-        fix = f"remove it if {new!r} is right; otherwise write ({new!r}, {topic!r}) instead of ({topic!r}, {new!r})"
+        turned = f"write ({new!r}, {topic!r}) instead of ({topic!r}, {new!r})"
+        is_met, is_met_turned = new.lstrip("/") in beside, topic.lstrip("/") in beside
+        fix = f"remove it if {new!r} is right; otherwise {turned}" if is_met == is_met_turned else turned
+        fix = "remove it" if is_met and not is_met_turned else fix
     return Finding("remap-unknown", cause, node.launched.place, fix)
 
 
