@@ -233,3 +233,73 @@ def test_an_alias_among_parameters_is_told(tmp_path: Path) -> None:
         "config/other.yaml", "/**:\n  ros__parameters:\n    a: &x 1.0\n    b: *x\n"
     )
     assert "begins with *" in told(made, tmp_path, "parameter-file-syntax")[0].cause
+
+
+INCLUDE = """\
+import os
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess, IncludeLaunchDescription
+from launch.launch_description_sources import AnyLaunchDescriptionSource, PythonLaunchDescriptionSource
+from launch_ros.actions import Node
+from launch_xml.launch_description_sources import XMLLaunchDescriptionSource
+
+HERE = os.path.dirname(__file__)
+
+
+def generate_launch_description():
+    other = os.path.join(HERE, 'other.launch.yaml')
+    return LaunchDescription([LINE])
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        (
+            "Node(package='my_bot', executable='talker', arguments=['--ros-args', '-p speed:=2.0'])",
+            "write '-p', 'speed:=2.0' instead of '-p speed:=2.0'",
+        ),
+        (
+            "Node(package='my_bot', executable='talker', ros_arguments=['--log-level debug'])",
+            "write '--log-level', 'debug' instead of '--log-level debug'",
+        ),
+        (
+            "ExecuteProcess(cmd=['ros2 topic list'])",
+            "write 'ros2', 'topic', 'list' instead of 'ros2 topic list'",
+        ),
+        (
+            "IncludeLaunchDescription(PythonLaunchDescriptionSource(os.path.join(HERE, 'a.launch.xml')))",
+            "write AnyLaunchDescriptionSource instead of PythonLaunchDescriptionSource",
+        ),
+        (
+            "IncludeLaunchDescription(PythonLaunchDescriptionSource(other))",
+            "write AnyLaunchDescriptionSource instead of PythonLaunchDescriptionSource",
+        ),
+        (
+            "IncludeLaunchDescription(XMLLaunchDescriptionSource(HERE + '/a.launch.py'))",
+            "write AnyLaunchDescriptionSource instead of XMLLaunchDescriptionSource",
+        ),
+    ],
+)
+def test_words_in_one_and_files_of_another_kind_are_told(tmp_path: Path, line: str, fix: str) -> None:
+    made = Files.right(NAMES[1]).put("launch/robot.launch.py", INCLUDE.replace("LINE", line))
+    assert any(finding.fix.startswith(fix) for finding in told(made, tmp_path, "launch-argument"))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Node(package='my_bot', executable='talker', arguments=['--ros-args', '-p', 'speed:=2.0'])",
+        "Node(package='my_bot', executable='talker', arguments=['-d', 'some file.rviz'])",
+        "Node(package='my_bot', executable='talker', arguments=['-1.5 0 2'])",
+        "ExecuteProcess(cmd=['ros2 topic list'], shell=True)",
+        "ExecuteProcess(cmd=['ros2', 'topic', 'pub', '/a', 'std_msgs/msg/String', 'data: a b'])",
+        "IncludeLaunchDescription(AnyLaunchDescriptionSource(HERE + '/a.launch.xml'))",
+        "IncludeLaunchDescription(PythonLaunchDescriptionSource([HERE, '/a.launch.py']))",
+        "IncludeLaunchDescription(PythonLaunchDescriptionSource(HERE))",
+    ],
+)
+def test_words_one_by_one_and_files_of_the_kind_are_right(tmp_path: Path, line: str) -> None:
+    made = Files.right(NAMES[1]).put("launch/robot.launch.py", INCLUDE.replace("LINE", line))
+    found = told(made, tmp_path, "launch-argument")
+    assert not [finding for finding in found if "one word" in finding.cause or " reads " in finding.cause]

@@ -124,7 +124,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     ),
     meaning(
         r"UnknownROSArgsError: (?P<name>\[.*\])",
-        "typed-wrong",
+        "typed-wrong launch-argument",
         "After --ros-args there is {name}, which ROS does not know.",
         "put a value with a space in quotes, or write _ instead of the space, and put the node's own arguments before --ros-args",
     ),

@@ -21,7 +21,7 @@ from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.entity_words import entity_repair
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
-from ros2lab.diagnose.launching.misplaced_values import misplaced_values
+from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values
 from ros2lab.diagnose.launching.plain_values import plain_value_faults
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
@@ -155,6 +155,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
     worded = {finding.fix.partition("'")[2].partition("'")[0] for finding in kind_faults(source)}
     yield from _arguments(source, worded)
     yield from misplaced_values(source)
+    yield from joined_words(source)
     for node in source.nodes:
         if not isinstance(node, ast.Call) or not _is_action(source.resolve(node.func) or ""):
             continue

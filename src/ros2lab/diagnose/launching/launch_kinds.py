@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import PythonSource
@@ -17,6 +18,7 @@ _WANTED = {
     "SomeSubstitutionsType": _SUBSTITUTION,
     "Condition": _CONDITION,
 }
+_INCLUDED = {"Python": (".py",), "XML": (".xml",), "YAML": (".yaml", ".yml")}
 _MADE = {"launch.substitutions": _SUBSTITUTION, "launch.conditions": _CONDITION}
 _VAR = re.compile(r"^\$\(var (\w+)\)$")  # as XML writes it
 _TRUTHS = frozenset(("true", "false", "1", "0"))
@@ -36,6 +38,25 @@ def kind_faults(source: PythonSource) -> Iterator[Finding]:
                 fix = f"write {new} instead of {ast.unparse(value)}"
                 yield Finding("launch-argument", cause, source.at(value), fix)
     yield from _plain_words(source)
+    yield from _included_kinds(source)
+
+
+def _included_kinds(source: PythonSource) -> Iterator[Finding]:
+    """Yield launch files that are included by the class for files of another kind."""
+    endings = {ending: kind for kind, known in _INCLUDED.items() for ending in known}
+    for call in source.nodes:
+        name = (source.resolve(call.func) or "").rpartition(".")[2] if isinstance(call, ast.Call) else ""
+        kind = name.removesuffix("LaunchDescriptionSource")
+        if not isinstance(call, ast.Call) or kind not in _INCLUDED or kind == name:
+            continue
+        made = [_made(source, value) for value in (*call.args[:1], *(k.value for k in call.keywords))]
+        texts = [n.value for value in made for n in ast.walk(value) if isinstance(n, ast.Constant)]
+        file = texts[-1] if texts and isinstance(texts[-1], str) else ""
+        other = endings.get(PurePosixPath(file).suffix, kind)
+        if other != kind:
+            fix = f"write AnyLaunchDescriptionSource instead of {name}, with `from launch.launch_description_sources import AnyLaunchDescriptionSource` at the top"
+            cause = f"{name} reads {kind}, but {file.rpartition('/')[2]} is {other}."
+            yield Finding("launch-argument", cause, source.at(call), fix, (file.rpartition("/")[2],))
 
 
 def _calls(source: PythonSource) -> Iterator[ast.Call]:

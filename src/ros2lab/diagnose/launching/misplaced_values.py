@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import ast
+import contextlib
+import re
+import shlex
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
@@ -10,6 +13,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, evaluate
 
+_WORDS = ("arguments", "ros_arguments", "cmd")  # what takes a list of words
 _OPTIONS = frozenset(("-p", "--param", "-r", "--remap", "-e", "--log-level", "--params-file"))
 
 
@@ -48,6 +52,33 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
                     source.at(keyword.value),
                     f"write {new} instead of {name}={ast.unparse(keyword.value)}",
                 )
+
+
+def joined_words(source: PythonSource) -> Iterator[Finding]:
+    """Yield items of a list of words that hold several: each item reaches the program as a single word."""
+    for call in source.nodes:
+        if not isinstance(call, ast.Call) or not (source.resolve(call.func) or "").startswith("launch"):
+            continue
+        has_shell = any(keyword.arg == "shell" for keyword in call.keywords)
+        for keyword in call.keywords:
+            items = keyword.value.elts if isinstance(keyword.value, ast.List) else []
+            for item in items if keyword.arg in _WORDS and not has_shell else ():
+                words = _words(item, is_program=keyword.arg == "cmd" and item is items[0])
+                if len(words) > 1:
+                    text = ast.literal_eval(item)
+                    cause = f"Each item of {keyword.arg} is one word, so the program is given {text!r} as a single one."
+                    fix = f"write {', '.join(map(repr, words))} instead of {text!r}"
+                    yield Finding("launch-argument", cause, source.at(item), fix, (text,))
+
+
+def _words(item: ast.expr, *, is_program: bool) -> list[str]:
+    """Return the words of an item that begins with an option, or with a program; else none."""
+    text = item.value if isinstance(item, ast.Constant) else None
+    if not isinstance(text, str) or not (is_program or re.match(r"(-[a-z]|--[a-z-]+) ", text)):
+        return []
+    with contextlib.suppress(ValueError):
+        return shlex.split(text)
+    return []
 
 
 def _form(value: ast.expr) -> tuple[str, str]:
