@@ -413,3 +413,21 @@ def test_of_a_very_long_text_the_beginning_and_the_end_are_read() -> None:
         assert error.decisive == "NameError: name 'last' is not defined"
         assert error.typed == ("ros2 run first node",)
     assert time.process_time() - start < 5
+
+
+@pytest.mark.parametrize(
+    ("guard", "printed", "is_told"),
+    [
+        ("try:\n    import fast_sky\nexcept ImportError as error:\n    print(f'{error}: slow')\n", "No module named 'fast_sky': slow", False),
+        ("try:\n    from fast_sky.core import stars\nexcept ImportError:\n    stars = None\n", "[WARN] [talker]: No module named 'fast_sky'", False),
+        ("import fast_sky\n", "ModuleNotFoundError: No module named 'fast_sky'", True),
+        ("try:\n    import fast_sky\nexcept KeyError:\n    pass\n", "Traceback (most recent call last):\n  File \"talker.py\", line 2, in <module>\n    import fast_sky\nModuleNotFoundError: No module named 'fast_sky'", True),
+    ],
+)  # fmt: skip
+def test_an_import_that_the_program_has_caught_is_no_error(
+    workspace: Path, guard: str, printed: str, is_told: bool
+) -> None:
+    node = workspace / "src/my_bot/my_bot/talker.py"
+    node.write_text(f"{guard}{node.read_text()}")
+    found = of_text(f"$ ros2 run my_bot talker\n{printed}\n", workspace)
+    assert any("fast_sky" in finding.cause for finding in found) == is_told

@@ -29,7 +29,7 @@ from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
 from ros2lab.diagnose.explaining.needed import is_refuted, of_needed
 from ros2lab.diagnose.explaining.outdated import of_earlier
-from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own_warnings
+from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.said import launch_line, of_launch
@@ -68,7 +68,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     root = workspace or _workspace_of(read_error(text))
     look = Look(root, loads=loads and "launch" in text) if root is not None else None
-    text = without_own_warnings(text, look) if "Warning: " in text else text
+    text = without_own(text, look)
     error = read_error(text)
     if built := failed_build(error.steps):
         found = explain(built, workspace, sources, loads=loads)

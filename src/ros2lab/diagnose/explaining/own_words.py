@@ -22,8 +22,16 @@ _LOG_LINE = re.compile(
 _SHORTEST = 8  # characters of a text that is recognized
 _VALUE = re.compile(r"%[-+ 0#]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")  # a placeholder in a format string
 
+_NO_MODULE = re.compile(r"No module named '?([\w.]+)")
 
-def without_own_warnings(text: str, look: Look | None) -> str:
+
+def without_own(text: str, look: Look | None) -> str:
+    """Remove what the student's own code says, and no error is: its warnings, and imports that it has caught."""
+    text = _without_warnings(text, look) if "Warning: " in text else text
+    return _without_caught_imports(text, look) if look and "No module named" in text else text
+
+
+def _without_warnings(text: str, look: Look | None) -> str:
     """Remove the warnings of the student's own code from a text, each with the line of code below it."""
     lines = text.splitlines()
     left, n = [], 0
@@ -36,6 +44,17 @@ def without_own_warnings(text: str, look: Look | None) -> str:
         left.append(lines[n])
         n += 1
     return text if len(left) == len(lines) else "\n".join(left)
+
+
+def _without_caught_imports(text: str, look: Look) -> str:
+    """Remove the lines in which a program says which import it has caught, from a text without such a traceback."""
+    if re.search(r"^(?:ModuleNotFoundError|ImportError): ", text, re.MULTILINE):
+        return text
+    imports = [i for package in look.packages for source in package.sources.values() for i in source.imports]
+    caught = {i.target.partition(".")[0] for i in imports if i.is_guarded}
+    caught -= {i.target.partition(".")[0] for i in imports if not i.is_guarded}
+    said = ((line, _NO_MODULE.search(line)) for line in text.splitlines(keepends=True))
+    return "".join(line for line, found in said if found is None or found[1].partition(".")[0] not in caught)
 
 
 def own_words(error: ErrorText, look: Look | None) -> Finding | None:
