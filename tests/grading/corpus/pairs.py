@@ -201,7 +201,7 @@ SIDE_BY_SIDE: tuple[Case, ...] = (
     _pair(
         "two_that_never_spin",
         "two nodes end at once",
-        {"status_publisher": Loss(11, 20, r"spin"), "velocity_publisher": Loss(10, 20, r"spin")},
+        {"status_publisher": Loss(10.5, 20, r"spin"), "velocity_publisher": Loss(10, 20, r"spin")},
         edit(STATUS, _SPIN, "        pass\n"),
         edit(VELOCITY, _SPIN, "        pass\n"),
     ),
