@@ -112,6 +112,8 @@ class Doubts:
             return False
         if source is None:
             return True
+        if _may_be_given(self._owners.get(source), *owner_and_name(groups)):
+            return False
         is_doubted = source in self._owners and is_doubtful(
             objection.row, objection.said, source, self._owners[source]
         )
@@ -187,6 +189,13 @@ def _is_set_from_outside(source: PythonSource, owner: str, name: str) -> bool:
     stored = (n for n in source.nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store))
     is_message = any(interfaces.fields_of(f"{home}.{owner}") for home in interfaces.homes_of(owner))
     return not is_message and any(node.attr == name and not is_self_attribute(node) for node in stored)
+
+
+def _may_be_given(own: NodeSources | None, owner: str, name: str) -> bool:
+    """Return whether other code may give the instances of a package's own class an attribute."""
+    named = [known for known in own.classes.values() if known.definition.name == owner] if own else []
+    given = [own.given(known) for known in named] if own else []
+    return any(names is None or name in names for names in given)
 
 
 def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:

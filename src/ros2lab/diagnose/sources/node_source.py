@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeGuard
 
+from ros2lab.diagnose.sources.handed_on import given_from_outside
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -120,6 +121,7 @@ class NodeSources:
         self.classes: dict[str, NodeClass] = {}
         self.functions: dict[str, tuple[PythonSource, Function]] = {}
         self._scoped: dict[PythonSource, tuple[Scoped, ...]] = {}
+        self._given: dict[NodeClass, frozenset[str] | None] = {}
         for name, source in sources.items():
             for node in source.tree.body:
                 if isinstance(node, ast.ClassDef):
@@ -189,12 +191,17 @@ class NodeSources:
         """Return every attribute that `self` has in a class; None if they are not all known."""
         _, is_node, is_known = self.lineage(node_class)
         inherited = members_of("rclpy.node", "Node")[0]
-        text = ast.dump(node_class.definition)
-        if not (is_node and is_known and inherited) or "setattr" in text or "__getattr__" in text:
+        given = self.given(node_class) if is_node and is_known and inherited else None
+        if given is None or self.is_managed(node_class):
             return None
-        if self.is_managed(node_class):
-            return None
-        return inherited | frozenset(dir(object)) | self.attributes(node_class)
+        return inherited | frozenset(dir(type("Any", (), {}))) | self.attributes(node_class) | given
+
+    def given(self, node_class: NodeClass) -> frozenset[str] | None:
+        """Return the attributes that other code gives the instances of a class; None if they are not all known."""
+        if node_class not in self._given:
+            chain = {inner.name: (inner.source, inner.definition) for inner in self.lineage(node_class)[0]}
+            self._given[node_class] = given_from_outside(self.sources, chain)
+        return self._given[node_class]
 
     def members_at(self, source: PythonSource, node: ast.AST) -> frozenset[str]:
         """Return every attribute that `self` has at a node of the syntax tree; empty outside a class."""

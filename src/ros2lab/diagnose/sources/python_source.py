@@ -150,6 +150,16 @@ class PythonSource:
         return frozenset(target.id for target in targets if isinstance(target, ast.Name))
 
     @cached_property
+    def made(self) -> tuple[tuple[str, ast.Call], ...]:
+        """What is assigned the result of a call, each with the call."""
+        return tuple(
+            (ast.unparse(target), node.value)
+            for node in self.nodes
+            if isinstance(node, (ast.Assign, ast.AnnAssign)) and isinstance(node.value, ast.Call)
+            for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        )
+
+    @cached_property
     def imports(self) -> tuple[Import, ...]:
         """The names that its import statements bind, anywhere in the file."""
         return tuple(self._imports(self.tree, is_guarded=False))
