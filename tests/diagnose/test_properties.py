@@ -36,3 +36,30 @@ def test_a_property_is_its_value(tmp_path: Path, form: str) -> None:
 
 def test_a_method_that_is_not_called_is_told(tmp_path: Path) -> None:
     assert "argument-order" in codes(tmp_path, METHODS)
+
+
+NAMED_ALONE = {
+    "self.subscriptions": False,
+    "self.publishers": False,
+    "self.handle": False,
+    "self.executor": False,
+    "self.default_callback_group": False,
+    "self.where": False,
+    "msg.data": False,
+    "self.get_logger": True,
+    "self.destroy_node": True,
+    "self.CALLBACK": True,
+    "rclpy.shutdown": True,
+}
+
+
+@pytest.mark.parametrize("text", NAMED_ALONE)
+def test_only_a_function_that_stands_alone_lacks_its_call(tmp_path: Path, text: str) -> None:
+    files = Files.right(NAME).change(
+        "PACKAGE/MODULE.py", "    def CALLBACK(", f"{FORMS['property']}    def CALLBACK("
+    )
+    files.change(
+        "PACKAGE/MODULE.py", "        self.count += 1\n", f"        self.count += 1\n        {text}\n"
+    )
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "no-effect"]
+    assert bool(found) is NAMED_ALONE[text], found

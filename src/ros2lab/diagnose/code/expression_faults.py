@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterator, Sequence
 from ros2lab.diagnose.code.main_guards import main_guard_faults
 from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource, children, own_nodes
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, is_property, own_nodes
 
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "lower": str.lower,
@@ -163,6 +164,14 @@ def path_faults(source: PythonSource) -> Iterator[Finding]:
                     )
 
 
+def _properties(source: PythonSource) -> set[str]:
+    """Return the names of the properties of nodes, messages and the classes of a file, which cannot be called."""
+    own = {node.name for node in source.nodes if isinstance(node, Function) and is_property(node)}
+    imported = filter(interfaces.is_interface, source.names.values())
+    fields = {field for name in imported for field in interfaces.fields_of(name) or ()}
+    return own | fields | interfaces.properties_of("rclpy.node", "Node")
+
+
 def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
     text = ast.unparse(value)
     match value:
@@ -172,8 +181,9 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
             yield Finding("comparison-unused", cause, source.at(value), fix)
         # Tutorials write `self.subscription` alone to avoid a warning; it is an attribute, not a function.
         case ast.Attribute() | ast.Name() if text not in source.stored and not (
-            source.resolve(value) or ""
-        ).startswith(("rclpy.spin", "rclpy.init")):
+            (source.resolve(value) or "").startswith(("rclpy.spin", "rclpy.init"))
+            or text.rpartition(".")[2] in _properties(source)
+        ):
             cause = f"`{text}` only names {text.rpartition('.')[2]} and does nothing: without parentheses it is not called."
             takes = "msg" if text.endswith("publish") else ""
             yield Finding("no-effect", cause, source.at(value), f"write {text}({takes})")

@@ -405,5 +405,12 @@ def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[
     return frozenset(members), frozenset(properties - settable)
 
 
+@lru_cache(maxsize=16)
+def properties_of(module: str, class_name: str) -> frozenset[str]:
+    """Return the properties of an installed class, and the attributes that it assigns to itself."""
+    members = members_of(module, class_name)[0]
+    return frozenset(name for name in members if method_of(module, class_name, name) is None)
+
+
 def _only_raises(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     return isinstance(function.body[-1], ast.Raise)
