@@ -158,11 +158,13 @@ def _lost_locals(
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and id(node) not in own
     }
     kept = State(uses, owner).read & uses.sources.attributes(owner) if owner else frozenset()
-    values = values_in(function)
+    values, bound = values_in(function), _assigned_together(function)
     for node in names:
         name = node.id
-        if not isinstance(node.ctx, ast.Store) or name in read or name.startswith("_"):
+        if id(node) not in bound or name in read or name.startswith("_"):
             continue
+        if not bound[id(node)].isdisjoint(read):
+            continue  # what it is bound together with is what was meant
         said = f"{function.name}() sets {name}, which is a local variable; "
         if name in kept:
             fix = f"write self.{name} instead of {name}"
@@ -181,6 +183,21 @@ def _lost_locals(
             cause = f"{function.name}() computes {name} but never uses it; {target} is always {ast.unparse(zero)}."
             yield Finding("never-read", cause, source.at(zero), f"write {target} = {name}")
             return
+
+
+def _assigned_together(function: Function) -> dict[int, set[str]]:
+    """Return for each name that an assignment binds, by its `id`, all that the assignment binds.
+
+    What a loop, a `with` or an import binds is left out: it is bound because of the statement, not to be kept.
+    """
+    found = dict[int, set[str]]()
+    for node in walk(function):
+        if isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names = [n for to in targets for n in walk(to) if isinstance(n, ast.Name)]
+            together = {ast.unparse(n) for n in names}
+            found |= {id(n): together for n in names if isinstance(n.ctx, ast.Store)}
+    return found
 
 
 def _is_fetched(value: ast.expr) -> bool:
