@@ -72,7 +72,7 @@ def _is_only_annotated(row: re.Match[str], said: re.Match[str], spot: Spot, own:
     name = by_name.get(value) or (names[number] if number < len(names) else "")
     every = [*parameters(function), *function.args.kwonlyargs]
     written = next((p.annotation for p in every if p.arg == name and p.annotation), None)
-    kind = _plain_type(said["given"])
+    kind = type_name(said["given"])
     if written is None or not kind or home.path is None:
         return True
     lines = Edit(written, kind).applied(home.text.encode().splitlines(keepends=True))
@@ -98,7 +98,7 @@ def _own_function(called: str, own: NodeSources) -> tuple[PythonSource | None, F
     return None, None
 
 
-def _plain_type(kind: str) -> str:
+def type_name(kind: str) -> str:
     """Return the name of a plain type, also for a value such as `Literal[3]`; empty for another type."""
     value = re.fullmatch(r"Literal\[(.+)\]", kind)
     try:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.checking.checked_copies import RULES, said_of
 from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted, is_doubtful
+from ros2lab.diagnose.checking.hints import is_misled
 from ros2lab.diagnose.checking.type_words import types_named
 from ros2lab.diagnose.code.lost_parameters import CODE, definitions
 from ros2lab.diagnose.finding import Finding, shown_path
@@ -117,7 +118,10 @@ class Doubts:
         is_doubted = source in self._owners and is_doubtful(
             objection.row, objection.said, source, self._owners[source]
         )
-        return not is_doubted and not is_contradicted(source, line, self._denied[source])
+        if is_doubted or is_contradicted(source, line, self._denied[source]):
+            return False
+        own = self._owners.get(source)
+        return own is None or not is_misled(source, line, objection.row["rule"], own)
 
 
 _OF_ARGUMENTS = frozenset(("too-many-positional-arguments", "unknown-argument", "missing-argument"))
