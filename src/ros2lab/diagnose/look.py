@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
+from shlex import quote
 
 from ros2lab import course
 from ros2lab.diagnose.code.argument_names import argument_name_faults
@@ -325,5 +326,5 @@ def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:
                 "package-duplicate",
                 f"{count} packages are called {name}, so colcon builds nothing: {' and '.join(folders)}.",
                 folders[-1],
-                f"remove one of them, or hide it: touch {folders[-1]}/COLCON_IGNORE",
+                f"remove one of them, or hide it: touch {quote(folders[-1] + '/COLCON_IGNORE')}",
             )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
+from shlex import quote
 
 from ros2lab.diagnose.finding import SAID, Finding, at
 from ros2lab.diagnose.look import Look
@@ -87,7 +88,7 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
             cause = f"There is no file {path}; there is {alike}, with different upper and lower case."
             return Finding(SAID, cause, place, f"write {alike!r} instead of {path!r}")
         cause = f"setup.py reads {path}, but there is no such file in the package."
-        fix = f"touch {package.shown(path)}, and fill it in; or remove the line that reads it"
+        fix = f"touch {quote(package.shown(path))}, and fill it in; or remove the line that reads it"
         return Finding(SAID, cause, place, fix) if is_setup(place) else None
     parts = ", ".join(repr(part) for part in Path(lies).parts)
     share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 
 from ros2lab.diagnose.code.bare_imports import bare_import
 from ros2lab.diagnose.code.imports import names_of
@@ -51,7 +52,7 @@ _RUNS_IT = re.compile(r"^(?:(?:ba|z)?sh +|\./)?(?P<file>\S*install/(?:local_)?se
 def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Finding:
     """Say why a package that is built is not found, judging by what was typed in that terminal."""
     fix, cause = (
-        f"source {root}/install/setup.bash",
+        f"source {quote(f'{root}/install/setup.bash')}",
         f"The package {name} is built, but this terminal has not sourced the workspace",
     )
     sourced = [n for n, line in enumerate(typed) if _SOURCES.match(line)]

@@ -11,6 +11,7 @@ import shlex
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from shlex import quote
 
 from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
@@ -241,7 +242,7 @@ def _denied(path: str, *, is_run: bool) -> Finding:
         SAID,
         cause,
         "",
-        f'sudo chown -R "$USER" {home}, and never build with sudo'
+        f'sudo chown -R "$USER" {quote(str(home))}, and never build with sudo'
         if is_roots
         else "use a file or folder of your own",
     )

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.entry_point_forms import (
@@ -107,7 +108,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     top = point.module.partition(".")[0]
     if source is None and (called := alike(package.folder, top)) and (package.folder / called).is_dir():
         cause = f"The entry point {point.name} names the package {top}, but the folder is called {called}: {differs(called, top)}."
-        fix = f"mv {package.shown(called)} {package.shown(top)}, and build again"
+        fix = f"mv {quote(package.shown(called))} {quote(package.shown(top))}, and build again"
         yield Finding("entry-point-module", cause, place, fix, (package.shown(called),))
         return
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
@@ -277,7 +278,7 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
             "entry-point-module",
             f"The entry point {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} instead.",
             place,
-            f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
+            f"mv {quote(shown[0])} {quote(shown[1])}, then colcon build --packages-select {package.name}",
             (shown[0],),
         )
     close = _meant_file(package, point, known or installed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from shlex import quote
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -76,7 +77,7 @@ def put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: s
     folder, _, file = shown.rpartition("/")
     cause = f"{shown} has a hyphen in its name, so Python cannot import it."
     written = meant.replace(module, module.replace("-", "_"))
-    moved = f"mv {shown} {folder}/{file.replace('-', '_')}"
+    moved = f"mv {quote(shown)} {quote(f'{folder}/' + file.replace('-', '_'))}"
     return Finding("entry-point-spec", cause, place, f"{moved}, and write {written!r}")
 
 

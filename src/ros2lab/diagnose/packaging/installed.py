@@ -7,6 +7,7 @@ import filecmp
 import os
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path, PurePosixPath
+from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -36,12 +37,12 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
     by_hand = dict(edited(root, package))
     for shown, copy in by_hand.items():
         is_since = (root / shown).stat().st_mtime > _built_at(root)
-        save = f"compare the two (diff {shown} {copy}), and copy into {shown} what you want to keep"
+        save = f"compare the two (diff {quote(shown)} {quote(str(copy))}), and copy into {shown} what you want to keep"
         yield Finding(
             "edited-in-install",
             f"{copy} was edited by hand after the build and differs from src: the next build will overwrite it.",
             str(copy),
-            f"{save if is_since else f'cp {copy} {shown}'}, then {_BUILD} {package.name}, and edit only files in src",
+            f"{save if is_since else f'cp {quote(str(copy))} {quote(shown)}'}, then {_BUILD} {package.name}, and edit only files in src",
         )
     yield from _links(root, package, prefix)
     yield from _left_over(root, package, prefix)
@@ -178,7 +179,7 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
             "link-stale",
             f"{shown_path(path, root)} points to {target}, but {why}.",
             shown_path(path, root),
-            f"rm -r {shown_path(build, root)} {shown_path(prefix, root)}, then {_BUILD} {package.name} --symlink-install, then source install/setup.bash in a new terminal",
+            f"rm -r {quote(shown_path(build, root))} {quote(shown_path(prefix, root))}, then {_BUILD} {package.name} --symlink-install, then source install/setup.bash in a new terminal",
         )
         return
 
@@ -198,7 +199,10 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
     points = setup.entry_points if setup else None
     lib = prefix / "lib" / package.name
     names = {point.name for point in points or ()}
-    old = [path for path in lib.glob("*") if path.name not in names and "console_scripts" in read_text(path)]
+    # What setuptools makes of an entry point of another form depends on its version.
+    are_known = all(point.module for point in points or ())
+    installed = lib.glob("*") if are_known else ()
+    old = [path for path in installed if path.name not in names and "console_scripts" in read_text(path)]
     if setup and setup.are_data_files_known:
         wanted = {prefix / target / Path(file).name for target, files in setup.data_files for file in files}
         share = prefix / "share" / package.name
@@ -212,7 +216,7 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
             "left-over",
             f"{shown} is left over from an earlier build: setup.py no longer names it, but it can still be started.",
             shown,
-            f"rm {shown}; or name it in setup.py, if it is still wanted, and build again",
+            f"rm {quote(shown)}; or name it in setup.py, if it is still wanted, and build again",
         )
 
 
@@ -276,7 +280,7 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
             "not-sourced",
             f"The workspace is built but this terminal has {has}, so ROS does not find {', '.join(missing)}.",
             "",
-            f"source {root}/install/setup.bash",
+            f"source {quote(f'{root}/install/setup.bash')}",
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Iterator
 from pathlib import Path
+from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.packaging.installed import edited, prefix_of
@@ -71,20 +72,20 @@ def hidden(skipped: PassedOver) -> Finding:
             "package-passed-over",
             f"colcon takes the folder {skipped.by} for a package because of {where}, so it does not look inside for {name}.",
             where,
-            f"mv {where} {where}.away, and build again",
+            f"mv {quote(where)} {quote(where + '.away')}, and build again",
         )
     if skipped.is_nested:
         return Finding(
             "package-passed-over",
             f"The package {name} is inside the package {skipped.by.name}, and colcon does not look inside packages.",
             folder,
-            f"mv {folder} {shown_path(skipped.by.parent, skipped.package.root)}/, and build again",
+            f"mv {quote(folder)} {quote(shown_path(skipped.by.parent, skipped.package.root) + '/')}, and build again",
         )
     return Finding(
         "package-passed-over",
         f"colcon skips the package {name} because of the file {by}.",
         by,
-        f"rm {by}, and build again",
+        f"rm {quote(by)}, and build again",
     )
 
 
@@ -97,7 +98,7 @@ def outside(root: Path, name: str = "") -> Iterator[Finding]:
                 "package-outside",
                 f"The package {package.name} is in {file.parent}, outside the workspace {root}, so it is not built.",
                 str(file.parent),
-                f"mv {file.parent} {root / 'src'}/, and run colcon build in {root}",
+                f"mv {quote(str(file.parent))} {quote(f'{root}/src/')}, and run colcon build in {root}",
             )
 
 
@@ -114,7 +115,7 @@ def _built_elsewhere(root: Path, packages: Collection[SourcePackage]) -> Iterato
         made = [name for name in ("build", "install", "log") if (folder / name / "COLCON_IGNORE").is_file()]
         own = [name for name in made if name != "log"]
         is_edited = any(edited(folder, package) for package in packages)
-        remove = f"rm -r {' '.join(f'{where}/{name}' for name in made or own)}, then "
+        remove = f"rm -r {' '.join(quote(f'{where}/{name}') for name in made or own)}, then "
         yield Finding(
             "build-elsewhere",
             f"colcon build was run in {where}, so what it built is there, not in {root}/install.",
@@ -134,6 +135,6 @@ def _not_writable(root: Path, packages: Collection[SourcePackage]) -> Iterator[F
                 "not-writable",
                 f"{shown_path(path, root)} belongs to {whose}, so colcon cannot write there.",
                 shown_path(path, root),
-                f'sudo chown -R "$USER" {root}, and build without sudo',
+                f'sudo chown -R "$USER" {quote(str(root))}, and build without sudo',
             )
             return

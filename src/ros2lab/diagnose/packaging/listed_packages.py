@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 from pathlib import Path
+from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -57,9 +58,9 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
             "init-file-missing",
             f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed.",
             package.shown(f"{folder}/__init__.py"),
-            f"mv {package.shown(called)} {package.shown(folder)}/__init__.py, and build again"
+            f"mv {quote(package.shown(called))} {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
             if (called := alike(package.folder, f"{folder}/__init__.py"))
-            else f"touch {package.shown(folder)}/__init__.py, and build again",
+            else f"touch {quote(package.shown(f'{folder}/__init__.py'))}, and build again",
         )
     inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
     below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}
@@ -118,7 +119,7 @@ def _taking(keyword: ast.keyword, names: list[str]) -> ast.keyword | None:
 def needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
     """Yield the Python packages to install: that of the package's name, those of entry points and imports."""
     inner = package.folder / package.name
-    if inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
+    if inner.is_dir() and any(map(_has_code, inner.glob("*.py"))) and not package.package_dirs:
         yield package.name
     modules = [point.module for point in setup.entry_points or ()]
     for source in package.sources.values():
@@ -131,6 +132,18 @@ def needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]
             yield name
         if package.folder in folder.parents and (folder / module / "__init__.py").is_file():
             yield named
+
+
+def _has_code(path: Path) -> bool:
+    """Return whether a file is more than an __init__.py without a statement, of which nothing is missed."""
+    try:
+        body = ast.parse(read_text(path)).body if path.name == "__init__.py" else [ast.Pass()]
+    except (SyntaxError, ValueError):
+        return True
+    return any(
+        not (isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant))
+        for statement in body
+    )
 
 
 def folder_of(package: SourcePackage, name: str) -> Path:

@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Collection, Iterator
 from graphlib import CycleError, TopologicalSorter
+from shlex import quote
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
@@ -43,7 +44,7 @@ def manifest_faults(
             "manifest-invalid",
             f"The manifest is called {misnamed} but must be called package.xml, so colcon does not treat this as a ROS package.",
             package.shown(misnamed),
-            f"mv {package.shown(misnamed)} {shown}",
+            f"mv {quote(package.shown(misnamed))} {quote(shown)}",
         )
         return
     if not package.has("package.xml"):
@@ -121,7 +122,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
                 "setup-missing",
                 f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}.",
                 package.shown(called),
-                f"mv {package.shown(called)} {package.shown('setup.py')}, and build again",
+                f"mv {quote(package.shown(called))} {quote(package.shown('setup.py'))}, and build again",
             )
             if called
             else Finding(
@@ -175,7 +176,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
             "build-type-cmake",
             f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python.",
             at(shown, manifest_line(package, "build_type")),
-            f"touch {folder}/COLCON_IGNORE, then mv {folder} {folder}_old, then cd {folder.rpartition('/')[0] or '.'} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
+            f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(folder.rpartition('/')[0] or '.')} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
         )
 
 

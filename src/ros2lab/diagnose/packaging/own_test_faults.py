@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 from functools import lru_cache
+from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources import interfaces
@@ -54,7 +55,7 @@ def _not_looked_into(source: PythonSource) -> Iterator[Finding]:
         )
         others = [name for name in tests if not name.startswith("test")]
         more = f", and begin the names of its functions with test_ ({', '.join(others)})" if others else ""
-        fix = f"mv {source.shown} {source.shown.rpartition('/')[0]}/{new}{more}"
+        fix = f"mv {quote(source.shown)} {quote(source.shown.rpartition('/')[0] + '/' + new)}{more}"
         yield Finding("never-called", cause, source.shown, fix)
 
 

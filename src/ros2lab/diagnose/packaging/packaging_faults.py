@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from configparser import RawConfigParser
 from pathlib import Path
+from shlex import quote
 
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
@@ -85,7 +86,7 @@ def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
             "entry-points-missing",
             "pyproject.toml has a [project] table, so setuptools ignores the entry points in setup.py and installs no executable.",
             at(package.shown("pyproject.toml"), number),
-            f"rm {package.shown('pyproject.toml')}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]",
+            f"rm {quote(package.shown('pyproject.toml'))}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]",
         )
 
 
@@ -114,7 +115,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
                 "package-folder-missing",
                 f"The folder is called {called}, but setup.py installs the Python package {name}: {differs(called, name)}.",
                 place,
-                f"mv {package.shown(called)} {package.shown(name.replace('.', '/'))}, and build again",
+                f"mv {quote(package.shown(called))} {quote(package.shown(name.replace('.', '/')))}, and build again",
             )
             continue
         if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
@@ -197,7 +198,9 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
     place = at(setup.source.shown, line)
     if is_marker:
         cause = f"The file {file}, which ROS uses to find the package, is missing; it is an empty file and easily lost."
-        return Finding("marker-missing", cause, place, f"touch {package.shown('resource')}/{package.name}")
+        return Finding(
+            "marker-missing", cause, place, f"touch {quote(package.shown(f'resource/{package.name}'))}"
+        )
     cause = f"setup.py installs {file}, but there is no such file."
     fix = f"create the file, or remove {file} from data_files"
     if there := lies_elsewhere(package, file):

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import PurePosixPath
+from shlex import quote
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
@@ -239,7 +240,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
                 "data-file-missing",
                 cause,
                 at(setup.source.shown, setup.line("data_files")),
-                f"mv {shown} {wanted}",
+                f"mv {quote(shown)} {quote(wanted)}",
             )
         elif not path.exists() and (close := like(path)) and not lies_elsewhere(package, file):
             shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
@@ -247,7 +248,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
                 "data-file-missing",
                 f"setup.py installs {file}, but there is no such file; there is {close}.",
                 at(setup.source.shown, setup.line("data_files")),
-                f"mv {shown} {wanted}",
+                f"mv {quote(shown)} {quote(wanted)}",
             )
 
 

@@ -1,0 +1,56 @@
+"""Programs that an earlier build left, and the commands that remove them."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.packaging.installed import INDEX
+
+PACKAGE = NAMES[0].package
+SCRIPT = "#!/usr/bin/python3\n# 'console_scripts'\n"
+
+
+def left_over(root: Path, *programs: str) -> list[Finding]:
+    """Install some programs, and return what is told to be left over."""
+    prefix = root / "install" / PACKAGE
+    (prefix / INDEX).mkdir(parents=True)
+    (prefix / INDEX / PACKAGE).touch()
+    lib = prefix / "lib" / PACKAGE
+    lib.mkdir(parents=True)
+    for program in programs:
+        (lib / program).write_text(SCRIPT)
+    return [finding for finding in Look(root).findings if finding.code == "left-over"]
+
+
+@pytest.mark.parametrize("name", ["old_node", "old node", "anna's_node", "old = p.m:main"])
+def test_a_program_without_an_entry_point_is_removed_by_its_own_name(tmp_path: Path, name: str) -> None:
+    (found,) = left_over(Files.right(NAMES[0]).write(tmp_path), name, NAMES[0].module)
+    command = shlex.split(found.fix.partition(";")[0])
+    assert command == ["rm", f"install/{PACKAGE}/lib/{PACKAGE}/{name}"]
+
+
+def test_a_program_with_an_entry_point_is_not_left_over(tmp_path: Path) -> None:
+    files = Files.right(NAMES[0])
+    assert not left_over(files.write(tmp_path), NAMES[0].module, NAMES[0].listener, NAMES[0].driver)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        (f":main',\n            '{NAMES[0].listener}", f":main'\n            '{NAMES[0].listener}"),
+        (f"'{NAMES[0].module} = ", f"'{NAMES[0].module}: old = "),
+        (f"{NAMES[0].module}:main'", f"{NAMES[0].module}:main main'"),
+    ],
+)
+def test_which_program_an_odd_entry_point_makes_is_not_guessed(
+    tmp_path: Path, change: tuple[str, str]
+) -> None:
+    files = Files.right(NAMES[0]).change("setup.py", *change)
+    made = f"{NAMES[0].module} = {PACKAGE}.{NAMES[0].module}:main{NAMES[0].listener}"
+    assert not left_over(files.write(tmp_path), made, NAMES[0].driver)
