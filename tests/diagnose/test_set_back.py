@@ -44,7 +44,10 @@ def test_what_stands_last_counts(tmp_path: Path, given: str) -> None:
     ("before", "fix"),
     [
         ("get_package_share_directory('my_bto')", "write my_bot instead of my_bto"),
-        ("get_package_share_directory('turtlebot9_bringup')", "install the package that provides it"),
+        (
+            "get_package_share_directory('turtlebot9_bringup')",
+            "install it (sudo apt install ros-jazzy-turtlebot9-bringup)",
+        ),
         ("import xacro_of_mine", "install the package that provides it"),
     ],
 )

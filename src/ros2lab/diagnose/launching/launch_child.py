@@ -88,6 +88,17 @@ def _is_outside(problem: BaseException) -> bool:
     return isinstance(problem, _OUTSIDE) and modules[-1] != _READ_IN
 
 
+# Substitutions that fail because of the launch file itself; all others ask the machine.
+_OF_THE_FILE = ("LaunchConfiguration", "PythonExpression")
+
+
+def _asks_the_machine(problem: BaseException) -> bool:
+    """Return whether a substitution fails because something outside the launch file is missing."""
+    frames = (frame for frame, _ in traceback.walk_tb(problem.__traceback__))
+    failing = [type(frame.f_locals["self"]).__name__ for frame in frames if "self" in frame.f_locals]
+    return type(problem).__name__ == "SubstitutionFailure" and failing[-1] not in _OF_THE_FILE
+
+
 def _lacking(problem: BaseException) -> str:
     """Return the message about a package or module that is not on this machine; empty for other errors."""
     if isinstance(problem, ImportError) or type(problem).__name__ == "PackageNotFoundError":
@@ -124,6 +135,8 @@ class _Loading:
         self.faults: list[dict[str, Any]] = []
         self.arguments: set[str] = set()
         self.asked: dict[str, set[str]] = {}  # by tag, the attributes that its action asks for
+        self.later: list[dict[str, Any]] = []  # what only actions lack that launch does not run at once
+        self.is_later = False
 
     def result(self, refused: list[str]) -> dict[str, Any]:
         """Return what it would start, why launch refuses it, or what it lacks; empty if unknown."""
@@ -141,6 +154,7 @@ class _Loading:
                         "is_yaml": isinstance(problem, yaml.YAMLError),
                         "line": self._line_of(problem),
                         "refused": self._refused(problem),
+                        "is_later": self.is_later,
                     }
                 elif not self.faults:
                     lacks = "" if problem is None or refused else _lacking(problem)
@@ -154,6 +168,7 @@ class _Loading:
             "lost": [] if error else lost,
             "faults": self.faults,
             "error": error,
+            "later": self.later,
         }
 
     def _line_of(self, problem: BaseException) -> int | None:
@@ -203,7 +218,20 @@ class _Loading:
         elif condition is None or condition.evaluate(context):
             # Timers and event handlers are taken to fire.
             for child in (child for _, several in inner for child in several):
-                self._visit(child, context)
+                self._visit_later(child, context)
+
+    def _visit_later(self, entity: Any, context: Any) -> None:
+        """Visit what runs only when the file is loaded: what the machine lacks until then does not count."""
+        was_later, self.is_later = self.is_later, True
+        try:
+            self._visit(entity, context)
+        except Exception as problem:  # a launch file may raise anything
+            if not _is_outside(problem) and not _asks_the_machine(problem):
+                raise
+            absent, searched, _ = str(problem).partition(", searching")
+            if lacks := _lacking(problem) or (absent if searched else ""):
+                self.later.append({"lacks": lacks, "line": self._line_of(problem)})
+        self.is_later = was_later
 
     def _reach(self, entity: Any, inner: list[Any]) -> None:
         from launch.actions import DeclareLaunchArgument

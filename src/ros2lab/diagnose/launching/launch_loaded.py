@@ -20,7 +20,7 @@ from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.nodes.parameter_faults import unread_file
-from ros2lab.diagnose.sources.interfaces import launch_classes_below
+from ros2lab.diagnose.sources.interfaces import PACKAGES, launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_other_yaml, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_source, read_text
@@ -147,6 +147,8 @@ def _joined(
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
     faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
     faults += (*_from_here(path, file, told["nodes"], packages),)
+    for lacking in told["later"]:
+        faults += (*_lacking(path, file, lacking, packages, is_later=True),)
     return LaunchFile(file.shown, nodes, faults, is_loaded=True, arguments=tuple(told["arguments"]))
 
 
@@ -294,29 +296,45 @@ def _refusal(file: LaunchFile, error: Mapping[str, Any]) -> Finding:
             ]
             example = f" (such as {', '.join(map(with_article, derived[-1:]))})" if derived else ""
             fix = f"give {refused['given']} {match['wanted']}{example}"
-    return Finding(
-        SAID, f"launch cannot load this file: {said.rstrip('.')}.", at(file.shown, error["line"]), fix
-    )
+    fails = "an action fails that launch runs later" if error["is_later"] else "launch cannot load this file"
+    return Finding(SAID, f"{fails}: {said.rstrip('.')}.", at(file.shown, error["line"]), fix)
 
 
 def _lacking(
-    path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
+    path: Path,
+    file: LaunchFile,
+    told: Mapping[str, Any],
+    packages: Sequence[SourcePackage],
+    *,
+    is_later: bool = False,
 ) -> Iterator[Finding]:
-    """Yield the package or module that a file names and that is neither in the workspace nor installed."""
+    """Yield the package or module that a file names and that is neither in the workspace nor installed.
+
+    Args:
+        path: the file.
+        file: what was read of it.
+        told: what launch lacks, and where.
+        packages: those of the workspace.
+        is_later: whether launch loads the file without it, so that only a slip is told.
+    """
     (name, *_) = re.findall(r"'([^']+)'", told["lacks"]) or [""]
     own = [package.name for package in packages]
-    if not name or name.partition(".")[0] in own:
+    top = name.partition(".")[0]
+    if not name or top in own:
         return  # it may be found once the workspace is installed
-    declared = {known for package in packages for known in package.declared}
-    is_known = name.partition(".")[0] in declared
-    near = None if is_known else next((known for known in own if is_near_miss(name, known)), None)
+    is_right = top in PACKAGES or any(top in package.declared for package in packages)
+    known = () if is_right else (*own, *sorted(PACKAGES))
+    near = next((other for other in known if is_near_miss(name, other)), None)
+    if is_later and not near:
+        return
     place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
-    cause = f"launch cannot load this file: {name} is neither in this workspace nor installed."
-    fix = (
-        f"write {near} instead of {name}"
-        if near
-        else f"{'' if is_known else f'fix the name {name}, or '}install the package that provides it"
-    )
+    fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
+    cause = f"{fails}: {name} is {'not installed here' if is_right else 'neither in this workspace nor installed'}."
+    how = "install the package that provides it"
+    if is_right or "No module" not in told["lacks"]:
+        how = f"install it (sudo apt install ros-jazzy-{top.replace('_', '-')}), or put its source into src"
+    fix = how if is_right else f"{how}; if {name} is misspelt, correct it"
+    fix = f"write {near} instead of {name}" if near else fix
     yield Finding("launch-package", cause, place, fix, (name,))
 
 

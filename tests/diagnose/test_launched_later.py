@@ -1,0 +1,87 @@
+"""What a launch file runs only later, in a timer or an event handler, and packages that are not here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from right_workspace import right_workspace
+
+from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.finding import SAID, Finding
+
+LAUNCH = "launch/robot.launch.py"
+IMPORTS = """\
+from launch.actions import LogInfo, RegisterEventHandler, TimerAction
+from launch.event_handlers import OnProcessExit, OnProcessStart, OnShutdown
+from launch.substitutions import Command, EnvironmentVariable, FindExecutable, LaunchConfiguration
+from launch_ros.substitutions import FindPackageShare
+"""
+
+
+def told(folder: Path, action: str, *, depends: str = "") -> list[Finding]:
+    """Return what is said of a launch file with one more action."""
+    files = right_workspace().change(LAUNCH, "import os\n", f"import os\n{IMPORTS}")
+    files.change(
+        LAUNCH, "    return LaunchDescription([", f"    return LaunchDescription([\n        {action},"
+    )
+    if depends:
+        files.change(
+            "package.xml", "  <depend>rclpy", f"  <exec_depend>{depends}</exec_depend>\n  <depend>rclpy"
+        )
+    return [found for found in of_workspace(files.write(folder)) if found.code in (SAID, "launch-package")]
+
+
+def logs(what: str) -> str:
+    return f"LogInfo(msg=['it is ', {what}])"
+
+
+LATER = [
+    "TimerAction(period=2.0, actions=[{}])",
+    "RegisterEventHandler(OnProcessExit(on_exit=[{}]))",
+    "RegisterEventHandler(OnProcessStart(on_start=[{}]))",
+    "RegisterEventHandler(OnShutdown(on_shutdown=[{}]))",
+    "TimerAction(period=1.0, actions=[TimerAction(period=2.0, actions=[{}])])",
+]
+OF_THE_MACHINE = [
+    "EnvironmentVariable('NOT_SET_HERE')",
+    "FindPackageShare('their_arm')",
+    "FindExecutable(name='their_program')",
+    "Command(['their_program ', 'robot.xacro'])",
+]
+
+
+@pytest.mark.parametrize(
+    ("later", "what"),
+    [(LATER[0], what) for what in OF_THE_MACHINE] + [(later, OF_THE_MACHINE[0]) for later in LATER[1:]],
+)
+def test_what_the_machine_lacks_until_later_is_not_told(tmp_path: Path, later: str, what: str) -> None:
+    assert told(tmp_path, later.format(logs(what))) == []
+
+
+def test_what_the_machine_lacks_at_once_is_told(tmp_path: Path) -> None:
+    (found,) = told(tmp_path, logs("EnvironmentVariable('NOT_SET_HERE')"))
+    assert "cannot load this file" in found.cause
+
+
+@pytest.mark.parametrize("later", [LATER[0], LATER[1]])
+def test_a_slip_in_what_runs_later_is_told(tmp_path: Path, later: str) -> None:
+    (found,) = told(tmp_path / "a", later.format(logs("FindPackageShare('my_bto')")))
+    assert (found.code, found.fix) == ("launch-package", "write my_bot instead of my_bto")
+    assert "cannot load" not in found.cause
+    (found,) = told(tmp_path / "b", later.format(logs("LaunchConfiguration('speed')")))
+    assert "speed" in found.cause
+
+
+@pytest.mark.parametrize(
+    ("name", "depends", "fix"),
+    [
+        ("their_arm", "their_arm", "install it (sudo apt install ros-jazzy-their-arm), or put its source into src"),
+        ("tf2_msgs_", "", "write tf2_msgs instead of tf2_msgs_"),
+        ("their_arm", "", "install it (sudo apt install ros-jazzy-their-arm), or put its source into src; if their_arm is misspelt, correct it"),
+    ],
+)  # fmt: skip
+def test_a_right_name_is_not_to_be_corrected(tmp_path: Path, name: str, depends: str, fix: str) -> None:
+    (found,) = told(tmp_path, logs(f"FindPackageShare('{name}')"), depends=depends)
+    assert found.code == "launch-package"
+    assert found.fix == fix
