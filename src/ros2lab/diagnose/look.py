@@ -212,8 +212,24 @@ class Look:
     def sources(self, package: SourcePackage) -> NodeSources:
         """Return a package's Python files."""
         if package.folder not in self._sources:
-            self._sources[package.folder] = NodeSources(package.sources)
+            used = self._used if self.executables[package.name] is not None else set()
+            self._sources[package.folder] = NodeSources(package.sources, used)
         return self._sources[package.folder]
+
+    @cached_property
+    def _used(self) -> set[str]:
+        """What entry points, and imports across packages, name."""
+        found = {main for package in self.packages for main in _mains(package) or ()}
+        for package in self.packages:
+            others = {
+                name.partition(".")[0]
+                for other in self.packages
+                if other is not package
+                for name in other.sources
+            }
+            targets = (imported.target for source in package.sources.values() for imported in source.imports)
+            found |= {target for target in targets if target.partition(".")[0] in others}
+        return found
 
     @cached_property
     def launch_files(self) -> list[LaunchFile]:

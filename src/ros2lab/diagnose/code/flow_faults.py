@@ -127,11 +127,13 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
 
 
 def _named_alike(sources: NodeSources) -> Iterator[Finding]:
-    """Yield node names that are used in two files."""
+    """Yield node names that are used in two files which executables run."""
     first: dict[str, tuple[PythonSource, ast.AST]] = {}
     for source in sources.sources.values():
         for owner, function, node in sources.scoped(source):
             if not isinstance(node, ast.Call) or not sources.makes_node(source, owner, function, node):
+                continue
+            if not sources.may_run(source, owner):
                 continue
             name = sources.value(source, node.args[0] if node.args else None)
             before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)

@@ -136,6 +136,7 @@ def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[
     for end in ends:
         if end.name and remapped.isdisjoint((end.topic, end.name)):
             by_topic.setdefault(end.name, []).append(end)
+    by_topic = {topic: _in_use(there) for topic, there in by_topic.items()}
     yield from _near_misses(by_topic)
     yield from _copied(by_topic)
     for topic, there in by_topic.items():
@@ -146,6 +147,15 @@ def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[
         yield from _periods(topic, there)
     for (_, written), there in _by_variable(ends).items():
         yield from _answers_itself(written, there)
+
+
+def _in_use(there: list[End]) -> list[End]:
+    """Return the ends of a topic without those that never run, if others in their direction do."""
+    if len(there) < 2:
+        return there
+    runs = [end for end in there if end.sources.may_run(end.creation.source, end.creation.owner)]
+    taken = {end.is_publisher for end in runs}
+    return [end for end in there if end in runs or end.is_publisher not in taken]
 
 
 def _by_variable(ends: list[End]) -> dict[tuple[Function, str], list[End]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeGuard
@@ -114,10 +114,12 @@ class NodeSources:
 
     Args:
         sources: the files by the names of their modules.
+        used: what executables and other packages use of them, such as `pk.talk.main`; empty if not known.
     """
 
-    def __init__(self, sources: Mapping[str, PythonSource]) -> None:
+    def __init__(self, sources: Mapping[str, PythonSource], used: Collection[str] = ()) -> None:
         self.sources = sources
+        self.used = used
         self.classes: dict[str, NodeClass] = {}
         self.functions: dict[str, tuple[PythonSource, Function]] = {}
         self._scoped: dict[PythonSource, tuple[Scoped, ...]] = {}
@@ -336,6 +338,34 @@ class NodeSources:
         reached = self._reached.get(module, frozenset())
         names = {name.rsplit(".", depth)[0] for name in reached for depth in range(name.count(".") + 1)}
         return sorted(names & self.sources.keys())
+
+    def may_run(self, source: PythonSource, owner: NodeClass | None) -> bool:
+        """Return whether an executable may run a file and, if it is in a class, create that class."""
+        return source.name in self._run and (owner is None or self._is_named(owner))
+
+    @cached_property
+    def _run(self) -> frozenset[str]:
+        """The files that executables may run: all where that is not known."""
+        may_be_any = any(
+            source.fault or "import_module" in source.text or "__import__" in source.text
+            for source in self.sources.values()
+        )
+        modules = {part for name in self.used for part in (name, name.rpartition(".")[0])}
+        run = frozenset(name for module in modules for name in self.imported_by(module))
+        return frozenset(self.sources) if may_be_any or not run else run
+
+    def _is_named(self, owner: NodeClass) -> bool:
+        """Return whether anything outside a class names it, so that it may be created or have subclasses."""
+        short = owner.definition.name
+        if owner.name in self.used or owner.source.name in self.used:
+            return True
+        own = {id(node) for node in walk(owner.definition)}
+        return any(
+            short in (getattr(node, "id", ""), getattr(node, "attr", ""), getattr(node, "value", ""))
+            for source in self.sources.values()
+            for node in source.nodes
+            if id(node) not in own
+        )
 
     @cached_property
     def _reached(self) -> Mapping[str, frozenset[str]]:
