@@ -127,6 +127,10 @@ def test_nine_of_ten_slips_of_typing_are_undone_to_the_letter(name: str) -> None
             '            self.get_logger().debug("quiet on the %s" % side)',
             '            self.get_logger(.debug("quiet on the %s" % side)',
         ),
+        (
+            '            self.get_logger().debug("quiet on the %s")',
+            '            self.get_logger().debug("quiet on the %s',
+        ),
         ("    rclpy.init(args=args)", "    rclpy init(args=args)"),
         ('if __name__ == "__main__":', 'if __name__ = "__main__":'),
         ("    try:", "    rty:"),
@@ -135,9 +139,10 @@ def test_nine_of_ten_slips_of_typing_are_undone_to_the_letter(name: str) -> None
     ],
 )
 def test_a_slip_in_a_node_is_undone(right: str, wrong: str) -> None:
-    assert LISTENER.count(f"{right}\n") == 1 or right.strip() in ("return", "pass", "else:")
-    text = LISTENER.replace(f"{right}\n", f"{wrong}\n", 1)
-    line = LISTENER.splitlines().index(right) + 1
+    whole = LISTENER.replace(" % side)", ")") if right.endswith('%s")') else LISTENER
+    assert whole.count(f"{right}\n") == 1 or right.strip() in ("return", "pass", "else:")
+    text = whole.replace(f"{right}\n", f"{wrong}\n", 1)
+    line = whole.splitlines().index(right) + 1
     if wrong.strip().startswith("Return"):
         right += " msg"
     assert mended(Slip("", line, text)).splitlines()[line - 1] == right

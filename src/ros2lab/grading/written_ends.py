@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
+from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.nodes.topic_faults import ends_of, timers_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource
@@ -44,7 +45,7 @@ def written_ends(
     Returns:
         The ends in code that runs, and those in other code.
     """
-    sources = NodeSources({source.name: source.as_meant() for source in files})
+    sources = NodeSources({source.name: mended(source) for source in files})
     try:
         told = {end.creation.call: end for end in ends_of(sources)}
     except RecursionError:

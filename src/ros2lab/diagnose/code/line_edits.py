@@ -151,6 +151,9 @@ def _with_quotes(line: _Line) -> Iterator[Repair]:
                 opens, closes = re.match(r"[\s(\[{=,:]", before or " "), re.match(r"[\s)\]},:]", after or " ")
                 cost = USUAL if bool(opens) != bool(closes) else SELDOM
                 yield line.spliced(at, at, quote, f"a quote {quote} is missing after `{line.to(at)}`", cost)
+            for end in (")", "))", "),", "]", "],"):
+                why = f"a quote {quote} and {_NAMES[end[0]]} are missing at the end of `{line.to(line.end)}`"
+                yield line.spliced(line.end, line.end, f"{quote}{end}", why, USUAL + len(end) / 4)
 
 
 def _is_usual(sign: str, before: str, after: str) -> bool:

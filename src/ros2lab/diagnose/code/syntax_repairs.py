@@ -14,6 +14,7 @@ from ros2lab.diagnose.code.line_edits import edits_of, ends_of
 from ros2lab.diagnose.code.other_languages import in_pythons_words
 from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.sense import nonsense
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 _LONGEST = 500  # characters that a line may have for changes to be tried
 _TRIED = (6, 3, 1, 1)  # changes that are tried for the first fault of a file, for the second, and so on
@@ -36,6 +37,16 @@ def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
     reader = _Reader()
     part = _part(lines, min(reader.stops_at(lines), len(lines)), reader)
     return repairs[:1] if part and part.holds(repairs[0]) and part.is_mended_by(repairs[0], reader) else []
+
+
+def mended(source: PythonSource) -> PythonSource:
+    """Return a file with its slips of typing undone, and then with the lines left out that Python still cannot read."""
+    if source.tree.body or source.fault is None:
+        return source
+    lines = source.text.split("\n")
+    for repair in repairs_of(source.text, source.fault):
+        lines = repair.applied(lines)
+    return replace(source, text="\n".join(lines)).as_meant()
 
 
 def _cheapest(lines: list[str], reader: _Reader, tried: Sequence[int]) -> tuple[float, list[Repair]]:
