@@ -49,7 +49,7 @@ def _files(case: object) -> Iterator[str]:
     """Yield the Python files of a case, once for all that are alike."""
     with tempfile.TemporaryDirectory(prefix="ros2lab-slips-") as name:
         case.make(Path(name), {})
-        texts = {path.read_text(encoding="utf-8") for path in Path(name).rglob("*.py")}
+        texts = {path.read_text(encoding="utf-8-sig") for path in Path(name).rglob("*.py")}
     yield from sorted(text for text in texts if text.count("\n") > 1)
 
 
