@@ -130,33 +130,33 @@ class _Tried:
             return False
         if isinstance(getattr(node, "ctx", None), ast.Store) and isinstance(node, (ast.Tuple, ast.List)):
             return True  # there may be more values, or fewer
-        if isinstance(node, _OF_PARTS):
-            return any(map(self._may_fail, ast.iter_child_nodes(node)))
-        parts: Iterable[ast.AST] | None = None  # what may fail of it; None if it may itself
+        parts = ast.iter_child_nodes(node) if isinstance(node, _OF_PARTS) else self._parts(node)
+        return parts is None or any(map(self._may_fail, parts))
+
+    def _parts(self, node: ast.AST) -> Iterable[ast.AST] | None:
+        """Return what may fail of a node; None if it may itself."""
+        parts: Iterable[ast.AST] | None = None
         match node:
             case ast.Name():
                 parts = None if self._catches("NameError", "UnboundLocalError") else ()
             case ast.Attribute(value=ast.Name(id="self")) | ast.Attribute(value=ast.Name(), ctx=ast.Store()):
                 parts = None if self._is_computed(node.attr) else ()
-            case ast.Try(handlers=handlers):
-                is_open = not any(
-                    handler.type is None or dotted(handler.type) in EVERY_ERROR for handler in handlers
-                )
-                after = [part for handler in handlers for part in handler.body]
-                parts = [*(node.body if is_open else ()), *after, *node.orelse, *node.finalbody]
-            case ast.FormattedValue(value=value, format_spec=None):
-                parts = (value,)
+            case ast.Try():
+                parts = _of_try(node)
             case ast.BinOp(left=ast.Constant(), right=ast.Constant()):
                 parts = ()
-            case ast.Subscript(value=ast.Constant() | ast.Dict() | ast.List() as value, slice=ast.Constant()):
+            case (
+                ast.FormattedValue(value=value, format_spec=None)
+                | ast.Subscript(value=ast.Constant() | ast.Dict() | ast.List() as value, slice=ast.Constant())
+            ):
                 parts = (value,)
-            case ast.BinOp(left=left, right=right) if isinstance(node.op, _FIRM_OPERATORS):
+            case (
+                ast.BinOp(left=left, op=sign, right=right) | ast.AugAssign(target=left, op=sign, value=right)
+            ) if isinstance(sign, _FIRM_OPERATORS):
                 parts = None if self._catches("TypeError") else (left, right)
-            case ast.AugAssign(target=target, value=value) if isinstance(node.op, _FIRM_OPERATORS):
-                parts = None if self._catches("TypeError") else (target, value)
             case ast.Call():
                 parts = self._given(node)
-        return parts is None or any(map(self._may_fail, parts))
+        return parts
 
     def _is_computed(self, attribute: str) -> bool:
         """Return whether to ask for an attribute, or to set it, may raise such an error."""
@@ -185,3 +185,10 @@ def _is_logger(node: ast.AST) -> bool:
 
 def _last(name: str) -> str:
     return name.rpartition(".")[2]
+
+
+def _of_try(node: ast.Try) -> list[ast.stmt]:
+    """Return the statements of an inner `try` whose errors leave it."""
+    is_open = not any(h.type is None or dotted(h.type) in EVERY_ERROR for h in node.handlers)
+    after = [part for handler in node.handlers for part in handler.body]
+    return [*(node.body if is_open else ()), *after, *node.orelse, *node.finalbody]

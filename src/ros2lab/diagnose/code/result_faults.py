@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import is_interface
@@ -150,22 +150,15 @@ def _lost_locals(
     """
     names = [node for node in walk(function) if isinstance(node, ast.Name)]
     own = {id(node) for node in names}
-    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
-    read |= {n for node in walk(function) if isinstance(node, (ast.Global, ast.Nonlocal)) for n in node.names}
     read_elsewhere = {
         node.id
         for node in source.nodes
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and id(node) not in own
     }
     kept = State(uses, owner).read & uses.sources.attributes(owner) if owner else frozenset()
-    values, bound = values_in(function), _assigned_together(function)
-    for node in names:
-        name = node.id
-        if id(node) not in bound or name in read or name.startswith("_"):
-            continue
-        if not bound[id(node)].isdisjoint(read):
-            continue  # what it is bound together with is what was meant
-        said = f"{function.name}() sets {name}, which is a local variable; "
+    values = values_in(function)
+    for node in _never_read(function, names):
+        name, said = node.id, f"{function.name}() sets {node.id}, which is a local variable; "
         if name in kept:
             fix = f"write self.{name} instead of {name}"
             yield Finding("not-kept", f"{said}self.{name} does not change.", source.at(node), fix)
@@ -175,14 +168,25 @@ def _lost_locals(
             yield Finding("not-kept", f"{said}the global {name} does not change.", source.at(node), fix)
             return
         value = values.get(id(node))
-        zeros = [(t, v) for t, v in filled(function) if isinstance(v, ast.Constant) and v.value == 0]
         if owner is None or value is None or function.name == "__init__" or not _is_fetched(value):
             continue
+        zeros = [(t, v) for t, v in filled(function) if isinstance(v, ast.Constant) and v.value == 0]
         if len(zeros) == 1:
             target, zero = zeros[0]
             cause = f"{function.name}() computes {name} but never uses it; {target} is always {ast.unparse(zero)}."
             yield Finding("never-read", cause, source.at(zero), f"write {target} = {name}")
             return
+
+
+def _never_read(function: Function, names: Sequence[ast.Name]) -> Iterator[ast.Name]:
+    """Yield the assigned variables that a function never reads, nor anything that is bound together with them."""
+    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
+    read |= {n for node in walk(function) if isinstance(node, (ast.Global, ast.Nonlocal)) for n in node.names}
+    bound = _assigned_together(function)
+    for node in names:
+        is_lost = node.id not in read and not node.id.startswith("_")
+        if is_lost and id(node) in bound and bound[id(node)].isdisjoint(read):
+            yield node
 
 
 def _assigned_together(function: Function) -> dict[int, set[str]]:

@@ -225,38 +225,52 @@ def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterat
 
 def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
     """Yield a call with arguments swapped, passed by keyword, put into a list, added or removed."""
-    function, given = ast.unparse(call.func), [*map(ast.unparse, call.args)]
-    named = [*map(_keyword, call.keywords)]
-    rules = {row.rule for row in trial.objections}
-
-    def written(*texts: str) -> Edit:
-        return Edit(call, f"{function}({', '.join([*texts, *named])})")
-
+    given, signature = [*map(ast.unparse, call.args)], signature_of(trial.source, call)
     for number in range(len(given) - 1):
         swapped = [*given[:number], given[number + 1], given[number], *given[number + 2 :]]
-        yield Change(written(*swapped), PLACE)
-    signature = signature_of(trial.source, call)
-    for parameter in signature.parameters if signature else ():
-        if given and parameter.name not in {keyword.arg for keyword in call.keywords}:
-            last = call.args[-1]
-            is_list = heads_of(parameter.type) <= LISTS
-            text = given[-1] if parameter.takes(last) else as_list(last) if is_list else ""
-            yield from [Change(written(*given[:-1], f"{parameter.name}={text}"), PLACE)] if text else []
-    calls_back = any(re.search(r"`\w*callback`|`target`", row.said) for row in trial.objections)
-    for name in trial.names if "missing-argument" in rules else ():
-        is_function = re.match(r"(?:bound method|def|\() ?", trial.kind(name)) is not None
-        if name != "args" and (is_function or not calls_back):  # args is what main is given
-            yield Change(written(*given, name), PLACE, is_one_of_many=True)
-    lacks = [row.said for row in trial.objections if row.rule == "missing-argument"]
-    if function[:1].isupper() and len(lacks) == 1 and re.search(r"parameter `\w*name` of", lacks[0]):
-        yield Change(written(*given, repr(snake_case(function))), _FORM)
+        yield Change(_written(call, *swapped), PLACE)
+    yield from _by_keyword(call, signature)
+    rules = {row.rule for row in trial.objections}
+    if "missing-argument" in rules:
+        yield from _with_one_more(call, trial)
     if len(given) > 1 and rules & {"too-many-positional-arguments", "invalid-argument-type"}:
-        yield Change(written(f"[{', '.join(given)}]"), PLACE)
+        yield Change(_written(call, f"[{', '.join(given)}]"), PLACE)
     for number in range(len(given)) if "too-many-positional-arguments" in rules else ():
-        yield Change(written(*given[:number], *given[number + 1 :]), LESS, is_one_of_many=True)
+        yield Change(_written(call, *given[:number], *given[number + 1 :]), LESS, is_one_of_many=True)
     yield from _of_wanted(call, signature)
     if whole := whole_call(trial.source, call):
         yield Change(Edit(call, whole), PLACE)
+
+
+def _written(call: ast.Call, *texts: str) -> Edit:
+    """Return the edit that gives a call other positional arguments."""
+    return Edit(call, f"{ast.unparse(call.func)}({', '.join([*texts, *map(_keyword, call.keywords)])})")
+
+
+def _by_keyword(call: ast.Call, signature: Signature | None) -> Iterator[Change]:
+    """Yield a call with its last positional argument passed by each keyword that takes it."""
+    if not call.args:
+        return
+    *others, last = call.args
+    free = {p.name: p for p in signature.parameters} if signature else {}
+    for name in [n for n in free if n not in {keyword.arg for keyword in call.keywords}]:
+        is_list = heads_of(free[name].type) <= LISTS
+        text = ast.unparse(last) if free[name].takes(last) else as_list(last) if is_list else ""
+        if text:
+            yield Change(_written(call, *map(ast.unparse, others), f"{name}={text}"), PLACE)
+
+
+def _with_one_more(call: ast.Call, trial: Trial) -> Iterator[Change]:
+    """Yield a call with one argument more: a name in scope, or a name for what it makes."""
+    given, made = [*map(ast.unparse, call.args)], ast.unparse(call.func)
+    lacks = [row.said for row in trial.objections if row.rule == "missing-argument"]
+    calls_back = any(re.search(r"`\w*callback`|`target`", row.said) for row in trial.objections)
+    for name in trial.names:
+        is_function = re.match(r"(?:bound method|def|\() ?", trial.kind(name)) is not None
+        if name != "args" and (is_function or not calls_back):  # args is what main is given
+            yield Change(_written(call, *given, name), PLACE, is_one_of_many=True)
+    if made[:1].isupper() and len(lacks) == 1 and re.search(r"parameter `\w*name` of", lacks[0]):
+        yield Change(_written(call, *given, repr(snake_case(made))), _FORM)
 
 
 def _of_wanted(call: ast.Call, signature: Signature | None) -> Iterator[Change]:

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
+from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
@@ -262,41 +263,51 @@ def _is_the_only_turn(entrance: Entrance, turn: Call) -> bool:
 
 def _left_out(entrance: Entrance) -> Iterator[Finding]:
     """Yield a node that is made but never used, while another one is spun."""
-    spun = [spin for spin in entrance.spins if spin.name == "rclpy.spin" and spin.call.args]
-    for spin in spun:
-        for node in own_nodes(spin.function):
-            match node:
-                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=made)):
-                    pass
-                case _:
-                    continue
-            owner = entrance.sources.classes.get(entrance.sources.resolve(spin.source, made) or "")
-            if (
-                owner is None
-                or not entrance.sources.lineage(owner)[1]
-                or name == ast.unparse(spin.call.args[0])
-            ):
+    for spin in entrance.spins:
+        if spin.name != "rclpy.spin" or not spin.call.args:
+            continue
+        given = spin.call.args[0]
+        for node, name, owner in _made_nodes(entrance, spin):
+            if name == ast.unparse(given) or not _needs_spin(entrance, owner) or _is_used(spin, name):
                 continue
-            if any(
-                creation.owner is owner and creation.method in _CALLED_BACK
-                for creation in entrance.sources.creations
-            ):
-                loads = [n for n in walk(spin.function) if isinstance(n, ast.Name) and n.id == name]
-                # One that is destroyed before the spin is meant to be gone by then.
-                destroyed = {
-                    id(n.value)
-                    for n in walk(spin.function)
-                    if isinstance(n, ast.Attribute)
-                    and n.attr == "destroy_node"
-                    and n.lineno > spin.call.lineno
-                }
-                if not any(isinstance(n.ctx, ast.Load) and id(n) not in destroyed for n in loads):
-                    cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(spin.call.args[0])}."
-                    fix = "add both nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()"
-                    if entrance.sources.resolve(spin.source, spin.call.args[0]) == owner.name:
-                        cause = f"`{ast.unparse(spin.call)}` is given the class instead of {name}, the node made from it."
-                        fix = f"write rclpy.spin({name})"
-                    yield Finding("spin-missing", cause, spin.source.at(node), fix)
+            cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(given)}."
+            fix = "add both nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()"
+            if entrance.sources.resolve(spin.source, given) == owner.name:
+                cause = (
+                    f"`{ast.unparse(spin.call)}` is given the class instead of {name}, the node made from it."
+                )
+                fix = f"write rclpy.spin({name})"
+            yield Finding("spin-missing", cause, spin.source.at(node), fix)
+
+
+def _made_nodes(entrance: Entrance, spin: Call) -> Iterator[tuple[ast.Assign, str, NodeClass]]:
+    """Yield the assignments of new nodes in the function that spins, each with its variable and the node's class."""
+    for node in own_nodes(spin.function):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=made)):
+                owner = entrance.sources.classes.get(entrance.sources.resolve(spin.source, made) or "")
+                if owner is not None and entrance.sources.lineage(owner)[1]:
+                    yield node, name, owner
+
+
+def _needs_spin(entrance: Entrance, owner: NodeClass) -> bool:
+    """Return whether a node has callbacks, which only a spin calls."""
+    return any(made.owner is owner and made.method in _CALLED_BACK for made in entrance.sources.creations)
+
+
+def _is_used(spin: Call, name: str) -> bool:
+    """Return whether a function uses a node other than to destroy it after the spin.
+
+    One that is destroyed before the spin is meant to be gone by then.
+    """
+    nodes = [*walk(spin.function)]
+    destroyed = {
+        id(n.value)
+        for n in nodes
+        if isinstance(n, ast.Attribute) and n.attr == "destroy_node" and n.lineno > spin.call.lineno
+    }
+    loads = (n for n in nodes if isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Load))
+    return any(id(load) not in destroyed for load in loads)
 
 
 def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:

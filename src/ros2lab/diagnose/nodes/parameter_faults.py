@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at, not_read
@@ -327,14 +327,30 @@ def _content_faults(
     lines: _Lines,
 ) -> Iterator[Finding]:
     wrong = [key for key in sections if not is_node(key, names)]
-    own = sorted(name for name in offered if name)
-    for key in wrong if own and "" not in names else ():
+    if "" not in names:
+        yield from _other_nodes(wrong, sections, sorted(name for name in offered if name), declared, lines)
+    for values in (sections[key] for key in sections if key not in wrong or "" in names):
+        for name, value in values.items():
+            yield from _value_faults(name, value, declared or {}, lines)
+
+
+def _other_nodes(
+    wrong: Iterable[str],
+    sections: Mapping[str, Mapping[Any, Any]],
+    own: Sequence[str],
+    declared: Mapping[str, Any] | None,
+    lines: _Lines,
+) -> Iterator[Finding]:
+    """Yield sections for nodes that the package does not have, and that are plainly meant for one that it has.
+
+    A file may also be for somebody else's node, or be read by the code itself.
+    """
+    for key in wrong if own else ():
         short = key.rpartition("/")[2]
         near = next((name for name in own if is_near_miss(short, name)), None)
-        alike = [name for name in own if {*name.split("_")} & {*short.split("_")}]
-        likely = near or " or ".join(alike if len(alike) == 1 else own)
-        # A file may also be for somebody else's node, or be read by the code itself.
         if near or (sections[key] and declared and sections[key].keys() <= declared.keys()):
+            alike = [name for name in own if {*name.split("_")} & {*short.split("_")}]
+            likely = near or " or ".join(alike if len(alike) == 1 else own)
             yield Finding(
                 "parameter-file-node",
                 f"{lines.shown} sets parameters for a node called {short}, but {'the node is' if len(own) == 1 else 'the nodes are'} "
@@ -342,27 +358,28 @@ def _content_faults(
                 lines.at_section(key),
                 f"write {likely} instead of {short}",
             )
-    for values in (sections[key] for key in sections if key not in wrong or "" in names):
-        for name, value in values.items():
-            default = (declared or {}).get(name, UNKNOWN)
-            wanted, given = kind_of(default), kind_of(value)
-            if wanted and given and wanted != given:
-                shown = lines.written(name) or str(value)
-                yield Finding(
-                    "parameter-type",
-                    f"The parameter {name} is declared as {wanted}, but the file gives it {shown}, of type {given}, so the node does not start.",
-                    lines.at(name),
-                    value_fix(name, shown, given, wanted),
-                )
-            elif declared and default is UNKNOWN and name not in declared:
-                near = next((known for known in declared if is_near_miss(name, known)), None)
-                if near:
-                    yield Finding(
-                        "parameter-name",
-                        f"The file sets the parameter {name}, but the node declares {near}, which keeps its default.",
-                        lines.at(name),
-                        f"write {near} instead of {name}",
-                    )
+
+
+def _value_faults(name: Any, value: Any, declared: Mapping[str, Any], lines: _Lines) -> Iterator[Finding]:
+    """Yield why a node does not take a value: it has another type, or a name that is nearly one of the node's."""
+    default = declared.get(name, UNKNOWN)
+    wanted, given = kind_of(default), kind_of(value)
+    if wanted and given and wanted != given:
+        shown = lines.written(name) or str(value)
+        yield Finding(
+            "parameter-type",
+            f"The parameter {name} is declared as {wanted}, but the file gives it {shown}, of type {given}, so the node does not start.",
+            lines.at(name),
+            value_fix(name, shown, given, wanted),
+        )
+    near = next((known for known in declared if is_near_miss(name, known)), None)
+    if near and name not in declared:
+        yield Finding(
+            "parameter-name",
+            f"The file sets the parameter {name}, but the node declares {near}, which keeps its default.",
+            lines.at(name),
+            f"write {near} instead of {name}",
+        )
 
 
 def sections_of(content: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:

@@ -124,27 +124,26 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
     new = [text.replace("self.callback", meant) if text not in old and meant else text for text in new]
     whole = f"{name}({', '.join(new)})"
     right, wrong = [text for text in new if text not in old], [text for text in old if text not in new]
-    if new == old:
-        fix = ""
-    elif right == ["self.callback"] and not _has_callback(source):
+    if right == ["self.callback"] and not _has_callback(source):
         # Nothing tells which function is meant.
-        return (
-            right,
-            wrong,
-            f"add the function that {name}() should call, without parentheses, as its callback",
-            "",
-        )
-    elif len(whole) <= _LONGEST:
-        fix = f"write `{whole}`"
-    elif new[0].startswith("[") and call.args:
-        fix = f"write {name}([ ... ]), with all its arguments as one list in brackets"
-    elif len(new) > len(old) and new[-len(old) :] == old:
-        fix = f"write `{', '.join(right)}` before the other arguments"
-    elif right and wrong:
-        fix = f"write `{', '.join(right)}` instead of `{', '.join(wrong)[:_LONGEST]}`"
-    else:
-        fix = f"add `{', '.join(right)}` inside its parentheses" if right else f"remove `{', '.join(wrong)}`"
-    return right, wrong, fix, whole
+        fix = f"add the function that {name}() should call, without parentheses, as its callback"
+        return right, wrong, fix, ""
+    if new == old:
+        return right, wrong, "", whole
+    if len(whole) <= _LONGEST:
+        return right, wrong, f"write `{whole}`", whole
+    is_one_list = new[0].startswith("[") and bool(call.args)
+    fix = f"write {name}([ ... ]), with all its arguments as one list in brackets"
+    return right, wrong, fix if is_one_list else _change(old, new, right, wrong), whole
+
+
+def _change(old: list[str], new: list[str], right: list[str], wrong: list[str]) -> str:
+    """Say what to change in a call that is too long to be written whole."""
+    if len(new) > len(old) and new[-len(old) :] == old:
+        return f"write `{', '.join(right)}` before the other arguments"
+    if right and wrong:
+        return f"write `{', '.join(right)}` instead of `{', '.join(wrong)[:_LONGEST]}`"
+    return f"add `{', '.join(right)}` inside its parentheses" if right else f"remove `{', '.join(wrong)}`"
 
 
 def _has_callback(source: PythonSource) -> bool:
