@@ -23,6 +23,7 @@ from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.sandbox import World
 from ros2lab.grading.script import Script
+from ros2lab.grading.watch import TOPICS
 from ros2lab.grading.ways import shut_out
 
 TWIST = "geometry_msgs/msg/Twist"
@@ -325,6 +326,19 @@ rclpy.spin(node)
 
 # What a thread does, and when, is chance; and what is watched in another way than by itself, twice.
 OTHERS = {
+    "crowd": """
+rclpy.init()
+node = rclpy.create_node("crowd")
+others = [node.create_publisher(String, f"/a{number}", 1) for number in range(60)]
+made = []
+def begin():
+    made.append(node.create_publisher(String, "/robot/status", 10))
+    node.create_timer(0.5, lambda: made[0].publish(String(data="well")))
+    start.cancel()
+node.create_timer(0.1, lambda: [other.publish(String(data="here")) for other in others])
+start = node.create_timer(1.0, begin)
+rclpy.spin(node)
+""",
     "brief": """
 rclpy.init()
 node = rclpy.create_node("brief")
@@ -638,6 +652,13 @@ def test_a_program_that_dies_of_a_command_is_seen_to(runs: Runs) -> None:
 def test_a_program_that_cannot_start_says_why(runs: Runs) -> None:
     assert "no_such_module" in runs["broken"].ended["broken"]
     assert runs["no_node"].ended == {"no_node": "that was all"}
+
+
+def test_what_is_asked_for_is_heard_among_many_other_topics(observer: Observer) -> None:
+    """Also if it comes after all of them: which of them are heard is chance, and no grade may depend on it."""
+    (run,) = observer.watch([Job.alone(program("crowd"))])
+    assert run.quiet["/robot/status"].count > 1
+    assert len(run.quiet) <= TOPICS + 1
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.2, 1.0])

@@ -64,7 +64,7 @@ class Watch(ObservedDomain):
         at_each_turn: Callable[[], None] | None = None,
     ) -> None:
         super().__init__(number)
-        self._commanded = assignment.commanded
+        self._asked, self._commanded = {*assignment.topics}, assignment.commanded
         self._services = assignment.services
         self.is_stepped = is_stepped
         self._alive = alive
@@ -166,7 +166,10 @@ class Watch(ObservedDomain):
         self.twins |= {name for name in nodes if nodes.count(name) > 1}
         self.notes |= {f"Two nodes have the name {name}." for name in self.twins}
         is_new = False
-        for topic, _ in sorted(self.node.get_topic_names_and_types())[: 4 * TOPICS]:
+        topics = sorted(
+            (topic not in self._asked, topic) for topic, _ in self.node.get_topic_names_and_types()
+        )
+        for is_other, topic in topics[: 4 * TOPICS]:
             publishers = self._others(ends.publishers(self.node, topic))
             subscribers = self._others(ends.subscriptions(self.node, topic))
             count = len({ends.participant(info) for info in publishers})
@@ -184,7 +187,7 @@ class Watch(ObservedDomain):
             ):
                 ends.add_types(types, topic, infos)
                 self.qos.setdefault(topic, set()).update(ends.quality(role, info) for info in infos)
-            if publishers and topic not in self.ears and len(self.ears) < TOPICS:
+            if publishers and topic not in self.ears and (len(self.ears) < TOPICS or not is_other):
                 is_new |= self._hear(topic, publishers[0].topic_type)
         if self._services:
             self._look_for_services(nodes)
