@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 import builtins
 from collections.abc import Collection, Iterator
+from functools import lru_cache
 
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 
 MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
@@ -21,16 +22,30 @@ def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
 
     The order of the lines is ignored, so a name that is yielded fails wherever it is reached.
     """
+    first = dict[str, ast.AST]()
+    for node in _unbound_uses(source):
+        first.setdefault(node.id, node)
+    yield from first.items()
+
+
+def unbound_names(source: PythonSource, function: Function) -> list[str]:
+    """Return the names that fail when a function uses them, in the order of their first use."""
+    inside = {id(node) for node in walk(function)}
+    uses = sorted(
+        (n for n in _unbound_uses(source) if id(n) in inside), key=lambda n: (n.lineno, n.col_offset)
+    )
+    return list(dict.fromkeys(node.id for node in uses))
+
+
+@lru_cache(maxsize=256)
+def _unbound_uses(source: PythonSource) -> tuple[ast.Name, ...]:
+    """Return all uses of names that nothing binds; none where code binds names only when it runs."""
     used = {node.id for node in source.nodes if isinstance(node, ast.Name)}
     if any(imported.local == "*" for imported in source.imports) or used & {"exec", "globals"}:
-        return  # what these bind is known only when they run
-    told: set[str] = set()
+        return ()
     known = frozenset(dir(builtins)) | MODULE_NAMES | global_names(source)
     unread = {id(inner) for annotation in _unevaluated(source) for inner in walk(annotation)}
-    for node in _unbound(source.tree, known, frozenset()):
-        if node.id not in told and id(node) not in unread:
-            told.add(node.id)
-            yield node.id, node
+    return tuple(n for n in _unbound(source.tree, known, frozenset()) if id(n) not in unread)
 
 
 def _unevaluated(source: PythonSource) -> Iterator[ast.AST]:

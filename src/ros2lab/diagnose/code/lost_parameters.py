@@ -7,11 +7,11 @@ import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
 from ros2lab.diagnose.sources.spelling import snake_case
-from ros2lab.diagnose.sources.unbound_names import unbound_names
 
 CODE = "callback-arguments"
 _OF_CLASSES = frozenset(("__new__", "__init_subclass__", "__class_getitem__"))

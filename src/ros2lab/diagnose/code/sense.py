@@ -7,12 +7,14 @@ import builtins
 import re
 from collections.abc import Callable, Collection, Iterator
 
+from ros2lab.diagnose.code.bound_names import MODULE_NAMES, bound_by
+
 _PENALTY = 3.0  # of each oddity, in the cost of a repair
 _TEXT = re.compile(r"""'(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*\"""")
 _JOINED = re.compile(
     r"""(?<![\w'"])(?:'[^']*'|"[^"]*") *(?:'[^']*'|"[^"]*")"""
 )  # two strings without a comma
-_BUILTINS = frozenset(dir(builtins)) | {"__file__", "__name__", "__doc__"}
+_BUILTINS = frozenset(dir(builtins)) | MODULE_NAMES
 _PLAIN = (ast.Constant, ast.JoinedStr, ast.List, ast.Dict, ast.Set, ast.Tuple)
 _IDLE = (ast.Name, ast.Attribute, ast.Compare, ast.BinOp, ast.Subscript, ast.Lambda, *_PLAIN)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -61,24 +63,8 @@ def _is_within(node: ast.AST, first: int, last: int) -> bool:
 
 def _bound(tree: ast.AST, but: Collection[ast.AST] = ()) -> set[str]:
     """Return the names that code binds anywhere, or anywhere but in some nodes."""
-    names, left_out = set[str](), {id(node) for node in but}
-    for node in ast.walk(tree):
-        if id(node) in left_out:
-            continue
-        match node:
-            case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name):
-                names.add(name)
-            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
-                names.add(name)
-            case ast.alias(name=name, asname=local):
-                names.add((local or name).partition(".")[0])
-            case (
-                ast.ExceptHandler(name=str(name))
-                | ast.MatchAs(name=str(name))
-                | ast.MatchStar(name=str(name))
-            ):
-                names.add(name)
-    return names
+    left_out = {id(node) for node in but}
+    return {name for node in ast.walk(tree) if id(node) not in left_out for name in bound_by(node)}
 
 
 def _is_called_in_vain(node: ast.AST) -> bool:

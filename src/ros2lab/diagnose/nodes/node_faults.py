@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 
+from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
 from ros2lab.diagnose.nodes.taken_names import hiding_methods, taken_attributes
@@ -23,7 +24,6 @@ from ros2lab.diagnose.sources.node_source import (
     is_self_attribute,
 )
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, returns_value, walk
-from ros2lab.diagnose.sources.unbound_names import unbound_names
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
