@@ -128,6 +128,14 @@ def test_nothing_to_look_at_ends_with_2(tmp_path: Path, arguments: tuple[str, ..
     assert done.stderr.startswith("There is no ")
 
 
+def test_of_a_file_it_is_said_how_its_text_is_passed_on(tmp_path: Path) -> None:
+    (tmp_path / "what I saw.txt").write_text("ModuleNotFoundError: No module named 'rospy'\n")
+    done = typed("what I saw.txt", folder=tmp_path)
+    assert done.returncode == 2
+    told = done.stderr.strip().partition(": ros2lab ")[2]
+    assert told == "diagnose - < 'what I saw.txt'"
+
+
 def test_the_help_tells_the_exit_codes(tmp_path: Path) -> None:
     text = " ".join(run("--help", folder=tmp_path).stdout.split())
     assert "exit code is 0 if nothing was found" in text

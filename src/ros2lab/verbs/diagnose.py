@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -62,11 +63,7 @@ def diagnose(
     elif root is not None and root.is_dir():
         findings, is_told_in_steps, looked_at = _of_folder(root)
     else:
-        where = f"no folder {workspace}" if workspace else "no workspace in this folder or above it"
-        print(
-            f"There is {where}; give the folder of a workspace, or - for the text of an error.",
-            file=sys.stderr,
-        )
+        print(_nowhere(workspace), file=sys.stderr)
         raise typer.Exit(USAGE_ERROR)
     if is_run and (watched := root or here) is not None:
         findings, looked_at = _seen_beside(findings, watched)
@@ -80,6 +77,17 @@ def diagnose(
         if shown and up_to and (step := next_step(findings[0], up_to)):
             print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
+
+
+def _nowhere(workspace: str) -> str:
+    """Say that what was given is no folder of a workspace."""
+    if Path(workspace).is_file():
+        return (
+            f"{workspace} is a file; give the folder of its workspace, or, if it holds the text of an error: "
+            f"ros2lab diagnose - < {shlex.quote(workspace)}"
+        )
+    where = f"no folder {workspace}" if workspace else "no workspace in this folder or above it"
+    return f"There is {where}; give the folder of a workspace, or - for the text of an error."
 
 
 def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
