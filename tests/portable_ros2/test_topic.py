@@ -292,6 +292,33 @@ def test_a_signal_ends_it_whenever_it_comes(moment: tuple[str, str], tmp_path: P
     assert (done.returncode, done.stderr) == (int(signal.SIGTERM), "")
 
 
+WOKEN = """
+import os, signal, sys
+from portable_ros2 import command
+from rclpy.executors import SingleThreadedExecutor
+destroy = SingleThreadedExecutor.shutdown
+SingleThreadedExecutor.spin_once = lambda self, **_: os.kill(os.getpid(), int(sys.argv[1]))
+def shutdown(self):
+    print("too early" if self._context.ok() else "woken")
+    destroy(self)
+SingleThreadedExecutor.shutdown = shutdown
+sys.exit(command.main(["topic", "hz", "/parameter_events"]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_nothing_is_destroyed_while_rclpy_wakes_who_waits(number: signal.Signals, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", WOKEN, str(int(number))],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
+        check=False,
+    )
+    assert (done.returncode, done.stdout.split("\n")[-2:], done.stderr) == (number, ["woken", ""], "")
+
+
 def test_a_closed_pipe_ends_it_quietly(node: Node, tmp_path: Path) -> None:
     line = f"{COMMAND} topic pub -r 100 /words std_msgs/msg/String '{{data: hi}}' | head -1; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(

@@ -24,6 +24,9 @@ SLOW_TIME = 4.0  # so many times the spin time is waited without news for what i
 PARTICIPANT_TOPIC = "ros_discovery_info"  # each participant with ROS nodes writes and reads it
 NODE_TOPICS = ("/parameter_events", "/rosout")  # each node writes at least one of them
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
+LONGEST_WAKING = (
+    2.0  # s that rclpy's thread may take, on a busy machine, to shut the context down after a signal
+)
 ID_LENGTH = 16  # bytes of an endpoint's id
 
 
@@ -39,6 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-daemon", action="store_true", help="Do not spawn nor use an already running daemon"
     )
+
+
+class Terminated(SystemExit):
+    """SIGTERM has come; the code is its number."""
 
 
 class GraphNode:
@@ -244,7 +251,20 @@ def _is_slow(listener: participants.Listener) -> bool:
 
 def _exit(number: int, _: FrameType | None) -> NoReturn:
     """End the program with a signal's number as its exit code, as the real command does."""
-    raise SystemExit(number)
+    raise Terminated(number)
+
+
+def let_wake(error: BaseException | None) -> None:
+    """Wait after a signal until rclpy has woken all who wait, and shut the context down.
+
+    A thread of rclpy does so, without a lock. It crashes if what they wait on is destroyed meanwhile.
+    """
+    from rclpy.utilities import get_default_context
+
+    if isinstance(error, (KeyboardInterrupt, Terminated)):
+        deadline = time.monotonic() + LONGEST_WAKING
+        while get_default_context().ok() and time.monotonic() < deadline:
+            time.sleep(0.001)
 
 
 @contextlib.contextmanager
@@ -257,6 +277,7 @@ def _interrupted(error: BaseException | None) -> Iterator[None]:
     from rclpy.utilities import get_default_context
 
     is_interrupted = isinstance(error, Exception) and not get_default_context().ok()
+    let_wake(error)
     yield
     if is_interrupted:
         raise KeyboardInterrupt from error

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from portable_ros2 import messages
-from portable_ros2.graph import GraphNode
+from portable_ros2.graph import GraphNode, let_wake
 
 COMPLETION_SPIN_TIME = 0.1  # s; a key was pressed, and somebody waits
 TYPE_PERIOD = 0.1  # s between two looks for the type of a topic
@@ -131,6 +131,9 @@ def spin(node: Any, is_done: Callable[[], bool] = lambda: False, timeout: float 
     try:
         while not is_done() and (left := deadline - time.monotonic()) > 0:
             executor.spin_once(timeout_sec=None if timeout is None else left)
+    except BaseException as error:
+        let_wake(error)
+        raise
     finally:
         executor.shutdown()
 
