@@ -1119,6 +1119,33 @@ def test_a_handler_of_what_never_fails_handles_nothing(
     assert any(place.line == last for places in found.values() for place in places) == is_handled
 
 
+@pytest.mark.parametrize(
+    ("making", "tried", "is_handled"),
+    [
+        ("self.speed = 0.3", "print(self.speed)", False),
+        ("self.speed: float = 0.3", "self.last = self.speed", False),
+        ("self.speed: float", "print(self.speed)", True),
+        ("if msg:\n    self.speed = 0.3", "print(self.speed)", True),
+        ("self.last = 0.3", "print(self.speed)", True),
+        ("self.speed = None", "print(self.speed.x)", True),
+        ("self.speed = 0.3", "del self.speed", True),
+        ("self.go()\nself.speed = 0.3", "print(self.speed)", True),
+        ("other.speed = 0.3", "print(self.speed)", True),
+    ],
+)
+def test_what_a_node_is_made_with_is_never_missing(
+    look: Callable[[Texts], Files], making: str, tried: str, is_handled: bool
+) -> None:
+    text = (
+        "import rclpy\n\n\nclass A:\n    def __init__(self, msg, other):\n"
+        f"{textwrap.indent(making, ' ' * 8)}\n\n    def go(self):\n        try:\n            {tried}\n"
+        "        except AttributeError:\n            print('caught')\n\n\nA(1, 2).go()\n"
+    )
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
+    handlers = look(texts | {"robot_controller/node.py": text}).handlers
+    assert any(handlers.values()) == is_handled
+
+
 _ENDS_OF_OTHER_NAMES = {
     "an alias": "Stop = KeyboardInterrupt\n{}except Stop:\n    pass\n",
     "an alias of an alias": "A = KeyboardInterrupt\nStop: type = A\n{}except (Stop, SystemExit):\n    pass\n",

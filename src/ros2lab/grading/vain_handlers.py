@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import builtins
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.sources.node_source import LOG_METHODS
@@ -52,6 +52,12 @@ class VainHandlers:
         self._functions = {
             node.name for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
         }
+        self._set_by = {
+            id(inner): attributes
+            for node in nodes
+            if isinstance(node, ast.ClassDef) and (attributes := _always_set(node))
+            for inner in _after_making(node)
+        }
         used = [node.exc for node in nodes if isinstance(node, ast.Raise) and node.exc is not None]
         used += [node.func for node in nodes if isinstance(node, ast.Call)]
         self._made = {
@@ -73,7 +79,7 @@ class VainHandlers:
             is_vain = (
                 is_taken
                 or all(map(self._is_never_made, errors))
-                or _Tried(errors, self._functions).is_vain(node.body)
+                or _Tried(errors, self._functions, self._set_by.get(id(node), ())).is_vain(node.body)
             )
             if errors and is_vain:
                 vain.append(handler)
@@ -111,10 +117,12 @@ class _Tried:
     Attributes:
         errors: the names of the errors that are caught.
         computed: the names of what the files compute when an attribute is asked for, and of all functions.
+        always_set: the attributes that the node has whenever it comes here.
     """
 
     errors: Collection[str]
     computed: Collection[str]
+    always_set: Collection[str] = ()
 
     def is_vain(self, body: Sequence[ast.stmt]) -> bool:
         """Return whether nothing of a block can raise such an error, or it does so whatever comes."""
@@ -140,7 +148,7 @@ class _Tried:
             case ast.Name():
                 parts = None if self._catches("NameError", "UnboundLocalError") else ()
             case ast.Attribute(value=ast.Name(id="self")) | ast.Attribute(value=ast.Name(), ctx=ast.Store()):
-                parts = None if self._is_computed(node.attr) else ()
+                parts = None if self._is_computed(node) else ()
             case ast.Try():
                 parts = _of_try(node)
             case ast.BinOp(left=ast.Constant(), right=ast.Constant()):
@@ -158,10 +166,12 @@ class _Tried:
                 parts = self._given(node)
         return parts
 
-    def _is_computed(self, attribute: str) -> bool:
+    def _is_computed(self, node: ast.Attribute) -> bool:
         """Return whether to ask for an attribute, or to set it, may raise such an error."""
         is_foreign = any(not hasattr(builtins, name) for name in self.errors)
-        return is_foreign or self._catches("AttributeError", "TypeError") or attribute in self.computed
+        is_there = isinstance(node.ctx, ast.Store) or node.attr in self.always_set
+        is_missing = self._catches("AttributeError") and not is_there
+        return is_foreign or is_missing or self._catches("TypeError") or node.attr in self.computed
 
     def _given(self, call: ast.Call) -> Sequence[ast.AST] | None:
         """Return what is given to a call that does not fail by itself; None if it may."""
@@ -177,6 +187,46 @@ class _Tried:
             case ast.Name(id="print"):
                 return None if self._catches("OSError", "BrokenPipeError", "UnicodeEncodeError") else given
         return [] if is_made_of_constants(call) else None
+
+
+def _always_set(node: ast.ClassDef) -> set[str]:
+    """Return the attributes that `__init__` sets whatever comes, and that nothing deletes."""
+    made = [part for part in node.body if isinstance(part, ast.FunctionDef) and part.name == "__init__"]
+    targets = [part for function in made for statement in function.body for part in _targets(statement)]
+    deleted = {
+        part.attr
+        for part in ast.walk(node)
+        if isinstance(part, ast.Attribute) and isinstance(part.ctx, ast.Del)
+    }
+    return {part.attr for part in targets if isinstance(part, ast.Attribute) and _is_self(part)} - deleted
+
+
+def _targets(statement: ast.stmt) -> list[ast.expr]:
+    match statement:
+        case ast.Assign(targets=targets):
+            return targets
+        case ast.AnnAssign(target=target, value=ast.expr()):
+            return [target]
+    return []
+
+
+def _after_making(node: ast.ClassDef) -> Iterator[ast.Try]:
+    """Yield each `try` of a class's methods, but for `__init__` and for what this calls itself."""
+    methods = {part.name: part for part in node.body if isinstance(part, ast.FunctionDef)}
+    made = [methods["__init__"]] if "__init__" in methods else []
+    calls = {
+        part.func.attr
+        for function in made
+        for part in ast.walk(function)
+        if isinstance(part, ast.Call) and isinstance(part.func, ast.Attribute)
+    }
+    for name, method in methods.items():
+        if name not in {"__init__", *calls}:
+            yield from (part for part in ast.walk(method) if isinstance(part, ast.Try))
+
+
+def _is_self(node: ast.Attribute) -> bool:
+    return isinstance(node.value, ast.Name) and node.value.id == "self"
 
 
 def _is_logger(node: ast.AST) -> bool:
