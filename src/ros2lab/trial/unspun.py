@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.entrance_faults import second_spins
 from ros2lab.diagnose.nodes.executors import two_executors
 from ros2lab.diagnose.printed.error_text import Frame
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
@@ -30,7 +31,7 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
     if spot is not None and (told := waited_for(seen, spot)):
         return told
     if found is not None:
-        told = next(two_executors(found), None) or _left_out(found, node)
+        told = next(two_executors(found), None) or next(second_spins(found), None) or _left_out(found, node)
         if told := told or _waiting(found, spot, is_called_back=is_called_back):
             return told
     return Finding(
@@ -67,7 +68,8 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
             told := _asking(entrance.sources, source, node, is_called_back=is_called_back)
         ):
             return told
-    if is_called_back or spot.function is None:
+    is_spin = any(spin.call in spot.nodes for spin in entrance.spins)
+    if is_called_back or is_spin or spot.function is None:
         return None
     names = [parameter.arg for parameter in spot.function.args.args[:1]]
     node_name = "self" if names == ["self"] else _kept(entrance)

@@ -14,7 +14,8 @@ from ros2lab.diagnose.code.hidden_names import fix_of, known_names
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import is_property, own_nodes
+from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.python_source import Function, is_property, own_nodes
 
 _PRINT = "print the values used on this line just above it, and see which one is not what you expected"
 
@@ -180,8 +181,33 @@ def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
                 cause,
                 f"write self._{function.name} instead of {own} here, and wherever the property stores its value",
             )
+    if (
+        function is not None
+        and (call := _own_call(spot, function))
+        and (whose := _overridden(spot, function))
+    ):
+        cause = f"{function.name}() overrides the method of {whose}, and here it calls itself, endlessly."
+        return cause, f"write super(){ast.unparse(call).removeprefix('self')} instead of {ast.unparse(call)}"
     cause = f"A function calls itself endlessly: `{spot.text}`."
     return cause, "call another function there, or rename the method so that it differs from the one it calls"
+
+
+def _own_call(spot: Spot, function: Function) -> ast.Call | None:
+    """Return the call on a line of the method that it is in."""
+    calls = (node for node in spot.nodes if isinstance(node, ast.Call))
+    return next((call for call in calls if ast.unparse(call.func) == f"self.{function.name}"), None)
+
+
+def _overridden(spot: Spot, function: Function) -> str:
+    """Return which base class has the method that a method overrides; empty if none is known to."""
+    classes = {n.name: n for n in (spot.source.nodes if spot.source else ()) if isinstance(n, ast.ClassDef)}
+    owner = next((found for found in classes.values() if function in found.body), None)
+    for base in map(ast.unparse, owner.bases if owner else ()):
+        inner = classes[base].body if base in classes else ()
+        is_own = any(isinstance(n, ast.FunctionDef) and n.name == function.name for n in inner)
+        if is_own or (base.endswith("Node") and function.name in members_of("rclpy.node", "Node")[0]):
+            return base
+    return ""
 
 
 def _plain(cause: str, fix: str) -> _Said:

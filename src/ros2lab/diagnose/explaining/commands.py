@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ros2lab.diagnose.explaining.colcon_commands import of_colcon
-from ros2lab.diagnose.explaining.typed_message import as_message, read_as
+from ros2lab.diagnose.explaining.typed_message import as_message, misfit, read_as
 from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
@@ -288,6 +288,8 @@ class _Command:
                 why = f"The space after the colon of {blank[0]!r} is missing, so YAML reads it as one word."
             elif taken := read_as(word, fields):
                 why = f"YAML reads {taken[0]} as {taken[1]!r}, not as a string: a string that could be read as something else needs quotes."
+            else:
+                why = misfit(word, fields) or why
             yield Corrected(self._with(word, text), why)
 
     def _value(self, name: str, word: str) -> Iterator[Corrected]:

@@ -44,6 +44,34 @@ def read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
     return None
 
 
+def misfit(word: str, fields: Mapping[str, str]) -> str:
+    """Return which fields a type does not have, or hold a value where a message belongs, as a sentence; else empty."""
+    import yaml
+
+    try:
+        read = _loaded(word, yaml.SafeLoader)
+    except (yaml.YAMLError, RecursionError):
+        return ""
+    return _misfit("The message", read, fields) if isinstance(read, dict) else ""
+
+
+def _misfit(owner: str, read: Mapping[Any, Any], fields: Mapping[str, str]) -> str:
+    given = {str(name): value for name, value in read.items()}
+    strange = [name for name in given if name.partition(".")[0] not in fields]
+    if strange:
+        return f"{owner} has no field {' or '.join(strange)}; its fields are {', '.join(fields)}."
+    for name, value in given.items():
+        inner = interfaces.fields_of(fields.get(name, "").replace("/", ".msg."))
+        if not inner:
+            continue
+        if not isinstance(value, dict):
+            is_what = "is empty" if value is None else f"is {value!r}"
+            return f"{name} {is_what}, but it is a message itself, with the fields {', '.join(inner)}."
+        if deeper := _misfit(name, value, inner):
+            return deeper
+    return ""
+
+
 def _nested(word: str, fields: Mapping[str, str]) -> str:
     """Return a message whose inner fields were written on unindented lines, as `linear:` and then `x: 0.5`.
 
@@ -75,7 +103,14 @@ def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> st
         fields: the types of all fields.
     """
     kind = fields.get(name, "")
-    if "/" in kind and not isinstance(value, dict):
+    inner = interfaces.fields_of(kind.replace("/", ".msg."))
+    if inner and isinstance(value, list) and len(value) <= len(inner):
+        value, written = dict(zip(inner, value, strict=False)), dict(zip(inner, written, strict=False))
+    if inner and value is None:
+        value, written = {next(iter(inner)): 0.0}, {}
+    if inner and isinstance(value, dict):
+        return f"{name}: {_fields(value, written, inner)}"
+    if "/" in kind and not isinstance(value, (dict, list)):
         made = filled(kind.replace("/", ".msg."), ast.Constant(value))
         made = re.sub(r"(\w+)=", r"\1: ", made[made.index("(") + 1 : -1])
         return f"{name}: {{{made.replace('x: ', 'z: ', 1) if name == 'angular' else made}}}"
@@ -83,7 +118,18 @@ def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> st
         return f"{name}: '{written}'"
     if isinstance(value, bool):
         return f"{name}: {str(value).lower()}"
-    return f"{name}: {value}" if value is not None else f"{name}: ''"
+    return f"{name}: {_in_braces(written or value)}" if value is not None else f"{name}: ''"
+
+
+def _fields(value: Mapping[Any, Any], written: Any, fields: Mapping[str, str]) -> str:
+    """Return the fields of a message as YAML in braces; each that its type does not have as the one it resembles."""
+    texts = written if isinstance(written, dict) else {}
+    parts = []
+    for name, inner in ((str(name), inner) for name, inner in value.items()):
+        free = [field for field in fields if field not in value]
+        meant = nearest(name, free, 0.5) or (free[0] if len(fields) == len(free) == 1 else name)
+        parts.append(_field(name if name in fields else meant, inner, texts.get(name, ""), fields))
+    return f"{{{', '.join(parts)}}}"
 
 
 def _quoted(word: str, fields: Mapping[str, str]) -> str:
@@ -107,6 +153,8 @@ def _without_dots(written: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _in_braces(written: Any) -> str:
+    if isinstance(written, list):
+        return f"[{', '.join(map(_in_braces, written))}]"
     if not isinstance(written, dict):
         return str(written)
     return f"{{{', '.join(f'{name}: {_in_braces(value)}' for name, value in written.items())}}}"
@@ -128,17 +176,7 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
     first = next(iter(fields))
     if not isinstance(value, dict):
         value, written = {first: value}, {first: written}
-    if len(value) == 1 and not set(value) & set(fields):
-        near = nearest(str(next(iter(value))), fields, 0.5) or (first if len(fields) == 1 else "")
-        value = {near: next(iter(value.values()))} if near else value
-        written = {near: next(iter(written.values()))} if near else written
-    if any(isinstance(inner, dict) for inner in value.values()) and word.count(":") > 1:
-        return re.sub(r":(?=[^\s:/])", ": ", word)
-    parts = (
-        _field(str(name), inner, written[str(name)] if isinstance(written, dict) else "", fields)
-        for name, inner in value.items()
-    )
-    text = f"{{{', '.join(parts)}}}"
+    text = _fields(value, written, fields)
     is_same = _reads_alike(text, word)
     return word if is_same and ": " in word and not read_as(word, fields) else text
 

@@ -327,7 +327,9 @@ class _Loading:
         get, check = entity.get_attr, entity.assert_entity_completely_parsed
 
         def get_attr(element: Any, name: str, **options: Any) -> Any:
-            self.asked.setdefault(element.type_name, set()).add(name)
+            # In XML, what holds more is no attribute but an element of its own.
+            if "launch_xml" not in entity.__module__ or "Entity" not in str(options.get("data_type")):
+                self.asked.setdefault(element.type_name, set()).add(name)
             try:
                 return get(element, name, **options)
             except AttributeError:

@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -256,17 +256,41 @@ def _refusals(
         missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
         strange = sorted({name for fault in faults for name in fault.get("unexpected", ())})
         known = {name for fault in faults for name in fault.get("known", ())} - {*strange}
-        meant = missing[0] if len(missing) == 1 else nearest(strange[0], known, 0.6) if strange else None
         unknown = f"has no attribute called {' or '.join(strange)}"
         cause = f"<{tag}> {unknown}." if strange else f"<{tag}> lacks its attribute {' and '.join(missing)}."
         if missing and strange:
             cause = f"<{tag}> needs {' and '.join(missing)}, and {unknown}."
-        fix = f"write {missing[0]} here" if missing else f"remove {' and '.join(strange)}"
-        fix = f"write {meant} instead of {strange[0]}" if meant and len(strange) == 1 else fix
+        fix = ", and ".join(_attribute_fixes(strange, missing, known))
         yield Finding("launch-argument", cause, at(file.shown, _line(path, strange or [tag])), fix)
     if told["error"] and not tags:
         read = [*_unread(packages)] if told["error"].get("is_yaml") else []
         yield from read or [_refusal(file, told["error"])]
+
+
+def _attribute_fixes(strange: Sequence[str], missing: Sequence[str], known: Collection[str]) -> Iterator[str]:
+    """Yield what to do with the attributes that an element does not have, and with those that it lacks."""
+    lacking = [*missing]
+    for name in strange:
+        meant = _attribute_meant(name, lacking) or _attribute_meant(name, known)
+        if meant is None and len(strange) == len(lacking) == 1:
+            meant = lacking[0]
+        if meant in lacking:
+            lacking.remove(meant)
+        yield f"write {meant} instead of {name}" if meant else f"remove {name}"
+    if lacking:
+        yield f"write {' and '.join(lacking)} here"
+
+
+def _attribute_meant(name: str, known: Collection[str]) -> str | None:
+    """Return the attribute that a name misspells, writes out or shortens: `exec` for `executable`, `namespace` for `ns`."""
+    alike = [o for o in known if o[0] == name[0] and (_is_within(o, name) or _is_within(name, o))]
+    return nearest(name, known, 0.6) or max(alike, key=len, default=None)
+
+
+def _is_within(short: str, long: str) -> bool:
+    """Return whether a word has all letters of a shorter one, in their order."""
+    left = iter(long)
+    return all(letter in left for letter in short)
 
 
 def _unread(packages: Sequence[SourcePackage]) -> Iterator[Finding]:

@@ -127,6 +127,11 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
     yield from _rests(entrance)
     yield from _idle_executor(entrance)
     yield from _left_out(entrance)
+    yield from second_spins(entrance)
+
+
+def second_spins(entrance: Entrance) -> Iterator[Finding]:
+    """Yield spins that are never reached, because another one runs before them."""
     for inner, later in _in_a_row(entrance):
         yield Finding(
             "spin-missing",

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
-from ros2lab.diagnose.nodes.taken_names import hiding_methods, taken_attributes
+from ros2lab.diagnose.nodes.taken_names import hidden_method, hiding_methods, taken_attributes
 from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import meant_call
@@ -141,12 +141,7 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
         hidden = owner.methods.get(node.attr) if isinstance(node.ctx, ast.Store) else None
         if hidden is not None and not hidden.decorator_list and node.attr not in properties:
             told.add(node.attr)
-            yield Finding(
-                "callback-missing",
-                f"self.{node.attr} is assigned here, which hides the method of the same name.",
-                owner.source.at(node),
-                f"rename the method, for example to {node.attr}_callback, also where it is passed to ROS",
-            )
+            yield hidden_method(owner, node)
         if isinstance(node.ctx, ast.Store) and node.attr in taken.keys() - own:
             told.add(node.attr)
             cause, fix = taken[node.attr]

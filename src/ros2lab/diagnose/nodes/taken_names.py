@@ -61,6 +61,33 @@ def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tu
         yield method.name, Finding("node-property", why, owner.source.at(method), fix)
 
 
+def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding:
+    """Say how to rename an attribute that hides a method of the same name, wherever it is meant."""
+    name = stored.attr
+    own = [n for n in walk(owner.definition) if is_self_attribute(n) and n.attr == name]
+    calls = [n for n in walk(owner.definition) if isinstance(n, ast.Call)]
+    # A method is called, or given to what calls it; everything else is the attribute.
+    methods = {id(call.func) for call in calls}
+    methods |= {
+        id(given.value if isinstance(given, ast.keyword) else given)
+        for call in calls
+        if getattr(call.func, "attr", "").startswith("create_")
+        for given in (*call.args, *call.keywords)
+    }
+    lines = sorted({n.lineno for n in own if id(n) not in methods} - {stored.lineno})
+    assigned = (n for n in walk(owner.definition) if isinstance(n, ast.Assign) and stored in n.targets)
+    made = next((n.value for n in assigned), None)
+    maker = getattr(getattr(made, "func", None), "attr", "").partition("create_")[2]
+    better = f"{name}_{maker.partition('_')[0] or 'value'}"
+    also = f" and on line{'s' * (len(lines) > 1)} {' and '.join(map(str, lines))}" if lines else ""
+    return Finding(
+        "callback-missing",
+        f"self.{name} is assigned here, which hides the method {name}().",
+        owner.source.at(stored),
+        f"write self.{better} instead of self.{name} on this line{also}",
+    )
+
+
 def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
     """Return cause and fix, by name, for attributes that a class sets although every node has them."""
     members, properties = members_of("rclpy.node", "Node")

@@ -1,0 +1,92 @@
+"""An attribute that hides a method, and a method that hides the one that it means to call; mended as is said."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_text, of_workspace
+
+NAME = NAMES[1]
+
+
+def renamed(folder: Path, files: Files) -> Files:
+    """Return the files with the fix of the only finding applied to the lines that it names."""
+    (finding,) = (f for f in of_workspace(files.write(folder), None) if f.code == "callback-missing")
+    new, old = re.match(r"write (\S+) instead of (\S+) on", finding.fix).groups()  # type: ignore[union-attr]
+    path, _, first = finding.place.rpartition(":")
+    lines = files.texts[path].split("\n")
+    for number in map(
+        int, (first, *re.findall(r"\d+", finding.fix.partition("line")[2].partition("line")[2]))
+    ):
+        lines[number - 1] = re.sub(rf"{old}\b", new, lines[number - 1])
+    files.texts[path] = "\n".join(lines)
+    return files
+
+
+@pytest.mark.parametrize(
+    ("made", "used"),
+    [
+        ("self.create_publisher(String, 'said', 10)", "self.say.publish(String(data=text))"),
+        ("self.create_timer(1.0, self.CALLBACK)", "self.say.cancel()\n        print(text)"),
+        ("0", "self.say += 1\n        print(text, self.say)"),
+        ("None", "print(text)"),
+    ],
+)
+def test_an_attribute_that_hides_a_method(tmp_path: Path, made: str, used: str) -> None:
+    files = Files.right(NAME).change("node", "self.count = 0", f"self.count = 0\n        self.say = {made}")
+    files.change("node", "        self.count += 1\n", "        self.count += 1\n        self.say('x')\n")
+    files.change(
+        "node", "    def CALLBACK(", f"    def say(self, text):\n        {used}\n\n    def CALLBACK("
+    )
+    assert "callback-missing" not in [
+        f.code for f in of_workspace(renamed(tmp_path, files).write(tmp_path), None)
+    ]
+
+
+def test_one_that_takes_the_name_of_its_callback(tmp_path: Path) -> None:
+    files = Files.right(NAME).change(
+        "node",
+        "self.count = 0",
+        "self.count = 0\n        self.CALLBACK = self.create_timer(9.0, self.CALLBACK)",
+    )
+    assert of_workspace(renamed(tmp_path, files).write(tmp_path), None) == []
+
+
+@pytest.mark.parametrize(
+    ("method", "call", "better"),
+    [
+        ("get_parameter(self, name)", "return self.get_parameter(name).value", "super().get_parameter(name)"),
+        ("destroy_node(self)", "self.destroy_node()", "super().destroy_node()"),
+        (
+            "create_timer(self, period, callback)",
+            "return self.create_timer(period / 2, callback)",
+            "super().create_timer(period / 2, callback)",
+        ),
+    ],
+)
+def test_a_method_that_means_the_one_that_it_overrides(
+    tmp_path: Path, method: str, call: str, better: str
+) -> None:
+    files = Files.right(NAME).change(
+        "node", "    def CALLBACK(", f"    def {method}:\n        {call}\n\n    def CALLBACK("
+    )
+    root = files.write(tmp_path)
+    path = next(path for path in root.rglob(f"{NAME.module}.py") if call in path.read_text())
+    line = path.read_text().partition(call)[0].count("\n") + 1
+    said = f'Traceback (most recent call last):\n  File "{path}", line {line}, in {method.partition("(")[0]}\n    {call}\n  [Previous line repeated 989 more times]\nRecursionError: maximum recursion depth exceeded\n'
+    assert of_text(said, root)[0].fix.startswith(f"write {better} instead of self.")
+
+
+def test_a_method_that_calls_itself_and_overrides_none(tmp_path: Path) -> None:
+    files = Files.right(NAME).change(
+        "node", "    def CALLBACK(", "    def more(self):\n        self.more()\n\n    def CALLBACK("
+    )
+    root = files.write(tmp_path)
+    path = next(path for path in root.rglob(f"{NAME.module}.py") if "self.more" in path.read_text())
+    line = path.read_text().partition("self.more")[0].count("\n") + 1
+    said = f'Traceback (most recent call last):\n  File "{path}", line {line}, in more\n    self.more()\nRecursionError: maximum recursion depth exceeded\n'
+    assert "super()" not in of_text(said, root)[0].fix
