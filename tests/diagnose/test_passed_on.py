@@ -221,6 +221,7 @@ def test_a_module_is_told_by_the_nearest_name(workspace: Path) -> None:
         "anna@pc:~/ws$ ros2 topic list\n/parameter_events\n/rosout",
         '[ears-2] Traceback (most recent call last):\n[ears-2]   File "/x/ears.py", line 18, in main\n[ears-2]     rclpy.spin(node)\n[ears-2] KeyboardInterrupt',
         "^CTraceback (most recent call last):\n  raise ExternalShutdownException()\nrclpy.executors.ExternalShutdownException\n[ros2run]: Process exited with failure 1",
+        "[INFO] [n]: bye\nFailed to publish log message to rosout: publisher's context is invalid, at ./src/rcl/publisher.c:423\n",
     ],
 )
 def test_what_is_harmless_is_no_error(workspace: Path, text: str) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from ros2lab.diagnose.causes import python_values
 from ros2lab.diagnose.causes.elements import beyond, no_key, subscripted
+from ros2lab.diagnose.causes.not_running import not_running
 from ros2lab.diagnose.checking.operands import held_in
 from ros2lab.diagnose.code.hidden_names import fix_of, known_names
 from ros2lab.diagnose.finding import SAID, Finding
@@ -331,10 +332,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"context is not valid|rcl_shutdown\(\) was called|context is invalid|NotInitialized",
-        _plain(
-            "rclpy is not running when `{text}` is reached: it was not initialized yet, or has already been shut down.",
-            "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin",
-        ),
+        not_running,
     ),
     (
         r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",

@@ -38,6 +38,8 @@ WARNING = re.compile(
 _QUOTED = re.compile(r"'([^']{3,})'|\"([^\"]{3,})\"")
 # Warnings about what a later release will change, or about resources.
 OF_LATER = re.compile(r"^\w*(?:Deprecation|Resource)|(?i:\bdeprecated\b)")
+# What rcl prints of a line that is logged after Ctrl-C: the terminal shows that line all the same.
+_LOGGED_LAST = re.compile(r"Failed to publish log message to rosout: publisher's context is invalid")
 _WAITING = re.compile(r"(?i)\bwait(?:ing|s)? for\b|does not appear to be|no publisher")
 # The last line of colcon, pytest and unittest, which says how many succeeded or failed.
 _CLOSING = re.compile(
@@ -95,7 +97,8 @@ def unsettled(steps: Sequence[Step]) -> list[Step]:
 def harmless_lines(steps: Sequence[Step]) -> set[str]:
     """Return the lines that are no complaints, whatever their words.
 
-    They are answers, echoes of what was typed, and all lines but warnings of a command that succeeded.
+    They are answers, echoes of what was typed, what follows from logging after Ctrl-C, and all lines but warnings of a
+    command that succeeded.
     """
     found: set[str] = set()
     left = unsettled(steps)
@@ -109,7 +112,7 @@ def harmless_lines(steps: Sequence[Step]) -> set[str]:
             for text in quoted:
                 rest = rest.replace(text, "")
             is_echo = rest != line and not TELLING.search(rest)
-            if is_echo or (step.ended_well and not LABELLED.match(line)):
+            if is_echo or _LOGGED_LAST.match(line) or (step.ended_well and not LABELLED.match(line)):
                 found.add(line)
     return found
 
