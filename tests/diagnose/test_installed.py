@@ -113,7 +113,8 @@ def test_a_package_whose_build_failed_is_not_built(tmp_path: Path, symlink: bool
     assert not result.is_ok
     findings = of_text(str(result), root)
     assert codes(findings) == ["marker-missing"]
-    assert findings[0].fix == "touch src/robot_controller/resource/robot_controller"
+    make = "mkdir src/robot_controller/resource && touch src/robot_controller/resource/robot_controller"
+    assert findings[0].fix == make
     assert (root / "install/robot_controller/share/robot_controller").is_dir()
     assert codes(of_workspace(root, {})) == ["marker-missing", "not-built"]
     files.put("resource/PACKAGE", "").write(root)

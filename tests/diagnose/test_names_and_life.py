@@ -100,3 +100,18 @@ def test_what_is_right_raises_no_alarm(tmp_path: Path, files: Files, number: int
     files.change("node", *RIGHT[number])
     files.put("PACKAGE/logging.py", "")  # inside the package it hides nothing
     assert of_workspace(files.write(tmp_path)) == []
+
+
+@pytest.mark.parametrize(("takes", "fits"), [("msg", "create_subscription"), ("", "create_timer")])
+def test_one_callback_of_a_timer_and_a_subscription(
+    tmp_path: Path, files: Files, takes: str, fits: str
+) -> None:
+    made = "self.create_timer(1.0, self.shared)\n        self.create_subscription(String, 'heard', self.shared, 10)"
+    files.change("node", "self.count = 0", f"self.count = 0\n        {made}")
+    given = f"self, {takes}" if takes else "self"
+    files.change(
+        "node", "    def CALLBACK(", f"    def shared({given}):\n        self.count = 0\n\n    def CALLBACK("
+    )
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert finding.fix.startswith("remove this line")
+    assert f"shared is right for the {fits} on line" in finding.fix

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -186,3 +187,22 @@ def test_a_dependency_inside_export_is_moved(tmp_path: Path) -> None:
     files.change("package.xml", "    <build_type>", f"    {RCLPY}\n    <build_type>")
     found = of_workspace(files.write(tmp_path))
     assert [finding.fix for finding in found] == ["move this line above <export>"]
+
+
+MARKED = "        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),\n"
+
+
+@pytest.mark.parametrize("has_marker", [True, False])
+def test_a_marker_that_is_not_installed_is_made_first_where_it_is_missing(
+    tmp_path: Path, has_marker: bool
+) -> None:
+    files = Files.right(NAMES[0]).change("setup.py", MARKED, "")
+    if not has_marker:
+        files.remove("resource/PACKAGE")
+    root = files.write(tmp_path)
+    (found,) = (f for f in of_workspace(root) if f.code == "marker-not-installed")
+    command, also, line = found.fix.rpartition(", and add ")
+    assert bool(also) != has_marker
+    subprocess.run(command, shell=True, check=True, cwd=root)
+    package = root / "src/robot_controller"
+    assert (package / line.partition("['")[2].partition("']")[0]).is_file()

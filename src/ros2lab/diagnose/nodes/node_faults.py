@@ -241,7 +241,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         return
     function = sources.function_of(creation, given)
     if function is not None:
-        yield from _parameter_fault(creation, given, function)
+        yield from _parameter_fault(sources, creation, given, function)
         yield from _yield_fault(creation, function)
     is_answer = function is not None and (returns_value(function) or len(parameters(function)) < 2)
     if function is not None and creation.method == "create_service" and not is_answer:
@@ -282,7 +282,9 @@ def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
     )
 
 
-def _parameter_fault(creation: Creation, given: ast.expr, function: Function) -> Iterator[Finding]:
+def _parameter_fault(
+    sources: NodeSources, creation: Creation, given: ast.expr, function: Function
+) -> Iterator[Finding]:
     names = [parameter.arg for parameter in parameters(function)]
     is_static = any(getattr(decorator, "id", "") == "staticmethod" for decorator in function.decorator_list)
     if function.decorator_list and not is_static:
@@ -292,13 +294,8 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
         return  # told of every method that lacks self
     takes = len(names) - is_method
     least = takes - len(function.args.defaults)
-    wanted = {"create_subscription": (1, 2), "create_timer": (0, 0), "create_service": (2, 2)}.get(
-        creation.method
-    )
-    if wanted is None:
-        return
     accepts = range(max(least, 0), 100 if function.args.vararg else takes + 1)
-    if takes >= 0 and any(number in accepts for number in range(wanted[0], wanted[1] + 1)):
+    if creation.method not in _CALLED_WITH or (takes >= 0 and _fits(creation, accepts)):
         return
     if creation.method == "create_timer" and takes == 1 and "TimerInfo" in ast.dump(function.args):
         return
@@ -307,12 +304,31 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
     right = ", ".join(text for text in (first, _named_in_body(creation, function, rest)) if text)
     has = ", ".join(names) or "nothing"
     called_with = "the message" if rest == "msg" else rest or "nothing"
-    yield Finding(
-        "callback-arguments",
-        f"{function.name} takes ({has}), but the callback of {creation.method} is called with {called_with}.",
-        f"{creation.source.shown}:{function.lineno}",
-        f"write def {function.name}({right}):",
+    cause = (
+        f"{function.name} takes ({has}), but the callback of {creation.method} is called with {called_with}."
     )
+    place, fix = f"{creation.source.shown}:{function.lineno}", f"write def {function.name}({right}):"
+    other = next(
+        (o for o in _with_callback(sources, function) if o is not creation and _fits(o, accepts)), None
+    )
+    if other is not None:
+        place = creation.source.at(creation.call)
+        fix = f"remove this line, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
+    yield Finding("callback-arguments", cause, place, fix)
+
+
+def _fits(creation: Creation, accepts: range) -> bool:
+    """Return whether a callback that accepts so many arguments can be called by what is made."""
+    called_with = {"create_subscription": (1, 2), "create_timer": (0,), "create_service": (2,)}
+    return any(number in accepts for number in called_with.get(creation.method, ()))
+
+
+def _with_callback(sources: NodeSources, function: Function) -> Iterator[Creation]:
+    """Yield what is made with a callback."""
+    for creation in sources.creations:
+        given = (creation.arguments or {}).get("callback")
+        if given is not None and sources.function_of(creation, given) is function:
+            yield creation
 
 
 def _named_in_body(creation: Creation, function: Function, rest: str) -> str:

@@ -161,11 +161,13 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
     if not setup.are_data_files_known:
         return
     if not any(target == INDEX for target, _ in setup.data_files):
+        marker = f"resource/{package.name}"
+        made = "" if package.has(marker) else f"{_touched(package, marker)}, and "
         yield Finding(
             "marker-not-installed",
             "setup.py does not install the marker file that ROS uses to find the package; colcon does it for you with a warning.",
             place,
-            f"add ('{INDEX}', ['resource/{package.name}']) to data_files",
+            f"{made}add ('{INDEX}', ['{marker}']) to data_files",
         )
     installed = {file for _, files in setup.data_files for file in files}
     # `ros2 launch` finds a file by its name, so a copy of an installed one need not be installed.
@@ -198,15 +200,21 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
     place = at(setup.source.shown, line)
     if is_marker:
         cause = f"The file {file}, which ROS uses to find the package, is missing; it is an empty file and easily lost."
-        return Finding(
-            "marker-missing", cause, place, f"touch {quote(package.shown(f'resource/{package.name}'))}"
-        )
+        return Finding("marker-missing", cause, place, _touched(package, file))
     cause = f"setup.py installs {file}, but there is no such file."
     fix = f"create the file, or remove {file} from data_files"
     if there := lies_elsewhere(package, file):
         cause = f"setup.py installs {file}, a path that starts in its own folder, but the file is in {there.folder}."
         fix = there.fix
     return Finding("data-file-missing", cause, place, fix, (file.rpartition("/")[2],))
+
+
+def _touched(package: SourcePackage, file: str) -> str:
+    """Return the command that makes an empty file, with its folder if that is missing."""
+    folder = file.rpartition("/")[0]
+    is_there = (package.folder / folder).is_dir()
+    make = "" if is_there else f"mkdir {quote(package.shown(folder))} && "
+    return f"{make}touch {quote(package.shown(file))}"
 
 
 def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
