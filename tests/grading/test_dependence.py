@@ -84,6 +84,8 @@ RIGHT: dict[str, dict[str, str]] = {
     },
     "a lambda": {"callback": "lambda given: self.act(given.data)", "after": "    def act(self, word):\n        if 'start' == word: print('go')"},
     "an else": {"body": "if message.data != 'start':\n    pass\nelse:\n    print('go')"},
+    "the same as another, but not as the rest": {"body": "if message.data == 'start':\n    print('go')\nelif message.data == 'go':\n    print('go')\nelse:\n    print('what?')"},
+    "another number in the same call": {"body": "if message.data == 'start':\n    self.drive(1)\nelse:\n    self.drive(0)"},
     "early return": {"body": "if message.data != 'start':\n    return\nprint('go')"},
     "a table handed on": {"before": "from machines import Machine", "init": "self.machine = Machine({'start': 'moving'})", "body": "self.machine.on(message)"},
 }  # fmt: skip
@@ -110,6 +112,11 @@ WRONG: dict[str, dict[str, str]] = {
         "init": "print(known('start'))",
         "body": "print(message.data)",
     },
+    "each the same as the rest": {"body": "if message.data == 'start':\n    print(message.data)\nelif message.data == 'stop':\n    print(message.data)\nelse:\n    print(message.data)"},
+    "the same but for what nobody reads": {"body": "if message.data == 'start':\n    a = 1\n    print('got')\nelse:\n    b = 2\n    print('got')"},
+    "the same with other docstrings": {"body": "if message.data == 'start':\n    'starts'\n    print('got')\nelse:\n    pass\n    print('got')"},
+    "a case that does what all do": {"body": "match message.data:\n    case 'start':\n        print('got')\n    case _:\n        print('got')"},
+    "a choice of the same": {"body": "print('got' if message.data == 'start' else 'got')"},
     "a case that does nothing": {"body": "match message.data:\n    case 'start':\n        pass"},
 }  # fmt: skip
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from functools import cache, cached_property
 
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -64,7 +64,7 @@ class _Flow:
                     isinstance(statement, ast.Match)
                     and isinstance(case, ast.match_case)
                     and self._comes(statement.subject)
-                    and any(map(_does_something, case.body))
+                    and self._done(case.body) != self._done(_otherwise(statement))
                 )
             case ast.Dict():
                 is_handed_on = isinstance(self._parents.get(node), (ast.Call, ast.Return, ast.keyword))
@@ -94,8 +94,12 @@ class _Flow:
         above = self._parents.get(node)
         matters = above is not None
         match above:
-            case ast.If(test=test, body=body, orelse=orelse) | ast.While(test=test, body=body, orelse=orelse):
-                matters = test is not node or any(map(_does_something, (*body, *orelse)))
+            case ast.If(test=test) if test is node:
+                matters = self._done(above.body) != self._done(_otherwise(above))
+            case ast.IfExp(test=test, body=value, orelse=other) if test is node:
+                matters = ast.dump(value) != ast.dump(other) and self._matters(above)
+            case ast.While(test=test, body=body, orelse=orelse):
+                matters = test is not node or bool(self._done((*body, *orelse)))
             case ast.Expr():
                 matters = isinstance(node, (ast.Call, ast.Await, ast.Yield)) and not _is_look_up(node)
             case ast.Assert():
@@ -110,6 +114,18 @@ class _Flow:
             case ast.expr():
                 matters = isinstance(above, ast.Lambda) or self._matters(above)
         return matters
+
+    def _done(self, body: Iterable[ast.stmt]) -> list[str]:
+        """Return the statements that do something: neither `pass` or a constant, nor a local value that nobody reads."""
+        return [
+            ast.dump(node)
+            for node in body
+            if not isinstance(node, ast.Pass)
+            and not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
+            and not (
+                all(isinstance(t, ast.Name) for t in _targets(node) or [node]) and not self._is_read(node)
+            )
+        ]
 
     def _is_read(self, assignment: ast.AST) -> bool:
         return any(self._loaded[_name(target)] for target in _targets(assignment))
@@ -246,9 +262,12 @@ def _is_look_up(node: ast.AST) -> bool:
     return isinstance(node, ast.Call) and _name(node.func) in _LOOKS_UP
 
 
-def _does_something(statement: ast.stmt) -> bool:
-    """Return whether a statement is more than `pass` or a constant."""
-    match statement:
-        case ast.Pass() | ast.Expr(value=ast.Constant()):
-            return False
-    return True
+def _otherwise(node: ast.If | ast.Match) -> list[ast.stmt]:
+    """Return what is done if none of the cases holds, also those of each `elif`."""
+    if isinstance(node, ast.Match):
+        last = node.cases[-1]
+        is_for_all = isinstance(last.pattern, ast.MatchAs) and last.pattern.pattern is None and not last.guard
+        return last.body if is_for_all else []
+    while len(node.orelse) == 1 and isinstance(inner := node.orelse[0], ast.If):
+        node = inner
+    return node.orelse
