@@ -116,6 +116,10 @@ WRONG: dict[str, dict[str, str]] = {
     "the same but for what nobody reads": {"body": "if message.data == 'start':\n    a = 1\n    print('got')\nelse:\n    b = 2\n    print('got')"},
     "the same with other docstrings": {"body": "if message.data == 'start':\n    'starts'\n    print('got')\nelse:\n    pass\n    print('got')"},
     "a case that does what all do": {"body": "match message.data:\n    case 'start':\n        print('got')\n    case _:\n        print('got')"},
+    "a table of one value": {
+        "init": "self.table = {'start': 1, 'stop': 1, 'reset': 1}",
+        "body": "if message.data in self.table:\n    print(self.table[message.data])",
+    },
     "a choice of the same": {"body": "print('got' if message.data == 'start' else 'got')"},
     "a case that does nothing": {"body": "match message.data:\n    case 'start':\n        pass"},
 }  # fmt: skip

@@ -202,6 +202,29 @@ def test_what_the_code_itself_shows_is_not_excused(
     assert _graded(given).components[program].points == points
 
 
+@pytest.mark.parametrize(
+    ("code", "module", "points"),
+    [
+        ("name-undefined", evidences.COMMAND, 6),
+        ("message-field", evidences.COMMAND, 6),
+        ("message-compared", evidences.COMMAND, 6),
+        ("name-undefined", evidences.STATUS, 20),
+        ("dependency-undeclared", evidences.COMMAND, 20),
+        ("module-missing", evidences.COMMAND, 20),
+    ],
+)
+def test_what_fails_anywhere_is_not_excused(code: str, module: str, points: float) -> None:
+    """Its library would come, and the node would end all the same; another node's fault is its own."""
+    part = load().assignment.parts[evidences.COMMAND]
+    end = WrittenEnd(part.topic, part.type_name, False, [], evidences.COMMAND, ["reads", "logs", "compares"])
+    wrong = evidences.finding(code, "mesage is not defined.", f"src/p/p/{module}.py:9", "write message")
+    needing = evidences.files(ends=[end])(_needing(evidences.COMMAND))
+    grade = _graded(evidences.without(evidences.COMMAND, WANT)(wrong(needing)))
+    assert grade.components[evidences.COMMAND].points == points
+    lost = [one.reason for one in grade.criteria if one.points < one.max and "line 9" in one.reason]
+    assert bool(lost) == (points < 20)
+
+
 def test_a_period_that_a_launch_file_may_give_is_excused() -> None:
     """What the code declares is not what the node is started with, and nobody has seen that."""
     part = load().assignment.parts[evidences.STATUS]

@@ -9,7 +9,8 @@ import evidences
 import pytest
 
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.reactions import changed, is_reached, lines_of, tells
+from ros2lab.grading.reactions import changed, is_reached, lines_of, logs_arbitrarily, tells
+from ros2lab.grading.rubric import load
 
 COMMAND, CMD_VEL = "/robot/command", "/cmd_vel"
 GO, STAND, TURN = 0.2, 0.0, 0.1
@@ -140,3 +141,24 @@ def test_what_is_typed_meanwhile_is_no_reaction() -> None:
     ]
     seen = replace(run(), commands=commands, typed=["1,1", "y", "1 1", "1"])
     assert len({frozenset(lines_of(seen, one)) for one in commands}) == 1
+
+
+@pytest.mark.parametrize(
+    ("answers", "is_arbitrary"),
+    [
+        ("abcdef", True),
+        ("abcdea", True),  # a hash with few values
+        ("aabcde", True),
+        ("aaabbb", False),  # two states
+        ("aaaaaa", False),
+        ("ababab", False),
+    ],
+)
+def test_a_log_of_a_hash_says_something_else_of_most_unknown_words(answers: str, is_arbitrary: bool) -> None:
+    unknown = ("saep", "srap", "rpot", "dance", "twirl", "glide")
+    part = replace(load().assignment.parts["command_subscriber"], unknown=unknown)
+    said = [
+        CommandSeen(word, [["INFO", f"now {answer} is done"]], {}, {}, True)
+        for word, answer in zip(unknown, answers, strict=True)
+    ]
+    assert logs_arbitrarily(part, replace(run(), commands=said)) == is_arbitrary

@@ -601,6 +601,12 @@ def test_what_is_another_after_whatever_comes_tells_no_words_apart(
         assert one.points <= one.max / 2, one.reason
 
 
+def test_what_is_said_all_the_time_is_no_answer_to_capitals(rubric: Rubric) -> None:
+    lines = [("INFO", f"Robot {words}") for words in ("starts to move", "has come to a stop", "was reset")]
+    run = replace(with_state(lambda *_: lines), log=[[*line] for line in lines * 2])
+    assert judged(evidences.runs(run)(right()), rubric, "command_subscriber.commands").points == 0
+
+
 @pytest.mark.parametrize("kind", ["topic", "velocity", "parameter", "log"])
 def test_what_is_another_after_the_commands_alone_tells_them_apart(rubric: Rubric, kind: str) -> None:
     answers = {"start": "a", "stop": "b", "reset": "c"}

@@ -66,6 +66,8 @@ class _Flow:
                     and self._comes(statement.subject)
                     and self._done(case.body) != self._done(_otherwise(statement))
                 )
+            case ast.Dict(values=values) if len(values) > 1 and len({*map(ast.dump, values)}) == 1:
+                return False  # it tells no key from another
             case ast.Dict():
                 is_handed_on = isinstance(self._parents.get(node), (ast.Call, ast.Return, ast.keyword))
                 return is_handed_on or any(map(self._matters, self._look_ups(node)))

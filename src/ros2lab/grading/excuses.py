@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from pathlib import PurePosixPath
 
 from ros2lab.assignments import Part
 from ros2lab.grading.deeds import CLAUSES, PACED, PUBLISHES, READS
@@ -11,11 +12,26 @@ from ros2lab.grading.player import PLAIN_SETTINGS, Player, is_for_want, lacked
 from ros2lab.grading.players import Case
 from ros2lab.rhythm import has_period
 
+# What fails, or does nothing, wherever it runs.
+_FAILS = frozenset(
+    (
+        "attribute-missing",
+        "callback-arguments",
+        "field-type",
+        "message-compared",
+        "message-field",
+        "name-undefined",
+        "publish-text",
+        "publish-type",
+        "publisher-method",
+    )
+)
+
 
 def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, str]:
-    """Return why what a part's node does could not be tried here, and what no line of its code does.
+    """Return why what a part's node does could not be tried here, and why its code would not do it anywhere.
 
-    Nothing excuses what no line of the code would do.
+    Nothing excuses what no line of the code would do, or what a line keeps it from.
 
     Args:
         case: the evidence.
@@ -35,7 +51,19 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, st
         if len(known) < len(players)
         else [deed for deed in needed if not any(deed in does for does in known)]
     )
-    return _why(case, part, players), CLAUSES[left[0]] if left else ""
+    lack = f"no line of the code that runs {CLAUSES[left[0]]}" if left else _broken(case, players)
+    return _why(case, part, players), lack
+
+
+def _broken(case: Case, players: Sequence[Player]) -> str:
+    """Return which line of the players' own code fails or is in vain anywhere, as a clause; empty if none is known."""
+    programs = [case.executables[player.program] for player in players if player.program in case.executables]
+    modules = {module for program in programs for module in (*program.modules, program.stem)}
+    for finding in case.evidence.files.told():
+        file, _, line = finding.place.partition(":")
+        if finding.code in _FAILS and PurePosixPath(file).stem in modules:
+            return f"line {line} of {PurePosixPath(file).name} is wrong: {finding.cause.removesuffix('.')}"
+    return ""
 
 
 def _why(case: Case, part: Part, players: Sequence[Player]) -> str:

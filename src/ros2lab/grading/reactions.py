@@ -13,6 +13,7 @@ from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.senses import is_still, is_velocity, steady
 
+_ARBITRARY = 3  # unknown words that each bring something else
 _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 
 
@@ -54,7 +55,7 @@ def effects_of(
     telling, is_changing = telling_lines(part, run), changing(part, run, alone, echoes)
     for word in said:
         command = by_text[word]
-        own = {_template(line, word) for line in telling[word]} if has_own_log else set()
+        own = {template(line, word) for line in telling[word]} if has_own_log else set()
         if not command.is_alive and unknown_word(part) not in by_text:
             own -= set[str].intersection(
                 known, *said.values()
@@ -98,7 +99,7 @@ def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, l
 
 def _warnings(run: Run, command: CommandSeen) -> set[str]:
     """Return the warnings and errors logged after a command."""
-    return {_template(_line(run, text), command.text) for level, text in command.log if level in _WARNINGS}
+    return {template(_line(run, text), command.text) for level, text in command.log if level in _WARNINGS}
 
 
 def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = True) -> bool:
@@ -139,7 +140,7 @@ def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
     for word in found.keys() & heard.keys():
         said = dict(heard)
         if is_arbitrary:  # only lines with the word itself count
-            said[word] = {line for line in said[word] if "{}" in _template(line, word)}
+            said[word] = {line for line in said[word] if "{}" in template(line, word)}
         common = (
             set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
         )
@@ -164,7 +165,8 @@ def _any_of(answers: frozenset[str]) -> re.Pattern[str]:
     return re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
 
 
-def _template(line: str, word: str) -> str:
+def template(line: str, word: str) -> str:
+    """Return a line with `{}` instead of a word, whatever its capitals."""
     return _in_any_case(word).sub("{}", line) if word else line
 
 
@@ -175,7 +177,7 @@ def _in_any_case(word: str) -> re.Pattern[str]:
 
 def templates(run: Run, command: CommandSeen) -> set[str]:
     """Return the log lines after a command, with `{}` instead of the command itself."""
-    return {_template(line, command.text) for line in lines_of(run, command)}
+    return {template(line, command.text) for line in lines_of(run, command)}
 
 
 def changing(part: Part, run: Run, alone: Mapping[str, Heard], echoes: Collection[Change] = ()) -> list[bool]:
@@ -210,7 +212,7 @@ def logs_arbitrarily(part: Part, run: Run) -> bool:
 
 
 def _arbitrary(brought: Mapping[str, Iterable[set[Change]]]) -> set[str]:
-    """Return the places that say something different for each unknown word, such as a hash or a count.
+    """Return the places that say something different for each unknown word, or for most, such as a hash or a count.
 
     Args:
         brought: by unknown word, the changes after it, for each time.
@@ -224,7 +226,10 @@ def _arbitrary(brought: Mapping[str, Iterable[set[Change]]]) -> set[str]:
         change for first, second in itertools.combinations(after, 2) for change in first & second
     } - common
     places = [{place for place, _ in found - common} for found in after]
-    return set.intersection(*places) - {place for place, _ in shared}
+    # A hash with few values brings the same by chance; what is a word's own shows it all the same.
+    own = Counter(place for found in after for place in {place for place, _ in found - common - shared})
+    often = {place for place, count in own.items() if count >= _ARBITRARY}
+    return (set.intersection(*places) - {place for place, _ in shared}) | often
 
 
 def _brought(run: Run, alone: Mapping[str, Heard]) -> list[set[Change]]:
@@ -232,7 +237,7 @@ def _brought(run: Run, alone: Mapping[str, Heard]) -> list[set[Change]]:
     return [
         {
             *changes,
-            *((name, _template(str(value), command.text)) for name, value in command.parameters.items()),
+            *((name, template(str(value), command.text)) for name, value in command.parameters.items()),
         }
         for command, changes in zip(run.commands, changed(run, alone), strict=True)
     ]
@@ -246,7 +251,7 @@ def changed(run: Run, alone: Mapping[str, Heard]) -> list[list[Change]]:
     for command in run.commands:
         found.append(
             [
-                (topic, _template(heard.sense, command.text))
+                (topic, template(heard.sense, command.text))
                 for topic, heard in command.topics.items()
                 if heard.values and _is_news(heard, last.get(topic), quiet.get(topic)) and is_telling(topic)
             ]

@@ -59,8 +59,8 @@ class Answer:
         evidence: the keys of the evidence on which it rests.
         place: a file, a topic or a node; empty if there is none.
         excuse: why it could not be tried here as intended, in a clause; empty if it could.
-        lack: what the code would have to do for the excuse to count, and does not, in a clause; empty if
-            nothing.
+        lack: why the code would not do it anywhere, so that the excuse does not count, in a clause; empty if it
+            would.
     """
 
     level: str

@@ -339,8 +339,11 @@ def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
     capitals, strange = part.commands[0].upper(), reactions.unknown_word(part)
     if not {capitals, strange} <= numbers.keys():
         return False
-    said, unknown = (reactions.templates(run, run.commands[numbers[word]]) for word in (capitals, strange))
-    own = said - unknown - reactions.said_by_itself(run)
+    others = [command for command in run.commands if command.text in part.unknown]
+    common = set[str]().union(*(reactions.lines_of(run, other) for other in others))
+    own = reactions.lines_of(run, run.commands[numbers[capitals]]) - common - reactions.said_by_itself(run)
+    unknown = set[str]().union(*(reactions.templates(run, other) for other in others))
+    own = {line for line in own if reactions.template(line, capitals) not in unknown}
     is_said = bool(own) and not reactions.logs_arbitrarily(part, run)
     return is_said or reactions.changing(part, run, alone)[numbers[capitals]]
 
