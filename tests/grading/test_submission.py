@@ -965,6 +965,31 @@ def test_links_inside_a_repository(tmp_path: Path, take: Take, unpacked: Path, s
     assert not linked(top / "ws")
 
 
+@pytest.mark.parametrize(
+    ("link", "target"),
+    [
+        ("copied/ws/src/robot_controller", "../../../anna/ws/src/robot_controller"),
+        ("copied/ws/src", "../../anna/ws/src"),
+        ("copied/ws", "../anna/ws"),
+        ("copied/robot_controller", "../anna/ws/src/robot_controller"),
+        ("copied/all", "../anna"),
+    ],
+)
+def test_no_link_leads_to_the_workspace_of_somebody_else(
+    tmp_path: Path, take: Take, link: str, target: str
+) -> None:
+    top = as_folder(tmp_path / "class", below("anna/ws/src/robot_controller", package()))
+    as_folder(top / "copied", {"README.md": "My work."})
+    path = top / link
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.symlink_to(target)
+    as_checkout(top, {})
+    assert not linked(top / "copied")
+    result = take(top / "copied")
+    assert result.package is None
+    assert noted(result, "another workspace", f"{link.partition('/')[2]} -> {target}")
+
+
 @pytest.mark.parametrize("handed_in", ["lab", "lab/ws"], ids=["the whole", "a part"])
 @pytest.mark.parametrize("held", ["..", "../..", "/"])
 def test_a_repository_holds_nothing_that_lies_outside_of_it(

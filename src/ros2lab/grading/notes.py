@@ -9,6 +9,7 @@ from typing import Literal
 Kind = Literal[
     "outside",
     "from elsewhere",
+    "of another workspace",
     "no target",
     "no file",
     "by a tool",
@@ -36,6 +37,7 @@ Kind = Literal[
 SENTENCES: Mapping[Kind, str] = {
     "outside": "Refused, because it leads out of the submission",
     "from elsewhere": "Taken from elsewhere in the repository",
+    "of another workspace": "Left out, because it links to another workspace of the repository",
     "no target": "Left out, because it links to nothing that was handed in",
     "no file": "Refused, because it is neither a file nor a folder nor a link",
     "by a tool": "Left out, because a tool made it",

@@ -23,7 +23,7 @@ def linked_members(
     """Yield what a folder's links lead to, outside the folder but inside the repository around it.
 
     Only links that are in the repository's index in the same form are followed, none that was put into the
-    checkout otherwise, such as one of a submission beside a solution.
+    checkout otherwise, such as one of a submission beside a solution, and none into another workspace.
 
     Args:
         folder: the folder, which is only read.
@@ -42,9 +42,24 @@ def linked_members(
         is_elsewhere = end.is_relative_to(top) and not end.is_relative_to(here)
         if not is_elsewhere or ".git" in end.relative_to(top).parts or not end.is_dir():
             continue
+        if _is_in_another_workspace(end, here):
+            note("of another workspace", f"{name} -> {target}")
+            continue
         note("from elsewhere", f"{name} -> {target}")
         for member in in_folder(end, note):
             yield member, Path(name).parts
+
+
+def _is_in_another_workspace(end: Path, here: Path) -> bool:
+    """Return whether a folder lies in a workspace that is not the one handed in, or holds one: it may be somebody else's."""
+    common = Path(os.path.commonpath((end, here)))
+    around = [path for path in (end, *end.parents) if path != common and path.is_relative_to(common)]
+    return any(map(_is_workspace, (*around, *(path for path in end.iterdir() if path.is_dir()))))
+
+
+def _is_workspace(folder: Path) -> bool:
+    """Return whether a folder has a src with a package."""
+    return any((folder / "src").glob("*/package.xml"))
 
 
 def _tracked_links(folder: Path, top: Path) -> Iterator[tuple[str, str]]:
