@@ -1,0 +1,73 @@
+"""A line that needs rclpy while it is not running: before init(), after shutdown(), or after Ctrl-C."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable
+
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.python_source import own_nodes, walk
+
+_ENDS = ("shutdown", "try_shutdown")
+
+
+def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of a line that was reached while rclpy was not running."""
+    function = own_nodes(spot.function) if spot.function else ()
+    inits, ends = _lines(function, ("init",)), _lines(function, _ENDS)
+    before = [line for line in ends if line < spot.line]
+    anywhere = _lines(spot.source.nodes if spot.source else (), ("init",))
+    what = f"rclpy is not running when `{spot.text}` is reached"
+    if inits and min(inits) > spot.line:
+        return (
+            f"{what}: rclpy.init() comes only on line {min(inits)}.",
+            f"move line {min(inits)} up, above line {spot.line}",
+        )
+    if before:
+        return (
+            f"{what}: line {max(before)} has already shut it down.",
+            f"move the line up, above line {max(before)}",
+        )
+    if not anywhere:
+        fix = "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin"
+        return f"{what}: it was not initialized yet, or has already been shut down.", fix
+    what = f"{what}: Ctrl-C has already shut it down"
+    for loop in walk(spot.function) if spot.function else ():
+        if isinstance(loop, ast.While) and loop.lineno <= spot.line <= (loop.end_lineno or 0):
+            test = ast.unparse(loop.test)
+            ok = "rclpy.ok()" if isinstance(loop.test, ast.Constant) else f"rclpy.ok() and {test}"
+            if "rclpy.ok()" not in test:
+                return f"{what}, but the loop goes on.", f"write `while {ok}:` on line {loop.lineno}"
+    return f"{what}.", _with_own_signals(spot, max(anywhere))
+
+
+def _with_own_signals(spot: Spot, line: int) -> str:
+    """Say how rclpy goes on after Ctrl-C, until the program shuts it down itself."""
+    nodes = spot.source.nodes if spot.source else []
+    init = next(n for n in nodes if isinstance(n, ast.Call) and n.lineno == line and _is(n, ("init",)))
+    given = [
+        *map(ast.unparse, (*init.args, *init.keywords)),
+        "signal_handler_options=SignalHandlerOptions.NO",
+    ]
+    fix = (
+        f"write `{ast.unparse(init.func)}({', '.join(given)})` on line {line}, with "
+        "`from rclpy.signals import SignalHandlerOptions` at the top: then rclpy runs until it is shut down below"
+    )
+    has_timer = any(isinstance(n, ast.Attribute) and n.attr == "create_timer" for n in nodes)
+    return (
+        fix
+        if has_timer
+        else f"{fix}; and give the node a timer, because only a callback lets it notice Ctrl-C"
+    )
+
+
+def _lines(nodes: Iterable[ast.AST], names: tuple[str, ...]) -> list[int]:
+    """Return the lines of calls of these functions of rclpy."""
+    return [node.lineno for node in nodes if isinstance(node, ast.Call) and _is(node, names)]
+
+
+def _is(call: ast.Call, names: tuple[str, ...]) -> bool:
+    return isinstance(call.func, ast.Attribute) and ast.unparse(call.func) in {
+        f"rclpy.{name}" for name in names
+    }
