@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Callable, Iterator, Sequence
 
+from ros2lab.diagnose.code.idle_statements import idle_statements, properties
 from ros2lab.diagnose.code.main_guards import main_guard_faults
 from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, is_property, own_nodes
+from ros2lab.diagnose.sources.one_run import is_steady
+from ros2lab.diagnose.sources.python_source import (
+    PythonSource,
+    children,
+    own_nodes,
+)
 
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "lower": str.lower,
@@ -19,7 +23,6 @@ _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "strip": str.strip,
     "title": str.title,
 }
-_SIGN = re.compile(r"[^=!<>+\-*/%&|^]=\s?(?P<sign>\+|-) ?(?=\S)")
 # Literals, which nobody calls or subscripts on purpose.
 _LITERALS = (ast.Tuple, ast.List, ast.Dict, ast.Constant, ast.JoinedStr, ast.Set)
 _NEXT: dict[type[ast.AST], str] = {ast.Call: "a call of", ast.Subscript: "a part of"}
@@ -32,10 +35,9 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from path_faults(source)
         yield from placeholder_faults(source)
         yield from main_guard_faults(source)
+        yield from idle_statements(source)
         for node in source.nodes:
-            if isinstance(node, ast.Expr):
-                yield from _without_effect(source, node.value)
-            elif isinstance(node, ast.Compare):
+            if isinstance(node, ast.Compare):
                 yield from _never_equal(source, node)
             elif isinstance(node, (ast.If, ast.While, ast.IfExp)) and isinstance(node.test, ast.BoolOp):
                 yield from _texts(source, node.test)
@@ -164,47 +166,12 @@ def path_faults(source: PythonSource) -> Iterator[Finding]:
                     )
 
 
-def _properties(source: PythonSource) -> set[str]:
-    """Return the names of the properties of nodes, messages and the classes of a file, which cannot be called."""
-    own = {node.name for node in source.nodes if isinstance(node, Function) and is_property(node)}
-    imported = filter(interfaces.is_interface, source.names.values())
-    fields = {field for name in imported for field in interfaces.fields_of(name) or ()}
-    return own | fields | interfaces.properties_of("rclpy.node", "Node")
-
-
-def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
-    text = ast.unparse(value)
-    match value:
-        case ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]):
-            cause = f"`{text}` only compares, and its result is not used."
-            fix = f"write {ast.unparse(left)} = {ast.unparse(right)}"
-            yield Finding("comparison-unused", cause, source.at(value), fix)
-        # Tutorials write `self.subscription` alone to avoid a warning; it is an attribute, not a function.
-        case ast.Attribute() | ast.Name() if text not in source.stored and not (
-            (source.resolve(value) or "").startswith(("rclpy.spin", "rclpy.init"))
-            or text.rpartition(".")[2] in _properties(source)
-        ):
-            cause = f"`{text}` only names {text.rpartition('.')[2]} and does nothing: without parentheses it is not called."
-            takes = "msg" if text.endswith("publish") else ""
-            yield Finding("no-effect", cause, source.at(value), f"write {text}({takes})")
-        case ast.BinOp() | ast.UnaryOp():
-            if not any(isinstance(n, (ast.Call, ast.Await, ast.Yield)) for n in ast.walk(value)):
-                cause = f"`{text}` is computed, but its result is not used."
-                yield Finding(
-                    "no-effect", cause, source.at(value), "assign it to a variable, or remove the line"
-                )
-
-
 def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
     for left, operator, right in zip(
         [node.left, *node.comparators], node.ops, node.comparators, strict=False
     ):
         for side, other in ((left, right), (right, left)):
-            texts = [
-                n.value
-                for n in (other, *children(other))
-                if isinstance(n, ast.Constant) and isinstance(n.value, str)
-            ]
+            texts = _texts_of(other)
             if (
                 isinstance(operator, (ast.Is, ast.IsNot))
                 and other is right
@@ -218,7 +185,7 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                     source.at(node),
                     f"write {ast.unparse(side)} {sign} {ast.unparse(other)}",
                 )
-            elif isinstance(side, ast.Attribute) and side.attr in _CHANGES_CASE and texts:
+            elif isinstance(side, ast.Attribute) and texts and _names_method(source, side):
                 yield Finding(
                     "no-effect",
                     f"`{ast.unparse(side)}` names the method {side.attr} without calling it, so it never equals a string.",
@@ -231,8 +198,13 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                 and side.func.attr in _CHANGES_CASE
             ):
                 change = _CHANGES_CASE[side.func.attr]
-                for text in texts if isinstance(operator, (ast.Eq, ast.In)) and not side.args else ():
-                    if text != change(text):
+                is_compared = isinstance(operator, ast.Eq) or (
+                    # A part of a text is looked for, or a text among others.
+                    isinstance(operator, ast.In)
+                    and (side.func.attr in ("lower", "upper") if side is right else len(texts) > 1)
+                )
+                for text in texts if is_compared and not side.args else ():
+                    if text != change(text) and change(text) not in texts:
                         cause = f"`{ast.unparse(side)}` never equals {text!r}, because of {side.func.attr}()."
                         yield Finding(
                             "no-effect",
@@ -242,18 +214,34 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                         )
 
 
+def _texts_of(value: ast.expr) -> list[str]:
+    """Return the text that an expression is, or the texts in a list, a tuple or a set; empty for anything else."""
+    items = value.elts if isinstance(value, (ast.List, ast.Tuple, ast.Set)) else [value]
+    found = [item.value for item in items if isinstance(item, ast.Constant) and isinstance(item.value, str)]
+    return found if len(found) == len(items) else []
+
+
+def _names_method(source: PythonSource, side: ast.Attribute) -> bool:
+    """Return whether an attribute is a method of strings, and no attribute that something else has."""
+    others = {name.rpartition(".")[2] for name in source.stored} | properties(source)
+    return side.attr in ("lower", "upper", "strip") and side.attr not in others
+
+
 def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
     match test.values:
         case [
+            *before,
             ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]),
-            *_,
             ast.Constant(value=str(text)) as constant,
         ] if text:
+            only = f"{ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(constant)})"
             yield Finding(
                 "text-as-condition",
                 f"`{ast.unparse(test)}` does not compare {ast.unparse(constant)}: a string by itself is always true.",
                 source.at(test),
-                f"write {ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(constant)})",
+                f"write {ast.unparse(left)} == {ast.unparse(constant)} instead of {ast.unparse(constant)}"
+                if before
+                else f"write {only}",
             )
 
 
@@ -273,6 +261,7 @@ def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
     if (
         len(pairs) == len(test.values) == len(set(values)) == len(values)
         and len({left for left, _ in pairs}) == 1
+        and is_steady(test)
     ):
         joint = " or " if isinstance(test.op, ast.Or) else " and "
         text = ast.unparse(test)
@@ -292,7 +281,9 @@ def chain_faults(source: PythonSource) -> Iterator[Finding]:
             undone = [
                 n
                 for n, statement in enumerate(chain[:-1])
-                if _stored(statement.body) & _stored(rest) and not _leaves(statement.body)
+                if _stored(statement.body) & _stored(rest)
+                and not _leaves(statement.body)
+                and not _stored(statement.body) & _read(last.test, *rest)
             ]
             if not undone:
                 continue
@@ -327,6 +318,15 @@ def _leaves(body: list[ast.stmt]) -> bool:
     return any(isinstance(node, ends) for statement in body for node in ast.walk(statement))
 
 
+def _read(*nodes: ast.AST) -> set[str]:
+    return {
+        ast.unparse(inner)
+        for node in nodes
+        for inner in ast.walk(node)
+        if isinstance(inner, (ast.Name, ast.Attribute)) and isinstance(inner.ctx, ast.Load)
+    }
+
+
 def _stored(body: list[ast.stmt]) -> set[str]:
     return {
         ast.unparse(target)
@@ -337,14 +337,20 @@ def _stored(body: list[ast.stmt]) -> set[str]:
 
 
 def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
-    """Yield `=+` and `=- `, where `+=` was meant."""
+    """Yield `=+ ` and `=- `, where `+=` was meant, of what has a value to change.
+
+    A sign that touches the number is the sign of a value, as in `x =+0.1` beside `x =-0.1`.
+    """
     if not isinstance(node.value, ast.UnaryOp) or not isinstance(node.value.op, (ast.UAdd, ast.USub)):
         return
-    line = source.text.splitlines()[node.lineno - 1]
-    found = _SIGN.search(line)
-    is_apart = found is not None and ("=+" in found[0] or re.search(r"=- ", found[0]))
-    if found and is_apart:
-        sign, target = found["sign"], ast.unparse(node.targets[0])
+    sign, target = "+" if isinstance(node.value.op, ast.UAdd) else "-", ast.unparse(node.targets[0])
+    line = source.text.encode().splitlines()[node.value.lineno - 1]
+    before, after = line[: node.value.col_offset], line[node.value.col_offset :]
+    is_apart = before.endswith(b"=") and after.startswith(f"{sign} ".encode())
+    others = [value for value in source.stored.get(target, ()) if value is not node.value]
+    # Only one sign is a slip: values that differ in their signs are values.
+    is_value = any(isinstance(value, ast.UnaryOp) for value in others)
+    if is_apart and others and not is_value:
         yield Finding(
             "no-effect",
             f"`={sign}` sets {target} to {ast.unparse(node.value)} each time instead of changing it by that.",

@@ -5,11 +5,18 @@ from __future__ import annotations
 import ast
 import itertools
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.code.deadlocks import deadlocks
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.node_source import (
+    CREATORS,
+    Creation,
+    NodeClass,
+    NodeSources,
+    is_self_attribute,
+)
+from ros2lab.diagnose.sources.one_run import is_always_reached, is_steady
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
@@ -22,6 +29,8 @@ _CREATES = (
     "create_client",
     "add_node",
 )
+_FREQUENCIES = frozenset(("hz", "rate", "freq", "frequency"))
+_PERIODS = frozenset(("period", "interval", "time", "dt", "s", "sec", "secs", "seconds", "ms"))
 _LONGEST_PERIOD = 100  # s; a longer literal that is not a whole number of minutes is probably in ms
 
 
@@ -31,7 +40,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
         for _owner, function, node in sources.scoped(source):
             for block in _blocks(node):
                 yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
-                yield from _disordered(source, block)
+                yield from _disordered(sources, source, block)
         yield from _bound_late(source)
         yield from _never_true(source)
     yield from deadlocks(sources)
@@ -41,7 +50,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
             yield from _made_again(creation.source, function)
     yield from _named_alike(sources)
     for owner in sources.nodes:
-        yield from _never_started(owner.source, owner)
+        yield from _never_started(sources, owner)
     for creation in sources.creations:
         yield from _period(sources, creation)
         yield from _frequency(sources, creation)
@@ -50,25 +59,34 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
 def _bound_late(source: PythonSource) -> Iterator[Finding]:
     """Yield lambdas passed to ROS in a loop that look up the loop variable only after the loop has ended."""
     for loop in source.nodes:
-        if not isinstance(loop, ast.For):
+        if not isinstance(loop, ast.For) or _ends_or_spins(loop):
             continue
         names = {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
-        calls = (n for n in ast.walk(loop) if isinstance(n, ast.Call))
-        made = [n for n in calls if getattr(n.func, "attr", "").startswith("create_")]
+        calls = (n for n in own_nodes(loop) if isinstance(n, ast.Call))
+        made = [n for n in calls if getattr(n.func, "attr", "") in CREATORS]
         for given in (
             argument for call in made for argument in (*call.args, *(k.value for k in call.keywords))
         ):
             if not isinstance(given, ast.Lambda):
                 continue
+            inner = [*walk(given)]
             asked = {n.id for n in ast.walk(given.body) if isinstance(n, ast.Name)}
-            late = sorted(
-                asked & names - {parameter.arg for parameter in (*given.args.args, *given.args.kwonlyargs)}
-            )
+            bound = {n.arg for n in inner if isinstance(n, ast.arg)}
+            bound |= {n.id for n in inner if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+            late = sorted(asked & names - bound)
             if late:
                 takes = [*filter(None, [ast.unparse(given.args)]), *(f"{name}={name}" for name in late)]
                 cause = f"This lambda looks up {late[0]} only when it is called, after the loop has ended, so every lambda gets the last {late[0]}."
                 fix = f"write `lambda {', '.join(takes)}: {ast.unparse(given.body)}`"
                 yield Finding("computed-once", cause, source.at(given), fix)
+
+
+def _ends_or_spins(loop: ast.For) -> bool:
+    """Return whether a loop may end early, so that its variable stays, or calls what it has passed on."""
+    return any(
+        isinstance(node, (ast.Break, ast.Return, ast.Raise)) or "spin" in getattr(node, "attr", "")
+        for node in own_nodes(loop)
+    )
 
 
 def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
@@ -111,9 +129,8 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     """Yield timers whose period is named like a frequency and is at least 1."""
     given = (creation.arguments or {}).get("timer_period_sec")
     text = dotted(given) or ""
-    if given is None or not {"hz", "rate", "freq", "frequency"} & set(
-        text.rpartition(".")[2].lower().split("_")
-    ):
+    words = set(text.rpartition(".")[2].lower().split("_"))
+    if given is None or not words & _FREQUENCIES or words & _PERIODS:
         return
     values = [
         sources.value(creation.source, node.value)
@@ -121,7 +138,7 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == text
     ]
     value = values[0] if len(values) == 1 else sources.value(creation.source, given)
-    if isinstance(value, (int, float)) and value >= 1:
+    if isinstance(value, (int, float)) and value > 1:
         cause = f"Judging by its name, {text} is a frequency, but a timer takes a period in seconds: this one fires every {value:g} s."
         yield Finding("period", cause, creation.source.at(given), f"write 1.0 / {text}")
 
@@ -216,7 +233,7 @@ def _takes_all(before: ast.expr, after: ast.expr) -> bool:
                 ops=[later_sign],
                 comparators=[ast.Constant(value=int() | float() as number)],
             ),
-        ) if ast.unparse(earlier_value) == ast.unparse(later_value):
+        ) if ast.unparse(earlier_value) == ast.unparse(later_value) and is_steady(later_value):
             is_up = isinstance(sign, (ast.Gt, ast.GtE)) and isinstance(later_sign, (ast.Gt, ast.GtE))
             is_down = isinstance(sign, (ast.Lt, ast.LtE)) and isinstance(later_sign, (ast.Lt, ast.LtE))
             is_strict = isinstance(sign, (ast.Gt, ast.Lt)) and isinstance(later_sign, (ast.GtE, ast.LtE))
@@ -226,7 +243,7 @@ def _takes_all(before: ast.expr, after: ast.expr) -> bool:
     return False
 
 
-def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:
+def _disordered(sources: NodeSources, source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:
     """Yield calls that end a node before it spins, and calls that create something only after the spin."""
     calls = [_call_of(source, statement) for statement in block]
     names = [source.resolve(call.func) or ast.unparse(call.func) if call else "" for call in calls]
@@ -234,16 +251,22 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
     spin = calls[first] if first is not None else None
     if first is None or spin is None:
         return
+    is_ended = _may_end(sources, block[first])
     for number, (name, call) in enumerate(zip(names, calls, strict=True)):
         between = block[number + 1 : first]
-        if number < first and call and _ends_what_spins(source, call, spin, calls[:first], between):
+        if (
+            number < first
+            and call
+            and _ends_what_spins(sources, source, call, (spin, *calls[:first]), between)
+        ):
             yield Finding(
                 "life-order",
                 f"`{ast.unparse(block[number])}` comes before the spin, which then has nothing left to spin.",
                 source.at(block[number]),
                 "move it after rclpy.spin(node), to the end of main",
             )
-        if number > first and name.rpartition(".")[2] in _CREATES and "rclpy.init" not in names[first:number]:
+        is_late = number > first and name.rpartition(".")[2] in _CREATES and not is_ended
+        if is_late and "rclpy.init" not in names[first:number]:
             yield Finding(
                 "life-order",
                 f"`{ast.unparse(block[number])}` comes after the spin, which runs until Ctrl-C, so it is not reached before then.",
@@ -252,26 +275,48 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
             )
 
 
+def _may_end(sources: NodeSources, spin: ast.stmt) -> bool:
+    """Return whether a spin may end before Ctrl-C: by a callback's error that is caught, or by a shutdown."""
+    caught = {
+        getattr(inner, "id", getattr(inner, "attr", ""))
+        for handler in walk(spin)
+        if isinstance(handler, ast.ExceptHandler)
+        for inner in (walk(handler.type) if handler.type else [ast.Name("BaseException")])
+    }
+    is_shut = any(
+        getattr(node, "attr", "").endswith("shutdown")
+        for owner in sources.classes.values()
+        for node in walk(owner.definition)
+    )
+    return is_shut or bool(
+        caught - {"KeyboardInterrupt", "ExternalShutdownException", "rclpy", "executors", ""}
+    )
+
+
 def _goes_on(name: str) -> bool:
     """Return whether a function of this name runs until Ctrl-C."""
     return name == "rclpy.spin" or name.endswith("executor.spin")
 
 
 def _ends_what_spins(
+    sources: NodeSources,
     source: PythonSource,
     call: ast.Call,
-    spin: ast.Call,
-    before: list[ast.Call | None],
+    others: Sequence[ast.Call | None],
     between: list[ast.stmt],
 ) -> bool:
     """Return whether a call ends rclpy, or just the node or the executor that a later call spins."""
     owner, _, method = ast.unparse(call.func).rpartition(".")
     inner = [node for statement in between for node in walk(statement)]
     if source.resolve(call.func) in ("rclpy.shutdown", "rclpy.try_shutdown"):
-        made = {source.resolve(node.func) for node in inner if isinstance(node, ast.Call)}
-        return "rclpy.init" not in made
+        made = {source.resolve(node.func) or "" for node in inner if isinstance(node, ast.Call)}
+        is_other = bool(call.args or call.keywords)  # another context
+        return (
+            not is_other and "rclpy.init" not in made and not any(name in sources.functions for name in made)
+        )
+    spin, *before = (other for other in others if other)  # the spin, and what comes before it
     executor = ast.unparse(spin.func).removesuffix(".spin")
-    given = [spin, *(c for c in before if c and ast.unparse(c.func) == f"{executor}.add_node")]
+    given = [spin, *(c for c in before if ast.unparse(c.func) == f"{executor}.add_node")]
     nodes = {ast.unparse(inner.args[0]) for inner in given if inner.args}
     ended = {"destroy_node": nodes, "shutdown": {executor}}.get(method, set())
     stored = {
@@ -311,15 +356,12 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
 
 
 def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
-    calls = {getattr(node.func, "attr", "") for node in own_nodes(function) if isinstance(node, ast.Call)}
-    if calls & {"cancel", "destroy_timer", "destroy_subscription"}:
-        return  # it stops its own timer or subscription, so it is called once
-    guards = {
-        id(n) for guard in own_nodes(function) if isinstance(guard, (ast.If, ast.Try)) for n in walk(guard)
-    }
+    calls = {getattr(node, "attr", "") for node in source.nodes}
+    if calls & {"cancel", "destroy", "destroy_timer", "destroy_subscription", "destroy_publisher"}:
+        return  # what calls it may be stopped, so that it is called once, or what it makes is made anew
     for node in own_nodes(function):
         method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
-        if method in ("create_publisher", "create_subscription") and id(node) not in guards:
+        if method in ("create_publisher", "create_subscription") and is_always_reached(function, node):
             yield Finding(
                 "made-again",
                 f"{function.name}() is called repeatedly and makes a new {method.removeprefix('create_')} each time, which is not yet connected when it is used.",
@@ -328,20 +370,19 @@ def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
             )
 
 
-def _never_started(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
+def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     """Yield what the constructor creates and stops again, and timers that are never started."""
-    constructor = owner.methods.get("__init__")
-    if constructor is None or _names(owner, "reset"):
+    constructor, source = owner.methods.get("__init__"), owner.source
+    if constructor is None or _names(sources, "reset"):
         return
-    made = {
-        target.attr
-        for node in walk(owner.definition)
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
-        if getattr(node.value.func, "attr", "").startswith("create_")
-        for target in node.targets
-        if isinstance(target, ast.Attribute)
-    }
+    made: set[str] = set()
     for statement in constructor.body:
+        if _may_use(statement):
+            made.clear()
+        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Call):
+            is_made = getattr(statement.value.func, "attr", "") in CREATORS
+            kept = {to.attr for to in statement.targets if isinstance(to, ast.Attribute)}
+            made |= kept if is_made else set()
         call = statement.value if isinstance(statement, ast.Expr) else None
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)):
             continue
@@ -360,5 +401,20 @@ def _never_started(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
             yield Finding("never-started", cause, source.at(node.value), "remove autostart=False")
 
 
-def _names(owner: NodeClass, name: str) -> bool:
-    return any(getattr(node, "attr", "") == name for node in walk(owner.definition))
+def _may_use(statement: ast.stmt) -> bool:
+    """Return whether a statement may use what a constructor has made: it calls more than what makes and logs."""
+    return isinstance(statement, (ast.While, ast.For)) or any(
+        isinstance(node, ast.Call) and _is_own_or_spins(node.func) for node in walk(statement)
+    )
+
+
+def _is_own_or_spins(function: ast.expr) -> bool:
+    name = getattr(function, "attr", "")
+    is_nodes = name.startswith(("create_", "declare_", "get_", "destroy"))
+    return "spin" in name or (is_self_attribute(function) and not is_nodes)
+
+
+def _names(sources: NodeSources, name: str) -> bool:
+    return any(
+        getattr(node, "attr", "") == name for source in sources.sources.values() for node in source.nodes
+    )

@@ -5,10 +5,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
+from ros2lab.diagnose.code.idle_statements import tried_statements
+from ros2lab.diagnose.code.lost_fillings import is_shared, lost_fillings
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses, filled, is_log, values_in
 
@@ -22,15 +24,16 @@ _PURE = frozenset(
 def result_faults(uses: Uses) -> Iterator[Finding]:
     """Yield values that functions compute, fill or set without effect."""
     for source in uses.sources.sources.values():
+        tried = tried_statements(source)
         for owner, _, node in uses.sources.scoped(source):
             if isinstance(node, FUNCTIONS):
                 yield from _never_sent(uses, source, owner, node)
-                yield from _lost_fillings(source, node)
+                yield from lost_fillings(source, node)
                 yield from _lost_locals(uses, source, owner, node)
-                yield from _nothing_returned(source, owner, node)
+                yield from _nothing_returned(uses, source, owner, node)
             elif isinstance(node, ast.Call):
                 yield from _no_answer(uses, source, owner, node)
-            elif isinstance(node, ast.Expr):
+            elif isinstance(node, ast.Expr) and id(node) not in tried:
                 yield from _result_lost(uses, source, owner, node.value)
 
 
@@ -42,7 +45,11 @@ def _no_answer(
         return
     given = call.args[0]
     method = uses.sources.method(owner, given.attr) if owner and is_self_attribute(given) else None
-    if method and not any(isinstance(node, ast.Return) and node.value for node in own_nodes(method)):
+    if (
+        method
+        and not method.decorator_list
+        and not any(isinstance(node, ast.Return) and node.value for node in own_nodes(method))
+    ):
         fix = (
             f"write `return SetParametersResult(successful=True)` as the last line of {method.name}(), "
             "with `from rcl_interfaces.msg import SetParametersResult` at the top"
@@ -78,7 +85,7 @@ def _never_sent(
         if not is_interface(kind):
             continue
         fills = [n for n in walk(function) if isinstance(n, ast.Attribute) and _is_fill(n, name)]
-        if not fills or _is_used(function, name):
+        if not fills or _is_used(function, name) or is_shared(function, name):
             continue
         calls = [
             n
@@ -88,10 +95,20 @@ def _never_sent(
         cause = f"{function.name}() fills {name} but never sends it"
         if len(calls) == 1 and _may_be_message(source, owner, calls[0].args[0]):
             given = ast.unparse(calls[0].args[0])
+            kept = _publisher(uses, owner, str(kind))
+            is_filled = any(text.startswith(f"{given}.") for text, _ in filled(function))
+            if is_filled or (kept and kept != ast.unparse(getattr(calls[0].func, "value", calls[0].func))):
+                continue  # another message is sent, and this may be left over
             fix = f"write {ast.unparse(calls[0].func)}({name})"
             yield Finding("never-sent", f"{cause}: it publishes {given} instead.", source.at(calls[0]), fix)
         elif not calls and (publisher := _publisher(uses, owner, str(kind))):
-            fix = f"write `{publisher}.publish({name})` as the last line of {function.name}()"
+            last = function.body[-1]
+            where = f"as the last line of {function.name}()"
+            if node not in function.body:
+                where = f"below line {fills[-1].lineno}, with the same indentation"
+            elif isinstance(last, (ast.Return, ast.Raise)):
+                where = f"above line {last.lineno}"
+            fix = f"write `{publisher}.publish({name})` {where}"
             yield Finding("never-sent", f"{cause}.", source.at(fills[-1]), fix)
 
 
@@ -157,6 +174,8 @@ def _lost_locals(
     }
     kept = State(uses, owner).read & uses.sources.attributes(owner) if owner else frozenset()
     values = values_in(function)
+    # What it sets itself may be kept under this name as well.
+    kept -= {n.attr for n in walk(function) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
     for node in _never_read(function, names):
         name, said = node.id, f"{function.name}() sets {node.id}, which is a local variable; "
         if name in kept:
@@ -170,8 +189,10 @@ def _lost_locals(
         value = values.get(id(node))
         if owner is None or value is None or function.name == "__init__" or not _is_fetched(value):
             continue
-        zeros = [(t, v) for t, v in filled(function) if isinstance(v, ast.Constant) and v.value == 0]
-        if len(zeros) == 1:
+        fills = [*filled(function)]
+        zeros = [(t, v) for t, v in fills if isinstance(v, ast.Constant) and v.value == 0]
+        # Nothing else is filled in: so the value was meant for it.
+        if len(zeros) == 1 == len(fills):
             target, zero = zeros[0]
             cause = f"{function.name}() computes {name} but never uses it; {target} is always {ast.unparse(zero)}."
             yield Finding("never-read", cause, source.at(zero), f"write {target} = {name}")
@@ -211,58 +232,6 @@ def _is_fetched(value: ast.expr) -> bool:
     return not isinstance(value, (ast.BinOp, ast.Constant)) and names <= _PURE | {"get_parameter"}
 
 
-def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
-    """Yield message fields that are filled after the message is sent, or before it is created again."""
-    made = {
-        target.id
-        for node in own_nodes(method)
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
-        if is_interface(source.resolve(node.value.func))
-        for target in node.targets
-        if isinstance(target, ast.Name)
-    }
-    for name in made:
-        pending: ast.stmt | None = None
-        sent: ast.stmt | None = None
-        for statement in method.body:
-            fills, reads, binds = _changes_of(statement, name)
-            if binds and pending is not None and not reads:
-                cause = f"{name} is created again here, so what line {pending.lineno} filled in is lost."
-                yield Finding("filling-lost", cause, source.at(statement), "remove this line")
-                break
-            if binds:
-                pending, sent = None, None
-            if reads:
-                pending, sent = None, statement
-            if fills and not reads:
-                pending = pending or statement
-        else:
-            if pending is not None and sent is not None:
-                last = ast.unparse(sent).splitlines()[0]
-                cause = f"`{ast.unparse(pending).splitlines()[0]}` comes after `{last}`, so it is not in what was sent."
-                yield Finding(
-                    "filling-lost",
-                    cause,
-                    source.at(pending),
-                    f"move `{last}` after the lines that fill {name}",
-                )
-
-
-def _changes_of(statement: ast.stmt, name: str) -> tuple[bool, bool, bool]:
-    """Return whether a statement sets a field of a variable, reads it otherwise, and assigns to it."""
-    bases: set[int] = set()
-    for node in walk(statement):
-        inner: ast.AST = node
-        if isinstance(node, (ast.Attribute, ast.Subscript)) and isinstance(node.ctx, ast.Store):
-            while isinstance(inner, (ast.Attribute, ast.Subscript)):
-                inner = inner.value
-            bases.add(id(inner))
-    names = [node for node in walk(statement) if isinstance(node, ast.Name) and node.id == name]
-    fills = any(id(node) in bases for node in names)
-    reads = any(id(node) not in bases and isinstance(node.ctx, ast.Load) for node in names)
-    return fills, reads, any(isinstance(node.ctx, ast.Store) for node in names)
-
-
 def _result_lost(
     uses: Uses, source: PythonSource, owner: NodeClass | None, value: ast.expr
 ) -> Iterator[Finding]:
@@ -271,29 +240,67 @@ def _result_lost(
         return
     text, called = ast.unparse(value), value.func
     if is_self_attribute(called):
-        function = uses.sources.method(owner, called.attr)
+        function = None if _is_overridden(uses, called.attr) else uses.sources.method(owner, called.attr)
     else:
         function = uses.sources.functions.get(uses.sources.resolve(source, called) or "", (source, None))[1]
     if function is not None and _only_computes(function):
-        target = next(
-            (ast.unparse(argument) for argument in value.args if dotted(argument)),
-            f"self.{function.name}_result",
-        )
-    elif isinstance(called, ast.Attribute) and called.attr in _TEXT_METHODS and dotted(called.value):
+        given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
+        target = given[0] if len(given) == 1 == len(value.args) else ""
+    elif (
+        isinstance(called, ast.Attribute)
+        and called.attr in _TEXT_METHODS
+        and _is_text(uses, source, called.value)
+    ):
         target = ast.unparse(called.value)
-        if "." not in target or is_self_attribute(called):
-            return  # only fields and attributes are reported
     else:
         return
     cause = f"`{text}` returns a new value and changes nothing, and the return value is not used."
-    yield Finding("no-effect", cause, source.at(value), f"write {target} = {text}")
+    fix = f"write {target} = {text}" if target else "use what it returns, or remove this line"
+    yield Finding("no-effect", cause, source.at(value), fix)
 
 
-def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: Function) -> Iterator[Finding]:
+def _is_overridden(uses: Uses, name: str) -> bool:
+    """Return whether several classes define a method, so that one may do more than another."""
+    return sum(name in owner.methods for owner in uses.sources.classes.values()) > 1
+
+
+def _is_text(uses: Uses, source: PythonSource, value: ast.expr) -> bool:
+    """Return whether an attribute, or a field of a message, is known to hold text."""
+    values = source.stored.get(ast.unparse(value), [])
+    is_field = (
+        isinstance(value, ast.Attribute) and value.attr == "data" and _of_string(uses, source, value.value)
+    )
+    return is_field or (
+        isinstance(value, ast.Attribute)
+        and bool(values)
+        and all(
+            isinstance(text, ast.JoinedStr) or isinstance(getattr(text, "value", None), str)
+            for text in values
+        )
+    )
+
+
+def _of_string(uses: Uses, source: PythonSource, message: ast.expr) -> bool:
+    """Return whether an expression is a message of std_msgs' String: received as such, or made here."""
+    kinds = {source.resolve(call.func) for text, call in source.made if text == ast.unparse(message)}
+    kinds |= {
+        source.resolve((creation.arguments or {}).get("msg_type"))
+        for creation, function in uses.sources.callbacks()
+        if getattr(message, "id", "") in [parameter.arg for parameter in parameters(function)]
+    }
+    return kinds == {"std_msgs.msg.String"}
+
+
+def _nothing_returned(
+    uses: Uses, source: PythonSource, owner: NodeClass | None, function: Function
+) -> Iterator[Finding]:
     """Yield functions that compute a value last but do not return it, though their callers use it."""
     nodes = own_nodes(function)
-    if isinstance(function, ast.AsyncFunctionDef) or any(
-        isinstance(node, (ast.Return, ast.Yield, ast.YieldFrom, ast.Raise)) for node in nodes
+    is_passed = function.decorator_list or (owner is not None and _is_overridden(uses, function.name))
+    if (
+        is_passed
+        or isinstance(function, ast.AsyncFunctionDef)
+        or any(isinstance(node, (ast.Return, ast.Yield, ast.YieldFrom, ast.Raise)) for node in nodes)
     ):
         return
     match function.body[-1]:
@@ -307,7 +314,8 @@ def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: F
             last = ast.unparse(value)
         case _:
             return
-    users = [node for node in source.nodes if _uses_value(node, function.name, owner is not None)]
+    scope = walk(owner.definition) if owner is not None else source.nodes
+    users = [node for node in scope if _uses_value(node, function.name, owner is not None)]
     if is_computed and users and sum(_defines(node, function.name) for node in source.nodes) == 1:
         cause = f"{function.name}() returns nothing, so `{ast.unparse(users[0]).splitlines()[0]}` uses None instead of {last}."
         fix = return_in_place(function) or f"write `return {last}` as the last line of {function.name}()"

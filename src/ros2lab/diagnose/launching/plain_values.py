@@ -177,7 +177,10 @@ def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, s
     texts = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
     items = value.elts if isinstance(value, ast.List) else []
     called = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
-    files = [text for text in texts if text.endswith(_FILES)] if isinstance(value, ast.Call) else []
+    is_action = ".actions." in called  # it belongs in the description, and no Node takes it
+    files = [
+        text for text in texts if text.endswith(_FILES) and isinstance(value, ast.Call) and not is_action
+    ]
     are_pairs = bool(items) and all(isinstance(item, ast.Tuple) and len(item.elts) == 2 for item in items)
     are_values = bool(items) and all(isinstance(item, ast.Dict) for item in items)
     is_argument = (

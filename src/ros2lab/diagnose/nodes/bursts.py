@@ -7,10 +7,30 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.topic_faults import ends_of
+from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS
+from ros2lab.diagnose.sources.uses import FUNCTIONS, is_log
+
+# Methods of publishers, loggers, clocks, texts and lists, and functions of Python, that take no time.
+_FAST = frozenset(
+    (
+        *(
+            "publish",
+            "get_logger",
+            "get_clock",
+            "now",
+            "to_msg",
+            "format",
+            "append",
+            "join",
+            "upper",
+            "lower",
+        ),
+        *("range", "enumerate", "zip", "reversed", "abs", "min", "max", "sum", "sorted", "print"),
+    )
+)
 
 
 def burst_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -37,16 +57,34 @@ def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Functio
         if function.name == "__init__":
             continue  # nobody has subscribed yet
         nodes = own_nodes(function)
-        pauses = any(getattr(node, "attr", "") in ("sleep", "wait", "spin_once") for node in nodes)
+        is_fast = all(_is_fast(creation, node) for node in nodes if isinstance(node, ast.Call))
         calls = [
             node
             for node in nodes
-            if isinstance(node, ast.Call) and dotted(node.func) == f"{kept}.publish" and not pauses
+            if isinstance(node, ast.Call) and dotted(node.func) == f"{kept}.publish" and is_fast
         ]
         count = sum(_times(sources, creation, function, call) for call in calls)
         if count > 1:
             found.append((count, function))
     return found
+
+
+def _is_fast(creation: Creation, call: ast.Call) -> bool:
+    """Return whether a call is known to take no time: it makes, fills, logs or publishes a message."""
+    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    known = creation.source.resolve(call.func) or ""
+    is_made = is_interface(known) or known in (
+        "str",
+        "int",
+        "float",
+        "bool",
+        "dict",
+        "list",
+        "tuple",
+        "len",
+        "round",
+    )
+    return is_made or is_log(call) or name in _FAST
 
 
 def _kept_as(creation: Creation) -> str:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
-from ros2lab.diagnose.sources.one_run import calls_in_one_run
+from ros2lab.diagnose.sources.one_run import calls_in_one_run, is_always_reached
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
 _CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
 # With these a program may last or wait without spinning.
-_WAITING = frozenset(("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep"))
+_WAITING = frozenset(
+    ("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep", "input")
+)
+_SPINS_ITSELF = re.compile(r"spin|Executor|Thread")
 _SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its timers
 
 
@@ -158,7 +162,7 @@ def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
     """Yield a loop that sleeps without spinning."""
     node = entrance.node
     assert node is not None
-    if any(call.short in _WAITING - {"sleep", "wait"} for call in entrance.calls):
+    if any(call.short in _WAITING - {"sleep", "wait", "input"} for call in entrance.calls):
         return
     for call in entrance.calls:
         # A loop in a method of the node is reported as one that keeps callbacks waiting.
@@ -209,7 +213,9 @@ def _rests(entrance: Entrance) -> Iterator[Finding]:
             if not isinstance(call, ast.Call) or turn.source.resolve(call.func) != "time.sleep":
                 continue
             length = entrance.sources.value(turn.source, call.args[0]) if call.args else None
-            if isinstance(length, (int, float)) and length >= _SHORT_REST:
+            if not isinstance(length, (int, float)) or length < _SHORT_REST:
+                continue
+            if _is_too_slow(entrance, length):
                 given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
                 yield Finding(
                     "callback-waits",
@@ -217,6 +223,20 @@ def _rests(entrance: Entrance) -> Iterator[Finding]:
                     turn.source.at(statement),
                     f"write rclpy.spin({given}) instead of the loop, and move the loop's other work into a timer callback",
                 )
+
+
+def _is_too_slow(entrance: Entrance, length: float) -> bool:
+    """Return whether one callback each time is too few: there are several, or one that is due more often."""
+    made = [
+        c for c in entrance.sources.creations if c.method in _CALLED_BACK and c.function in entrance.functions
+    ]
+    periods = [
+        entrance.sources.value(
+            c.source, entrance.sources.written(c.source, (c.arguments or {}).get("timer_period_sec"))
+        )
+        for c in made
+    ]
+    return len(made) > 1 or any(isinstance(period, (int, float)) and period <= length for period in periods)
 
 
 def _is_endless(loop: ast.While, source: PythonSource) -> bool:
@@ -275,6 +295,8 @@ def _left_out(entrance: Entrance) -> Iterator[Finding]:
         for node, name, owner in _made_nodes(entrance, spin):
             if name == ast.unparse(given) or not _needs_spin(entrance, owner) or _is_used(spin, name):
                 continue
+            if any(_SPINS_ITSELF.search(ast.dump(c.definition)) for c in entrance.sources.lineage(owner)[0]):
+                continue
             cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(given)}."
             fix = "add both nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()"
             if entrance.sources.resolve(spin.source, given) == owner.name:
@@ -328,8 +350,20 @@ def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
                     and isinstance(statement.value, ast.Call)
                     and id(statement.value) in spinning
                 ]
-                if len(calls) > 1:
+                if len(calls) > 1 and not _may_end(entrance, function, calls):
                     yield spinning[id(calls[1])], calls[1]
+
+
+def _may_end(entrance: Entrance, function: Function, spins: list[ast.Call]) -> bool:
+    """Return whether the first of several spins may end before Ctrl-C: what it calls shuts something down."""
+    between = range(spins[0].lineno, spins[1].lineno)
+    is_begun_anew = any(
+        call.short == "init" and call.function is function and call.call.lineno in between
+        for call in entrance.calls
+    )
+    return is_begun_anew or any(
+        call.short.endswith("shutdown") and call.function is not function for call in entrance.calls
+    )
 
 
 def _names_spin(entrance: Entrance) -> bool:
@@ -373,8 +407,15 @@ def _without_with(statement: ast.With, call: ast.Call) -> str:
 
 
 def _is_guarded(call: ast.Call, function: Function) -> bool:
-    branches = [node for node in walk(function) if isinstance(node, (ast.If, ast.ExceptHandler))]
-    return any(call is inner for branch in branches for inner in walk(branch))
+    tried = (node for node in walk(function) if isinstance(node, ast.Try) and _catches_any(node))
+    is_tried = any(call is inner for node in tried for statement in node.body for inner in walk(statement))
+    return is_tried or not is_always_reached(function, call)
+
+
+def _catches_any(node: ast.Try) -> bool:
+    """Return whether a `try` catches the error of a second rclpy.init()."""
+    caught = {ast.unparse(handler.type) if handler.type else "Exception" for handler in node.handlers}
+    return bool(caught & {"Exception", "BaseException", "RuntimeError"})
 
 
 def _shutdown_between(function: Function, first: ast.Call, last: ast.Call) -> bool:

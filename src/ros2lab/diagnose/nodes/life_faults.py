@@ -8,10 +8,12 @@ from collections import Counter
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.endless_loops import endless_loops, rate_faults, spins_on, uses_threads
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.one_run import is_always_reached
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -21,14 +23,11 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.uses import Uses
 
-_HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
 _TRANSITIONS = frozenset(
     f"on_{transition}"
     for transition in ("configure", "activate", "deactivate", "cleanup", "shutdown", "error")
-)
-_THREADED = frozenset(
-    ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
 )
 
 
@@ -101,19 +100,24 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
     for node_class in sources.nodes:
         if "__init__" in node_class.methods:
             running.append((node_class.source, node_class.methods["__init__"], node_class, "the constructor"))
+    repeated = {
+        id(function)
+        for creation, function in sources.callbacks()
+        if creation.method in ("create_timer", "create_subscription")
+    }
     seen: set[int] = set()
     for source, function, owner, what in running:
         if id(function) in seen:
             continue
         seen.add(id(function))
         functions = [function, *_called_by(sources, owner, function)]
-        yield from _loops(source, functions, what)
-        yield from _waits(source, functions, what)
-        yield from _needs_asyncio(source, functions, what)
-        yield from _waits_for_another(source, owner, functions, what)
+        yield from endless_loops(sources, source, owner, functions, what)
+        yield from _waits(sources, source, functions, what)
+        yield from _needs_asyncio(sources, source, functions, what)
+        yield from _waits_for_another(sources, source, owner, functions, what)
         if what == "the constructor":
             continue
-        for node in own_nodes(function):
+        for node in own_nodes(function) if spins_on(sources, source) else ():
             if isinstance(node, ast.Call) and source.resolve(node.func) in (
                 "rclpy.shutdown",
                 "rclpy.try_shutdown",
@@ -124,14 +128,19 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
                     source.at(node),
                     "remove it; write `raise SystemExit` where the program should end, and rclpy.try_shutdown() at the end of main",
                 )
-        yield from _more_timers(sources, source, functions)
-    yield from _rates(sources)
+        if id(function) in repeated:
+            yield from _more_timers(sources, source, functions)
+    yield from rate_faults(sources)
     yield from _sent_early(sources)
 
 
-def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
+def _needs_asyncio(
+    sources: NodeSources, source: PythonSource, functions: list[Function], what: str
+) -> Iterator[Finding]:
     """Yield uses of asyncio in a callback, which rclpy runs without an asyncio event loop."""
-    if "asyncio.run" in source.text or _uses_threads(source):
+    starts = re.compile(r"asyncio\.run|run_until_complete|run_forever|event_loop")
+    texts = (sources.sources[name].text for name in sources.together(source.name))
+    if any(map(starts.search, texts)) or uses_threads(sources, source):
         return
     for function in functions:
         for node in own_nodes(function):
@@ -148,27 +157,54 @@ def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -
 
 def _sent_early(sources: NodeSources) -> Iterator[Finding]:
     """Yield messages published only before the node spins, when no subscriber can have connected."""
-    waits = re.compile(r"subscription_count|TRANSIENT_LOCAL|sleep\(")
+    waits = re.compile(r"subscription_count|TRANSIENT_LOCAL|sleep\(|wait|input\(", re.IGNORECASE)
     if any(waits.search(source.text) for source in sources.sources.values()):
         return
+    files = [node for source in sources.sources.values() for node in source.nodes]
+    used = Counter(node.attr for node in files if isinstance(node, ast.Attribute))
     bases = {base for derived in sources.classes.values() for base in derived.bases}
     for owner in sources.nodes:
         made = owner.methods.get("__init__")
         if made is None or sources.is_managed(owner) or owner.name in bases:
             continue
-        uses = Counter(node.attr for node in walk(owner.definition) if is_self_attribute(node))
-        once = [method for method in _called_by(sources, owner, made) if uses[method.name] == 1]
-        early = {id(node) for function in (made, *once) for node in own_nodes(function)}
+        once = [method for method in _called_by(sources, owner, made) if used[method.name] == 1]
+        calls = _own_calls(made)
+        repeated = _repeated(made)
+        early = {id(node) for node in own_nodes(made)} - repeated
+        for method in once:
+            is_once = id(calls[method.name]) not in repeated
+            early |= {id(node) for node in own_nodes(method)} - _repeated(method) if is_once else set()
         sent = [n for n in walk(owner.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
-        if sent and all(id(node) in early for node in sent):
+        kept = {getattr(getattr(n.func, "value", None), "attr", "") for n in sent}
+        others = [n for n in files if isinstance(n, ast.Call) and _is_publish(n.func) and n not in sent]
+        is_elsewhere = any(getattr(getattr(n.func, "value", None), "attr", "") in kept for n in others)
+        spins = any(getattr(node, "attr", "") in SPINNING for node in own_nodes(made))
+        if sent and not is_elsewhere and not spins and all(id(node) in early for node in sent):
             fix = "publish in a method, and call it with a timer: create_timer(1.0, self.that_method)"
             yield _early(owner.source, sent[0], "in the constructor", fix)
     for creation in sources.creations:
         if creation.method == "create_publisher" and creation.owner is None and creation.function:
-            yield from _sent_at_once(creation.source, creation.function, creation.call)
+            yield from _sent_at_once(sources, creation.source, creation.function, creation.call)
 
 
-def _sent_at_once(source: PythonSource, function: Function, made: ast.Call) -> Iterator[Finding]:
+def _repeated(function: Function) -> set[int]:
+    """Return the nodes of a function, by `id`, that stand in a loop."""
+    loops = (n for n in own_nodes(function) if isinstance(n, (ast.While, ast.For, ast.AsyncFor)))
+    return {id(inner) for loop in loops for inner in walk(loop)}
+
+
+def _own_calls(function: Function) -> dict[str, ast.Call]:
+    """Return the calls of a function on `self`, by the names of their methods."""
+    return {
+        node.func.attr: node
+        for node in own_nodes(function)
+        if isinstance(node, ast.Call) and is_self_attribute(node.func)
+    }
+
+
+def _sent_at_once(
+    sources: NodeSources, source: PythonSource, function: Function, made: ast.Call
+) -> Iterator[Finding]:
     """Yield messages sent right after the publisher is created, without a wait or spin in between."""
     kept = [n for n in own_nodes(function) if isinstance(n, ast.Assign) and n.value is made]
     name = ast.unparse(kept[0].targets[0]) if kept else ""
@@ -180,7 +216,9 @@ def _sent_at_once(source: PythonSource, function: Function, made: ast.Call) -> I
         return
     between = range(made.lineno, sent[0].lineno)
     turns = [n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno in between]
-    if not any(getattr(n.func, "attr", "").startswith(("spin", "wait")) for n in turns):
+    own = sources.functions.keys() | sources.classes.keys()
+    takes_time = any(sources.resolve(source, turn.func) in own for turn in turns)
+    if not takes_time and not any(getattr(n.func, "attr", "").startswith("spin") for n in turns):
         node = ast.unparse(made.func.value) if isinstance(made.func, ast.Attribute) else "node"
         fix = f"write `while {name}.get_subscription_count() == 0: rclpy.spin_once({node}, timeout_sec=0.1)` above this line, and `rclpy.spin_once({node}, timeout_sec=1.0)` below it"
         yield _early(source, sent[0], "as soon as its publisher has been created", fix)
@@ -198,14 +236,16 @@ def _is_publish(function: ast.expr) -> bool:
 def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
     """Yield timers that a callback creates each time, where none is cancelled and no condition guards it."""
     words = {getattr(node, "attr", "") for file in sources.sources.values() for node in file.nodes}
-    if words & {"cancel", "destroy_timer"}:
+    if words & {"cancel", "destroy", "destroy_timer"}:
         return
+    first = functions[0]
+    calls = _own_calls(first)
     for function in functions:
-        tests = [ast.unparse(node.test) for node in own_nodes(function) if isinstance(node, ast.If)]
-        if any(re.search(r"timer|None|\bnot\b", test) for test in tests):
+        if function is not first and not is_always_reached(first, calls[function.name]):
             continue
         for node in own_nodes(function):
-            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer":
+            is_made = isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer"
+            if is_made and is_always_reached(function, node):
                 yield Finding(
                     "timer-in-callback",
                     f"{functions[0].name} is called repeatedly and starts another timer each time, while the earlier ones keep running.",
@@ -214,9 +254,11 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
                 )
 
 
-def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
+def _waits(
+    sources: NodeSources, source: PythonSource, functions: list[Function], what: str
+) -> Iterator[Finding]:
     """Yield spins in callbacks and constructors, and calls that block a callback for long."""
-    is_free = what == "the constructor" or _uses_threads(source)
+    is_free = what == "the constructor" or uses_threads(sources, source)
     for function in functions:
         for node in own_nodes(function):
             name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
@@ -247,11 +289,12 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
 
 
 def _waits_for_another(
-    source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
 ) -> Iterator[Finding]:
     """Yield loops that wait for an attribute that only another callback sets, which cannot run meanwhile."""
-    if owner is None or _uses_threads(source) or isinstance(functions[0], ast.AsyncFunctionDef):
+    if owner is None or uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
+    uses = Uses(sources)
     for function in functions:
         for loop in (node for node in own_nodes(function) if isinstance(node, ast.While)):
             asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
@@ -259,25 +302,37 @@ def _waits_for_another(
             calls = [n for n in walk(loop) if isinstance(n, ast.Call)]
             if any("spin" in ast.unparse(n.func) or is_self_attribute(n.func) for n in calls):
                 continue
+            if not _only_waits(source, loop) or not asked.isdisjoint(uses.stored_of_others):
+                continue
             for name in sorted(asked - inside):
-                others = [
-                    method.name
+                setting = [
+                    method
                     for method in owner.methods.values()
                     if method.name != "__init__" and method not in functions and _stores(method, name)
                 ]
-                if others:
+                others = [method.name for method in setting]
+                # What no executor calls may be called by a library, in a thread of its own.
+                if others and all(id(method) in uses.callbacks for method in setting):
                     cause = f"In {what}, a loop waits for self.{name}, which {others[0]}() sets; but rclpy calls {others[0]}() only after this one returns, so it waits forever."
                     fix = f"do the work that needs self.{name} in {others[0]}(), once it has been set"
                     yield Finding("callback-waits", cause, source.at(loop), fix)
 
 
+def _only_waits(source: PythonSource, loop: ast.While) -> bool:
+    """Return whether only the attributes that a loop asks about, or the end of rclpy, can end it."""
+    ends = (ast.Break, ast.Return, ast.Raise)
+    asked = [node for node in walk(loop.test) if isinstance(node, (ast.Name, ast.Call))]
+    is_of_self = all(
+        source.resolve(node.func) == "rclpy.ok"
+        if isinstance(node, ast.Call)
+        else node.id in ("self", "rclpy")
+        for node in asked
+    )
+    return is_of_self and not any(isinstance(node, ends) for node in own_nodes(loop))
+
+
 def _stores(method: Function, name: str) -> bool:
     return any(is_self_attribute(n) and n.attr == name and isinstance(n.ctx, ast.Store) for n in walk(method))
-
-
-def _uses_threads(source: PythonSource) -> bool:
-    names = {getattr(node, "id", None) or getattr(node, "attr", None) for node in source.nodes}
-    return bool(names & _THREADED)
 
 
 def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function) -> list[Function]:
@@ -288,68 +343,3 @@ def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function
         if isinstance(node, ast.Call) and is_self_attribute(node.func)
     ]
     return [method for name in names if (method := sources.method(owner, name)) is not None]
-
-
-def _loops(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
-    """Yield endless loops in a callback or constructor, the first of `functions`, or in methods it calls."""
-    may_wait = what != "the constructor" and _uses_threads(source)
-    if may_wait or isinstance(functions[0], ast.AsyncFunctionDef):
-        return
-    for function in functions:
-        for node in own_nodes(function):
-            if isinstance(node, ast.While) and _is_endless(source, node):
-                yield Finding(
-                    "endless-loop",
-                    f"In {what}, a loop runs forever, so no other callback of the node is ever called.",
-                    source.at(node),
-                    "remove the loop, and run its body in a timer callback: create_timer(period, self.callback)",
-                )
-
-
-def _is_endless(source: PythonSource, node: ast.While) -> bool:
-    is_constant = isinstance(node.test, ast.Constant) and bool(node.test.value)
-    is_ok = isinstance(node.test, ast.Call) and source.resolve(node.test.func) == "rclpy.ok"
-    leaves = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.Await)
-    spins = any(
-        isinstance(n, ast.Attribute) and n.attr in SPINNING
-        for statement in node.body
-        for n in walk(statement)
-    )
-    is_lasting = is_constant or is_ok or (is_self_attribute(node.test) and _leaves_alone(node))
-    return is_lasting and not spins and not any(isinstance(n, leaves) for n in own_nodes(node))
-
-
-def _leaves_alone(loop: ast.While) -> bool:
-    """Return whether a loop never changes the attribute that it tests, itself or by a method of the node."""
-    name = ast.unparse(loop.test)
-    inside = [node for node in walk(loop) if node is not loop.test]
-    is_changed = any(
-        isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
-        for node in inside
-    )
-    called = [node.func for node in inside if isinstance(node, ast.Call)]
-    is_emptied = any(isinstance(call, ast.Attribute) and ast.unparse(call.value) == name for call in called)
-    calls = [call for call in called if is_self_attribute(call)]
-    return not is_changed and not is_emptied and all(call.attr in _HARMLESS for call in calls)
-
-
-def _rates(sources: NodeSources) -> Iterator[Finding]:
-    for source in sources.sources.values():
-        if _uses_threads(source):
-            continue
-        made = [
-            n
-            for n in source.nodes
-            if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "create_rate"
-        ]
-        if (
-            made
-            and "rclpy" in {imported.target.partition(".")[0] for imported in source.imports}
-            and not any(_uses_threads(file) for file in sources.sources.values())
-        ):
-            yield Finding(
-                "rate-without-thread",
-                "A rate can wake up only while the node is being spun, and nothing spins it during the sleep, so it hangs.",
-                source.at(made[0]),
-                "use create_timer instead, or spin the node in a separate thread",
-            )

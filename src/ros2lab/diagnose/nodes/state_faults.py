@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import ast
 import operator
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.stale_values import computed_once
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log
+from ros2lab.diagnose.sources.uses import State, Uses, is_log
 
 _COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
     ast.Eq: operator.eq,
@@ -39,7 +41,7 @@ def state_faults(uses: Uses) -> Iterator[Finding]:
             continue  # it is there for others, which may use it as they like
         state = State(uses, owner)
         yield from _quoted(state)
-        yield from _computed_once(state)
+        yield from computed_once(state)
         yield from _never_read(state)
         yield from _never_equal(state)
         yield from _never_passed(state)
@@ -77,65 +79,6 @@ def _quoted(state: State) -> Iterator[Finding]:
                 yield Finding("text-not-filled", cause, state.at(given), f"write {meant} without quotes")
 
 
-def _computed_once(state: State) -> Iterator[Finding]:
-    """Yield values that the constructor computes once from what changes later, and callbacks still use."""
-    for text in state.stores:
-        value = state.initial(text)
-        base = text.rpartition(".")[0]
-        if value is None or (base != "self" and state.initial(base) is None):
-            continue
-        readers = [
-            (method, node)
-            for method, node in state.loads.get(text if base == "self" else base, ())
-            if id(method) in state.uses.callbacks
-        ]
-        if not readers or not _is_snapshot(value):
-            continue
-        used = {dotted(node) or "" for node in walk(value) if isinstance(node, ast.Attribute)}
-        changed = next(
-            ((attribute, by) for attribute in sorted(used) if (by := state.changes(attribute))), None
-        )
-        if changed is None or (not _is_text(value) and not _is_shown(readers)):
-            continue
-        attribute, by = changed
-        line = f"{text} = {ast.unparse(value)}"
-        yield Finding(
-            "computed-once",
-            f"{text} is computed only once, in __init__, and is not updated when {by}() changes {attribute}.",
-            state.at(state.stores[text][0][1]),
-            f"write `{line}` as the first line of {readers[0][0].name}()",
-        )
-
-
-def _is_text(value: ast.expr) -> bool:
-    is_call = isinstance(value, ast.Call) and (
-        dotted(value.func) == "str" or getattr(value.func, "attr", "") == "format"
-    )
-    return (
-        is_call
-        or isinstance(value, ast.JoinedStr)
-        or (
-            isinstance(value, ast.BinOp)
-            and any(
-                _is_text(n) or isinstance(getattr(n, "value", None), str) for n in (value.left, value.right)
-            )
-        )
-    )
-
-
-def _is_snapshot(value: ast.expr) -> bool:
-    return _is_text(value) or isinstance(value, ast.BinOp)
-
-
-def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:
-    """Return whether what is read is assigned unchanged to a field of a message."""
-    return any(
-        isinstance(node, ast.Assign) and node.value is given and not is_self_attribute(node.targets[0])
-        for method, given in readers
-        for node in own_nodes(method)
-    )
-
-
 def _never_read(state: State) -> Iterator[Finding]:
     """Yield attributes that a method sets and nothing reads, where one that never changes is read instead."""
     own = {text.removeprefix("self.") for text in state.stores if text.count(".") == 1}
@@ -146,17 +89,10 @@ def _never_read(state: State) -> Iterator[Finding]:
         # A slip is made once; a name that is also set elsewhere is meant.
         known = sorted(own & state.read) if len(state.stores[f"self.{name}"]) == 1 else []
         near = next((candidate for candidate in known if is_near_miss(name, candidate)), None)
-        if near:
+        if near and not state.later(f"self.{near}"):
             cause = f"{method.name}() sets self.{name}, which is never read; self.{near} is read instead."
             fix = f"write self.{near} instead of self.{name}"
             yield Finding("never-read", cause, state.at(node), fix)
-            continue
-        for target, given in filled(method):
-            initial = state.initial(dotted(given) or "")
-            if isinstance(initial, ast.Constant):
-                cause = f"{method.name}() sets self.{name}, which is never read; {target} is set from {ast.unparse(given)}, which is always {initial.value!r}."
-                yield Finding("never-read", cause, state.at(given), f"write {target} = self.{name}")
-                break
 
 
 def _never_equal(state: State) -> Iterator[Finding]:
@@ -261,10 +197,15 @@ def _never_called(state: State) -> Iterator[Finding]:
     Such a method looks like a callback and no other does its work, or it alone changes an attribute in use.
     """
     inherited = members_of("rclpy.node", "Node")[0]
-    if state.uses.sources.is_managed(state.owner):
+    sources = state.uses.sources
+    if sources.is_managed(state.owner):
         return  # rclpy calls its methods by name
+    if not sources.lineage(state.owner)[2] or sources.hands_itself_on(state.source):
+        return  # a library may, too
     # A name that is used without self is reported elsewhere.
     bare = {node.id for node in walk(state.owner.definition) if isinstance(node, ast.Name)}
+    # So may one be whose name stands in a text, such as in a table of commands.
+    bare |= {str(node.value) for node in state.uses.nodes if isinstance(node, ast.Constant)}
     for name, method in state.owner.methods.items():
         if name in state.read | bare | inherited or name.startswith("__") or method.decorator_list:
             continue
@@ -272,7 +213,7 @@ def _never_called(state: State) -> Iterator[Finding]:
         why, begun = "", ""
         if _is_callback(state, method, takes):
             why = "it is not passed to any timer, subscription or service"
-            begun = f"write `{_given_to(name, len(takes))}` in __init__"
+            begun = f"write {_given_to(name, len(takes))} in __init__"
         elif not state.uses.named[name] and (changed := _changed_alone(state, method)):
             why, begun = f"only it changes {changed}", _call_of(state, name, takes)
         if begun:
@@ -299,9 +240,9 @@ def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
 
 def _given_to(name: str, takes: int) -> str:
     return (
-        f"self.timer = self.create_timer(1.0, self.{name})",
-        f"self.create_subscription(String, 'topic', self.{name}, 10)",
-        f"self.create_service(..., self.{name})",
+        f"`self.timer = self.create_timer(1.0, self.{name})`",
+        f"self.{name} as the callback of a create_subscription",
+        f"self.{name} as the callback of a create_service",
     )[takes]
 
 
@@ -408,6 +349,8 @@ def _overwritten(state: State) -> Iterator[Finding]:
         for statement in method.body:
             used = {ast.unparse(n) for n in walk(statement) if isinstance(getattr(n, "ctx", None), ast.Load)}
             kept = {name: first for name, first in kept.items() if name not in used}
+            if any(name.removeprefix("self.") in state.owner.methods for name in used):
+                kept.clear()  # a method may use them
             match statement:
                 case ast.Assign(
                     targets=[ast.Attribute() as target], value=ast.Call(func=ast.Attribute(attr=how))
@@ -425,14 +368,15 @@ def _overwritten(state: State) -> Iterator[Finding]:
 def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
     """Yield counters that a callback resets each time before it adds to them."""
     begun: dict[str, ast.stmt] = {}
+    added = Counter(ast.unparse(n.target) for n in own_nodes(method) if isinstance(n, ast.AugAssign))
     for statement in method.body:
         match statement:
             case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=ast.Constant()) if (
                 is_self_attribute(target)
             ):
                 begun.setdefault(name, statement)
-            case ast.AugAssign(target=ast.Attribute(attr=name) as target) if (
-                is_self_attribute(target) and name in begun
+            case ast.AugAssign(target=ast.Attribute(attr=name) as target, value=ast.Constant()) if (
+                is_self_attribute(target) and name in begun and added[f"self.{name}"] == 1
             ):
                 users = {reader.name for reader, _ in state.loads.get(f"self.{name}", ())} - {method.name}
                 if not users - {"__init__"}:

@@ -8,8 +8,17 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.first_values import compared, first_value
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.interfaces import method_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    is_property,
+    own_nodes,
+    parameters,
+    returns_value,
+    walk,
+)
 from ros2lab.diagnose.sources.spelling import nearest
 
 _SENDERS = {"publish": "create_publisher", "call_async": "create_client", "call": "create_client"}
@@ -21,6 +30,7 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     where, fix = _elsewhere(owner, name)
     public = [member for member in members if member[0] != "_" or name[0] == "_"]
     close = None if where else nearest(name, owner.attributes) or nearest(name, public)
+    close = _as_used(owner, node, close) if close else None
     meant = f" Did you mean {close}?" if close else ""
     cause = f"{owner.definition.name} has no {what} {name}{where or '.'}{meant}"
     if not where and (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
@@ -30,16 +40,29 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     return Finding("attribute-missing", cause, owner.source.at(node), fix)
 
 
+def _as_used(owner: NodeClass, node: ast.Attribute, close: str) -> str | None:
+    """Return a similar name as it gives the value that is used: a method that takes nothing, called; None if none."""
+    is_called = any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
+    method = owner.methods.get(close) or method_of("rclpy.node", "Node", close)
+    if is_called or method is None or is_property(method) or isinstance(node.ctx, ast.Store):
+        return close
+    needed = len(parameters(method)) - len(method.args.defaults) > 1
+    is_inside = node in walk(method)  # it would only call itself
+    return None if needed or is_inside or not returns_value(method) else f"{close}()"
+
+
 def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[str, str] | None:
     """Return why an attribute of self has no value, and the line that gives it one; None if its uses do not tell."""
     uses = [n for n in walk(definition) if is_self_attribute(n) and getattr(n, "attr", "") == name]
     for use in uses:
         if told := compared(source, use):
             return f"`==` only compares, so nothing sets self.{name}; a single `=` assigns.", told
+    cause = f"self.{name} is used here, but nothing in the class sets it."
+    if there := _there(source, definition, name):
+        return cause, there
     value = _sender(source, definition, name) or first_value(source, uses)
     if not value:
         return None
-    cause = f"self.{name} is used here, but nothing in the class sets it."
     line = max(_constructed(definition), default=0)
     where = f"below line {line}, in __init__()" if line else "as the first line of __init__()"
     return cause, f"write `self.{name} = {value}` {where}"
@@ -58,11 +81,36 @@ def _sender(source: PythonSource, definition: ast.ClassDef, name: str) -> str:
         match call:
             case ast.Call(func=ast.Attribute(value=owner, attr=method), args=[sent]) if method in _SENDERS:
                 kind = _kind(definition, sent) if ast.unparse(owner) == f"self.{name}" else ""
-                if kind in source.names and method == "publish":
+                if kind in source.names and method == "publish" and not _publishers(source, definition, kind):
                     return f"self.create_publisher({kind}, '{name.strip('_')}', 10)"
                 if kind.removesuffix(".Request") in source.names and method != "publish":
                     return f"self.create_client({kind.removesuffix('.Request')}, '{name.strip('_')}')"
     return ""
+
+
+def _there(source: PythonSource, definition: ast.ClassDef, name: str) -> str:
+    """Say which publisher of the class may be meant by an attribute that publishes; empty if there is none."""
+    for call in walk(definition):
+        match call:
+            case ast.Call(func=ast.Attribute(value=owner, attr="publish"), args=[sent]):
+                kind = _kind(definition, sent) if ast.unparse(owner) == f"self.{name}" else ""
+                found = _publishers(source, definition, kind)
+                numbered = [text for text in found if re.findall(r"\d+", text) == re.findall(r"\d+", name)]
+                found = numbered if len(numbered) == 1 else found
+                if found:
+                    return f"write {' or '.join(found)} instead of self.{name}: it publishes {kind} already"
+    return ""
+
+
+def _publishers(source: PythonSource, definition: ast.ClassDef, kind: str) -> list[str]:
+    """Return the attributes of self that hold a publisher of a type."""
+    return [
+        text
+        for text, made in source.made
+        if text.startswith("self.") and getattr(made.func, "attr", "") == "create_publisher"
+        if kind and made.args and ast.unparse(made.args[0]) == kind
+        if made in walk(definition)
+    ]
 
 
 def _kind(definition: ast.ClassDef, sent: ast.expr) -> str:

@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from ros2lab.diagnose.sources.python_source import Function, children
+from ros2lab.diagnose.sources.python_source import Function, children, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
+_LEAVES = (ast.Return, ast.Raise)
 _EXITS = frozenset(("exit", "quit", "sys.exit", "os._exit"))
+_BLOCKS = dict.fromkeys((ast.If, ast.While, ast.For, ast.AsyncFor, ast.IfExp), ("body", "orelse"))
+_SCOPES = dict.fromkeys((ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda), ("body",))
+_MANY = dict.fromkeys(
+    (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp), ("elt", "key", "value", "generators")
+)
+# The parts of a node that do not always run when the node does, or not just then.
+_DECIDED: Mapping[type[ast.AST], tuple[str, ...]] = {
+    **_BLOCKS,
+    **_SCOPES,
+    **_MANY,
+    ast.Try: ("handlers", "orelse"),
+    ast.Match: ("cases",),
+}
 _Calls = list[ast.Call]
 _IsAsked = Callable[[ast.Call], bool]
 
@@ -22,6 +36,60 @@ def calls_in_one_run(function: Function, is_asked: _IsAsked) -> _Calls:
     """
     goes_on, ended = _of_block(function.body, is_asked)
     return max(goes_on or [], ended, key=len)
+
+
+def is_always_reached(function: Function, node: ast.AST) -> bool:
+    """Return whether every run of a function comes to a node: no branch, loop or earlier `return` decides."""
+    return _comes_to(function.body, node)
+
+
+def _comes_to(block: Sequence[ast.stmt], node: ast.AST) -> bool:
+    for statement in block:
+        if node in walk(statement):
+            return _passes(statement, node)
+        if any(isinstance(n, _LEAVES) or (isinstance(n, ast.stmt) and _leaves(n)) for n in _own(statement)):
+            return False
+    return False
+
+
+def _passes(statement: ast.stmt, node: ast.AST) -> bool:
+    """Return whether every run of a statement comes to a node in it."""
+    if isinstance(statement, (ast.With, ast.AsyncWith, ast.Try)):
+        blocks = [statement.body, getattr(statement, "finalbody", [])]
+        if inside := [block for block in blocks if any(node in walk(inner) for inner in block)]:
+            return _comes_to(inside[0], node)
+    decided = (node for outer in walk(statement) for part in _decided(outer) for node in walk(part))
+    return all(inner is not node for inner in decided)
+
+
+def _decided(node: ast.AST) -> list[ast.AST]:
+    """Return the parts of a node that do not always run when it does, or not just then."""
+    if isinstance(node, ast.BoolOp):
+        return [*node.values[1:]]
+    found: list[ast.AST] = []
+    for name in _DECIDED.get(type(node), ()):
+        part = getattr(node, name, None)
+        found += part if isinstance(part, list) else [part] if part is not None else []
+    return found
+
+
+def _own(statement: ast.stmt) -> tuple[ast.AST, ...]:
+    is_scope = isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+    return () if is_scope else (statement, *own_nodes(statement))
+
+
+def is_steady(expression: ast.expr) -> bool:
+    """Return whether an expression gives the same value each time that it is evaluated in one condition."""
+    return not any(
+        isinstance(node, (ast.Await, ast.NamedExpr, ast.Yield))
+        or (isinstance(node, ast.Call) and not _only_counts(node))
+        for node in walk(expression)
+    )
+
+
+def _only_counts(call: ast.Call) -> bool:
+    name = dotted(call.func) or ""
+    return name in ("abs", "len", "int", "float", "round", "str", "min", "max") or name.startswith("math.")
 
 
 def _of_block(block: Sequence[ast.stmt], is_asked: _IsAsked) -> tuple[_Calls | None, _Calls]:

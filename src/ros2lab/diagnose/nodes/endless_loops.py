@@ -1,0 +1,155 @@
+"""Loops that keep a node from calling its callbacks, and those in which a rate never wakes up."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.entrance import SPINNING
+from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.uses import is_log
+
+_HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
+_THREADED = frozenset(
+    ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
+)
+
+
+def endless_loops(
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
+) -> Iterator[Finding]:
+    """Yield endless loops in a callback or constructor, the first of `functions`, or in methods it calls."""
+    if uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
+        return
+    has_others = _has_others(sources, owner, functions[0])
+    is_late = what == "the constructor" and spins_on(sources, source)
+    lost = "the node is never spun" if is_late else "it never returns"
+    lost = "no other callback of the node is ever called" if has_others else lost
+    for function in functions:
+        for node in own_nodes(function):
+            if not isinstance(node, ast.While) or (not has_others and not is_late and _does_something(node)):
+                continue  # the only thing that the node does is done in this loop
+            if _is_endless(sources, source, owner, node):
+                yield Finding(
+                    "endless-loop",
+                    f"In {what}, a loop runs forever, so {lost}.",
+                    source.at(node),
+                    "remove the loop, and run its body in a timer callback: create_timer(period, self.callback)",
+                )
+
+
+def _has_others(sources: NodeSources, owner: NodeClass | None, function: Function) -> bool:
+    """Return whether a node has a callback other than a function."""
+    family = sources.lineage(owner)[0] if owner else []
+    return any(
+        sources.function_of(creation, (creation.arguments or {}).get("callback")) is not function
+        for creation in sources.creations
+        if creation.owner in family and "callback" in CREATORS[creation.method]
+    )
+
+
+def _does_something(loop: ast.While) -> bool:
+    """Return whether a loop publishes, asks or drives something: it calls more than what only logs."""
+    calls = (node for statement in loop.body for node in walk(statement) if isinstance(node, ast.Call))
+    return any(not is_log(call) and getattr(call.func, "attr", "") != "get_logger" for call in calls)
+
+
+def _is_endless(sources: NodeSources, source: PythonSource, owner: NodeClass | None, node: ast.While) -> bool:
+    is_constant = isinstance(node.test, ast.Constant) and bool(node.test.value)
+    is_ok = isinstance(node.test, ast.Call) and source.resolve(node.test.func) == "rclpy.ok"
+    leaves = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.Await)
+    inside = [inner for statement in node.body for inner in walk(statement)]
+    called = [inner for method in _reached(sources, source, owner, inside) for inner in own_nodes(method)]
+    spins = any(isinstance(n, ast.Attribute) and n.attr in SPINNING for n in (*inside, *called))
+    is_ended = any(isinstance(n, ast.Raise) or _ends(n) for n in (*inside, *called))
+    is_lasting = is_constant or is_ok or (is_self_attribute(node.test) and _leaves_alone(node))
+    return (
+        is_lasting and not spins and not is_ended and not any(isinstance(n, leaves) for n in own_nodes(node))
+    )
+
+
+def _leaves_alone(loop: ast.While) -> bool:
+    """Return whether a loop never changes the attribute that it tests, itself or by a method of the node."""
+    name = ast.unparse(loop.test)
+    inside = [node for node in walk(loop) if node is not loop.test]
+    is_changed = any(
+        isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
+        for node in inside
+    )
+    called = [node.func for node in inside if isinstance(node, ast.Call)]
+    is_emptied = any(isinstance(call, ast.Attribute) and ast.unparse(call.value) == name for call in called)
+    calls = [call for call in called if is_self_attribute(call)]
+    return not is_changed and not is_emptied and all(call.attr in _HARMLESS for call in calls)
+
+
+def rate_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield rates whose sleep nothing ends: a sleep in a program without threads, in no loop that spins."""
+    for source in sources.sources.values():
+        is_ros = "rclpy" in {imported.target.partition(".")[0] for imported in source.imports}
+        if not is_ros or any(uses_threads(sources, file) for file in sources.sources.values()):
+            continue
+        spinning = {
+            id(inner)
+            for loop in source.nodes
+            if isinstance(loop, (ast.While, ast.For)) and _turns(sources, source, loop)
+            for inner in walk(loop)
+        }
+        for name, made in source.made:
+            sleeps = [
+                n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.sleep"
+            ]
+            is_rate = getattr(made.func, "attr", "") == "create_rate"
+            if is_rate and any(id(sleep) not in spinning for sleep in sleeps):
+                yield Finding(
+                    "rate-without-thread",
+                    "A rate can wake up only while the node is being spun, and nothing spins it during the sleep, so it hangs.",
+                    source.at(made),
+                    "use create_timer instead, or spin the node in a separate thread",
+                )
+                break
+
+
+def _turns(sources: NodeSources, source: PythonSource, loop: ast.While | ast.For) -> bool:
+    """Return whether a loop spins, itself or by a function that it calls: it serves the rate's timer, too."""
+    own = next((o for o in sources.classes.values() if loop in walk(o.definition)), None)
+    inside = [*walk(loop)]
+    nodes = [*inside, *(n for f in _reached(sources, source, own, inside) for n in own_nodes(f))]
+    return any("spin" in getattr(node, "attr", getattr(node, "id", "")) for node in nodes)
+
+
+def _reached(
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, nodes: Sequence[ast.AST]
+) -> list[Function]:
+    """Return the methods and functions of the package that some nodes call, directly or indirectly."""
+    found: list[Function] = []
+    waiting = [*nodes]
+    while waiting:
+        node = waiting.pop()
+        if not isinstance(node, ast.Call):
+            continue
+        known = sources.functions.get(sources.resolve(source, node.func) or "", (source, None))[1]
+        function = sources.method(owner, node.func.attr) if is_self_attribute(node.func) else known
+        if function is not None and function not in found:
+            found.append(function)
+            waiting += own_nodes(function)
+    return found
+
+
+def _ends(node: ast.AST) -> bool:
+    """Return whether a node ends the program, or rclpy."""
+    name = getattr(node.func, "attr", getattr(node.func, "id", "")) if isinstance(node, ast.Call) else ""
+    return name in ("exit", "_exit", "quit", "shutdown", "try_shutdown")
+
+
+def spins_on(sources: NodeSources, source: PythonSource) -> bool:
+    """Return whether a file, or what runs together with it, spins until something ends it."""
+    names = sources.together(source.name)
+    return any(getattr(node, "attr", "") == "spin" for name in names for node in sources.sources[name].nodes)
+
+
+def uses_threads(sources: NodeSources, source: PythonSource) -> bool:
+    """Return whether a file, or what runs together with it, calls something in several threads."""
+    nodes = (node for name in sources.together(source.name) for node in sources.sources[name].nodes)
+    return any((getattr(node, "id", None) or getattr(node, "attr", None)) in _THREADED for node in nodes)
