@@ -80,7 +80,7 @@ def _called(source: PythonSource, function: ast.expr) -> str:
     needed = _needed(source, function)
     if not needed:
         return f"write {text}()"
-    return f"write parentheses after {text}, with its {'argument' if len(needed) == 1 else 'arguments'} in them: {', '.join(needed)}"
+    return f"write {text}({', '.join(needed)}), with your own {'value' if len(needed) == 1 else 'values'} for {' and '.join(needed)}"
 
 
 def _needed(source: PythonSource, function: ast.expr) -> list[str]:

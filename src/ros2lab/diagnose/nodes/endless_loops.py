@@ -23,7 +23,7 @@ def endless_loops(
     """Yield endless loops in a callback or constructor, the first of `functions`, or in methods it calls."""
     if uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
-    has_others = _has_others(sources, owner, functions[0])
+    has_others = has_others_than(sources, owner, functions[0])
     is_late = what == "the constructor" and spins_on(sources, source)
     lost = "the node is never spun" if is_late else "it never returns"
     lost = "no other callback of the node is ever called" if has_others else lost
@@ -40,7 +40,7 @@ def endless_loops(
                 )
 
 
-def _has_others(sources: NodeSources, owner: NodeClass | None, function: Function) -> bool:
+def has_others_than(sources: NodeSources, owner: NodeClass | None, function: Function) -> bool:
     """Return whether a node has a callback other than a function."""
     family = sources.lineage(owner)[0] if owner else []
     return any(

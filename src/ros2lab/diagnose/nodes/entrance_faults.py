@@ -74,7 +74,11 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
         if not _is_guarded(init.call, init.function)
         and not any(keyword.arg == "context" for keyword in init.call.keywords)
     ]
-    is_in_one_run = len(sure) > 1 and _are_in_one_run(entrance, sure)
+    is_ended = entrance.spins and any(
+        call.short.endswith("shutdown") and call.function not in {init.function for init in sure}
+        for call in entrance.calls
+    )
+    is_in_one_run = len(sure) > 1 and not is_ended and _are_in_one_run(entrance, sure)
     if is_in_one_run and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
         kept = next((init for init in sure if init.function is entrance.function), sure[0])
         extra = next(init for init in reversed(sure) if init is not kept)

@@ -8,7 +8,13 @@ from collections import Counter
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.endless_loops import endless_loops, rate_faults, spins_on, uses_threads
+from ros2lab.diagnose.nodes.endless_loops import (
+    endless_loops,
+    has_others_than,
+    rate_faults,
+    spins_on,
+    uses_threads,
+)
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
@@ -112,26 +118,51 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         seen.add(id(function))
         functions = [function, *_called_by(sources, owner, function)]
         yield from endless_loops(sources, source, owner, functions, what)
-        yield from _waits(sources, source, functions, what)
+        yield from _waits(sources, source, owner, functions, what)
         yield from _needs_asyncio(sources, source, functions, what)
         yield from _waits_for_another(sources, source, owner, functions, what)
         if what == "the constructor":
             continue
-        for node in own_nodes(function) if spins_on(sources, source) else ():
-            if isinstance(node, ast.Call) and source.resolve(node.func) in (
-                "rclpy.shutdown",
-                "rclpy.try_shutdown",
-            ):
-                yield Finding(
-                    "shutdown-in-callback",
-                    f"{function.name} is called by spin() and itself calls rclpy.shutdown(), which may hang.",
-                    source.at(node),
-                    "remove it; write `raise SystemExit` where the program should end, and rclpy.try_shutdown() at the end of main",
-                )
+        if spins_on(sources, source):
+            yield from _shut_down(sources, source, function)
         if id(function) in repeated:
             yield from _more_timers(sources, source, functions)
     yield from rate_faults(sources)
     yield from _sent_early(sources)
+
+
+def _shut_down(sources: NodeSources, source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield shutdowns in a callback that has more to do, or after which the one at the end of a program fails."""
+    for node in own_nodes(function):
+        name = source.resolve(node.func) if isinstance(node, ast.Call) else ""
+        if name not in ("rclpy.shutdown", "rclpy.try_shutdown"):
+            continue
+        is_last = node in walk(function.body[-1])
+        if is_always_reached(function, node) and not is_last:
+            cause = f"{function.name}() calls {name}() before its other lines, so the node ends the first time that it is called."
+            fix = "remove it; write `raise SystemExit` where the program should end, and rclpy.try_shutdown() at the end of main"
+            yield Finding("shutdown-in-callback", cause, source.at(node), fix)
+        elif again := next(_ended_again(sources, source), None):
+            cause = f"{function.name}(), which spin() calls, shuts rclpy down, so `rclpy.shutdown()` on line {again.lineno} then fails: it is already shut down."
+            fix = f"write rclpy.try_shutdown() instead of rclpy.shutdown() on line {again.lineno}"
+            yield Finding("shutdown-in-callback", cause, source.at(again), fix)
+
+
+def _ended_again(sources: NodeSources, source: PythonSource) -> Iterator[ast.Call]:
+    """Yield the calls of rclpy.shutdown() that a function of a file comes to after it has spun."""
+    for home, function in sources.functions.values():
+        nodes = own_nodes(function) if home is source else ()
+        spins = [
+            n.lineno for n in nodes if isinstance(n, ast.Call) and source.resolve(n.func) == "rclpy.spin"
+        ]
+        for node in nodes if spins else ():
+            is_end = isinstance(node, ast.Call) and source.resolve(node.func) == "rclpy.shutdown"
+            if isinstance(node, ast.Call) and is_end and node.lineno > min(spins):
+                between = range(min(spins), node.lineno)
+                begins = (n for n in nodes if isinstance(n, ast.Call) and n.lineno in between)
+                is_anew = any(source.resolve(n.func) == "rclpy.init" for n in begins)
+                if is_always_reached(function, node) and not node.args and not is_anew:
+                    yield node
 
 
 def _needs_asyncio(
@@ -255,11 +286,18 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
 
 
 def _waits(
-    sources: NodeSources, source: PythonSource, functions: list[Function], what: str
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
 ) -> Iterator[Finding]:
     """Yield spins in callbacks and constructors, and calls that block a callback for long."""
-    is_free = what == "the constructor" or uses_threads(sources, source)
+    is_alone = not has_others_than(sources, owner, functions[0])
+    is_service = any(
+        creation.method == "create_service" and function is functions[0]
+        for creation, function in sources.callbacks()
+    )
+    # Where there is no other callback, a service may take its time, and a loop may be all that the node does.
+    is_free = what == "the constructor" or uses_threads(sources, source) or (is_alone and is_service)
     for function in functions:
+        repeated = _repeated(function) if is_alone else set()
         for node in own_nodes(function):
             name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
             seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
@@ -270,7 +308,7 @@ def _waits(
                     source.at(node),
                     "remove it here, and write rclpy.spin(node) in main, after the node is made",
                 )
-            elif is_free:
+            elif is_free or id(node) in repeated:
                 continue
             elif name == "input" or (
                 name == "time.sleep"

@@ -30,7 +30,10 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     where, fix = _elsewhere(owner, name)
     public = [member for member in members if member[0] != "_" or name[0] == "_"]
     close = None if where else nearest(name, owner.attributes) or nearest(name, public)
-    close = _as_used(owner, node, close) if close else None
+    is_called = any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
+    if not where and not is_called:
+        fix = f"set self.{name} in __init__, or fix its spelling"
+        close = _as_used(owner, node, close) if close else None
     meant = f" Did you mean {close}?" if close else ""
     cause = f"{owner.definition.name} has no {what} {name}{where or '.'}{meant}"
     if not where and (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
@@ -42,9 +45,8 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
 
 def _as_used(owner: NodeClass, node: ast.Attribute, close: str) -> str | None:
     """Return a similar name as it gives the value that is used: a method that takes nothing, called; None if none."""
-    is_called = any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
     method = owner.methods.get(close) or method_of("rclpy.node", "Node", close)
-    if is_called or method is None or is_property(method) or isinstance(node.ctx, ast.Store):
+    if method is None or is_property(method) or isinstance(node.ctx, ast.Store):
         return close
     needed = len(parameters(method)) - len(method.args.defaults) > 1
     is_inside = node in walk(method)  # it would only call itself
