@@ -213,7 +213,7 @@ def _never_called(state: State) -> Iterator[Finding]:
         why, begun = "", ""
         if _is_callback(state, method, takes):
             why = "it is not passed to any timer, subscription or service"
-            begun = f"write {_given_to(name, len(takes))} in __init__"
+            begun = f"{_given_to(name, len(takes))} in __init__"
         elif not state.uses.named[name] and (changed := _changed_alone(state, method)):
             why, begun = f"only it changes {changed}", _call_of(state, name, takes)
         if begun:
@@ -240,9 +240,9 @@ def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
 
 def _given_to(name: str, takes: int) -> str:
     return (
-        f"`self.timer = self.create_timer(1.0, self.{name})`",
-        f"self.{name} as the callback of a create_subscription",
-        f"self.{name} as the callback of a create_service",
+        f"write `self.timer = self.create_timer(1.0, self.{name})`",
+        f"pass self.{name} as the callback to a create_subscription",
+        f"pass self.{name} as the callback to a create_service",
     )[takes]
 
 
