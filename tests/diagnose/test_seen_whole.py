@@ -137,6 +137,7 @@ def test_what_holds_in_every_case_is_told_with_a_fix(tmp_path: Path, name: str) 
     [
         (SUB, "def heard(self, msg):\n    self.logger.info(msg.data)", "write self.get_logger(), or define"),
         (SUB, "def get_place(self):\n    return self.place", "set self.place in __init__"),
+        (SUB, "def heard(self, msg):\n    self.timer_.cancel()", "set self.timer_ in __init__"),
         (SUB, "def heard(self, msg):\n    self.destroy.action()", "set self.destroy in __init__"),
         (
             DRIVE,
