@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ast
+import sys
 from collections.abc import Callable, Iterator, Sequence
 
 from ros2lab.diagnose.code.idle_statements import idle_statements, properties
 from ros2lab.diagnose.code.main_guards import main_guard_faults
 from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import is_steady
 from ros2lab.diagnose.sources.python_source import (
@@ -122,7 +124,22 @@ def _is_taken_apart(source: PythonSource, node: ast.AST) -> bool:
         names = {ast.unparse(n) for n in calls if getattr(n.func, "attr", getattr(n.func, "id", "")) in last}
         if not names and not any(isinstance(n, ast.Call) for n in children(node)):
             return True  # a library may call it and expect a tuple
-    return any(not names.isdisjoint(map(ast.unparse, taken)) for taken in map(_apart, source.nodes))
+    passed = (
+        node.args for node in source.nodes if isinstance(node, ast.Call) and _is_of_library(source, node)
+    )
+    taken = (*map(_apart, source.nodes), *passed)
+    return any(not names.isdisjoint(map(ast.unparse, values)) for values in taken)
+
+
+def _is_of_library(source: PythonSource, call: ast.Call) -> bool:
+    """Return whether a call is one of a library other than Python's and ROS's, which may expect a tuple."""
+    top = (source.resolve(call.func) or "").partition(".")[0]
+    is_known = top in interfaces.PACKAGES | sys.stdlib_module_names or top == source.name.partition(".")[0]
+    return (
+        bool(top)
+        and not is_known
+        and top in {imported.target.partition(".")[0] for imported in source.imports}
+    )
 
 
 def _apart(node: ast.AST) -> Sequence[ast.expr]:

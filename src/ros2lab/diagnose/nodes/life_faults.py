@@ -53,13 +53,17 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
             yield from two_executors(entrance)
             yield from several_threads(entrance)
     for source in sources.sources.values():
-        yield from _spin_not_called(source)
+        yield from _spin_not_called(sources, source)
     yield from _callback_faults(sources)
     for owner in filter(sources.is_managed, sources.nodes):
         yield from _transition_faults(owner)
 
 
-def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
+def _spin_not_called(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:
+    made = {
+        text for text, call in source.made if (sources.resolve(source, call.func) or "") in sources.classes
+    }
+    name = made.pop() if len(made) == 1 else "node"
     for node in source.nodes:
         if isinstance(node, ast.Expr) and source.resolve(node.value) in ("rclpy.spin", "rclpy.init"):
             text = ast.unparse(node.value)
@@ -67,7 +71,7 @@ def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
                 "spin-missing" if text.endswith("spin") else "rclpy-init-missing",
                 f"`{text}` only names the function; without parentheses it is not called.",
                 source.at(node),
-                f"write {text}(node)" if text.endswith("spin") else f"write {text}()",
+                f"write {text}({name})" if text.endswith("spin") else f"write {text}()",
             )
 
 
