@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from shlex import quote
+from typing import Any
 
 from ros2lab import course
 from ros2lab.diagnose.code.argument_names import argument_name_faults
@@ -37,9 +38,10 @@ from ros2lab.diagnose.nodes.life_faults import life_faults
 from ros2lab.diagnose.nodes.message_faults import message_faults
 from ros2lab.diagnose.nodes.node_faults import node_faults
 from ros2lab.diagnose.nodes.parameter_faults import file_faults, parameter_faults
+from ros2lab.diagnose.nodes.partners import Partners
 from ros2lab.diagnose.nodes.service_faults import service_faults
 from ros2lab.diagnose.nodes.taken_names import taken_packages
-from ros2lab.diagnose.nodes.topic_faults import ends_of, topic_faults
+from ros2lab.diagnose.nodes.topic_faults import End, ends_of, topic_faults
 from ros2lab.diagnose.nodes.use_faults import use_faults
 from ros2lab.diagnose.packaging.for_ros import is_for_ros
 from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
@@ -47,6 +49,7 @@ from ros2lab.diagnose.packaging.layout_faults import layout_faults
 from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, manifest_faults
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
 from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.other_files import OtherFiles
 from ros2lab.diagnose.sources.package import SourcePackage, discover
 from ros2lab.diagnose.sources.python_source import PythonSource
 
@@ -165,13 +168,51 @@ class Look:
 
     def _topic_faults(self) -> Iterator[Finding]:
         ends = [end for package in self.packages for end in ends_of(self.sources(package), unnamed=True)]
-        return topic_faults(ends, self._remapped())
+        return topic_faults(
+            [end for end in ends if not self._is_moved(end)], self._remapped(), self._partners
+        )
+
+    def _is_moved(self, end: End) -> bool:
+        """Return whether a launch file puts an end into a namespace in which it does not put the others."""
+        spaces = self._spaces
+        own = spaces.get((id(end.sources), end.creation.source.name), {""})
+        are_alike = all(given == own for given in spaces.values())
+        return not (end.is_absolute or own == {""} or are_alike)
+
+    @cached_property
+    def _spaces(self) -> Mapping[tuple[int, str], set[Any]]:
+        """The namespaces in which launch files start the files of nodes."""
+        found: dict[tuple[int, str], set[Any]] = {}
+        for node in (node for file in self.launch_files for node in started_in(file, self._with_sources)):
+            for module in node.sources.imported_by(node.module):
+                found.setdefault((id(node.sources), module), set()).add(node.launched.namespace)
+        return found
+
+    @cached_property
+    def _partners(self) -> Partners:
+        """What else may have the other end of a topic or a service, and which packages are used together."""
+        groups = [
+            {node.sources for node in started_in(file, self._with_sources)} for file in self.launch_files
+        ]
+        groups += [
+            {self.sources(package), self.sources(other)}
+            for package in self.packages
+            for other in self.packages
+            if other.name in package.declared
+        ]
+        return Partners(OtherFiles(self.packages), groups)
 
     def _service_faults(self, names: Collection[str]) -> Iterator[Finding]:
         moved = {
             node.package.name for node in self.launched.values() if node.namespace or node.launched.remappings
         }
-        return service_faults(map(self.sources, self.packages), names, moved | self._remapped())
+        return service_faults(
+            map(self.sources, self.packages),
+            names,
+            moved | self._remapped(),
+            self._partners,
+            is_alone=self._are_alone,
+        )
 
     def _started_faults(self) -> Iterator[Finding]:
         for launch_file in self.launch_files:

@@ -12,29 +12,38 @@ from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
 
 if TYPE_CHECKING:
+    from ros2lab.diagnose.nodes.partners import Partners
     from ros2lab.diagnose.nodes.topic_faults import End
 
 _LATCHED, _NEW_ONLY = "TRANSIENT_LOCAL", "VOLATILE"
 _KEEPS = f"durability=DurabilityPolicy.{_LATCHED}"
 
 
-def late_readers(topic: str, there: Sequence[End]) -> Iterator[Finding]:
+def late_readers(topic: str, there: Sequence[End], partners: Partners) -> Iterator[Finding]:
     """Yield subscriptions that do not ask for the messages that a publisher keeps for those who come later.
 
     Args:
         topic: the topic.
         there: its publishers and subscriptions.
+        partners: what else may publish on it, and which packages are used together.
     """
     kept = [
         end
         for end in there
         if end.is_publisher and end.qos.get("durability") == _LATCHED and _sends_once(end)
     ]
-    if len(kept) != len([end for end in there if end.is_publisher]):
+    if not kept or len(kept) != len([end for end in there if end.is_publisher]):
         return
     for listener in there:
-        is_other = all(listener.creation.owner is not end.creation.owner for end in kept)
-        if kept and is_other and not listener.is_publisher and listener.qos.get("durability") == _NEW_ONLY:
+        is_other = all(
+            listener.creation.owner is not end.creation.owner
+            and listener.type == end.type
+            and partners.are_together(listener, end)
+            for end in kept
+        )
+        if is_other and not listener.is_publisher and listener.qos.get("durability") == _NEW_ONLY:
+            if partners.may_be_elsewhere(topic):
+                return
             cause = f"{kept[0].creation.source.shown} publishes on {topic!r} only once, when it starts, and keeps that message for subscribers that come later; this one asks only for new messages, so it receives nothing if it starts after that."
             yield Finding("qos-mismatch", cause, listener.place, _fix(listener))
 
@@ -45,7 +54,9 @@ def _sends_once(end: End) -> bool:
     nodes = [n for n in source.nodes if isinstance(n, ast.Assign) and n.value is end.creation.call]
     kept = ast.unparse(nodes[0].targets[0]) if nodes else ""
     sends = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{kept}.publish"]
-    if not kept or not sends or function is None:
+    if not kept or not sends or function is None or function.name not in ("__init__", "main"):
+        return False
+    if _is_handed_on(end, kept.rpartition(".")[2], sends):
         return False
     once = _run_once(function)
     called = {ast.unparse(n.func)[5:] for n in source.nodes if id(n) in once and _is_own_call(n)}
@@ -55,6 +66,18 @@ def _sends_once(end: End) -> bool:
         if method.name in called and all(id(n) in funcs for n in mentioned if n.attr == method.name):
             once |= _run_once(method)
     return all(id(send) in once for send in sends)
+
+
+def _is_handed_on(end: End, name: str, sends: Sequence[ast.Call]) -> bool:
+    """Return whether a publisher is mentioned other than to publish with it here, so that others may."""
+    own = {id(getattr(send.func, "value", None)) for send in sends}
+    return any(
+        name in (getattr(node, "attr", ""), getattr(node, "id", ""))
+        and id(node) not in own
+        and isinstance(getattr(node, "ctx", None), ast.Load)
+        for source in end.sources.sources.values()
+        for node in source.nodes
+    )
 
 
 def _run_once(function: Function) -> set[int]:

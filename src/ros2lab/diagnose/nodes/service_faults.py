@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.partners import Partners, made_in
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.spelling import is_near_miss
 
@@ -102,7 +103,12 @@ def service_ends(sources: NodeSources) -> Iterator[ServiceEnd]:
 
 
 def server_for(
-    client: ServiceEnd, ends: Collection[ServiceEnd], own: Collection[str] = (), *, is_missed: bool = False
+    client: ServiceEnd,
+    ends: Collection[ServiceEnd],
+    own: Collection[str] = (),
+    *,
+    is_missed: bool = False,
+    is_alone: bool = True,
 ) -> ServiceEnd | None:
     """Return the server that a client without one probably means; None if that is not plain.
 
@@ -111,17 +117,30 @@ def server_for(
         ends: all ends of the workspace.
         own: the packages of the workspace, whose types only they use.
         is_missed: whether it was seen that nobody answers the client.
+        is_alone: whether no other program, such as a simulator, may offer a service.
     """
     called = {end.name for end in ends if not end.is_server}
     served = {end.name for end in ends if end.is_server}
     if client.name in served or not client.name:
         return None
     of_kind = [end for end in ends if end.is_action is client.is_action]
-    lone = [end for end in of_kind if end.is_server and end.name and end.name not in called]
-    near = [server for server in lone if is_near_miss(client.name, server.name)]
+    lone = [
+        end
+        for end in of_kind
+        if end.is_server
+        and end.name
+        and end.name not in called
+        and (is_missed or made_in(end) is not made_in(client))  # a node seldom calls itself
+    ]
+    near = [
+        server
+        for server in lone
+        if is_near_miss(client.name, server.name) and (not client.type or server.type in ("", client.type))
+    ]
     if not near and (server := _only_one_of_its_type(client, of_kind, lone, served)):
         is_own = is_missed or client.type.partition(".")[0] in own
-        near = [server] if is_own or _are_of_the_same_words(client.name, server.name) else []
+        is_told = is_own or (is_alone and _are_of_the_same_words(client.name, server.name))
+        near = [server] if is_told else []
     return next(iter(near), None)
 
 
@@ -140,7 +159,12 @@ def _only_one_of_its_type(
 
 
 def service_faults(
-    files: Iterable[NodeSources], own: Collection[str], moved: Collection[str]
+    files: Iterable[NodeSources],
+    own: Collection[str],
+    moved: Collection[str],
+    partners: Partners | None = None,
+    *,
+    is_alone: bool = True,
 ) -> Iterator[Finding]:
     """Yield clients of a service that no node of the workspace offers, while another name is probably meant.
 
@@ -148,11 +172,20 @@ def service_faults(
         files: the Python files of each package.
         own: the names of the packages.
         moved: packages and names that launch files remap or put into a namespace.
+        partners: what else may offer a service, and which packages are used together.
+        is_alone: whether no other program, such as a simulator, may offer a service.
     """
+    partners = partners or Partners()
     ends = [end for sources in files for end in service_ends(sources)]
     for client in ends:
-        server = server_for(client, ends, own) if not client.is_server else None
+        server = server_for(client, ends, own, is_alone=is_alone) if not client.is_server else None
         if server is None or not {client.package, server.package, client.name, server.name}.isdisjoint(moved):
+            continue
+        is_open = any(end.is_server and not end.name and end.type in ("", client.type) for end in ends)
+        is_slip = is_near_miss(client.name, server.name)
+        if is_open or not (is_slip or partners.are_together(client, server)):
+            continue
+        if partners.may_be_elsewhere(client.name) or partners.may_be_elsewhere(server.name):
             continue
         what = "action" if client.is_action else "service"
         name = f"/{server.name}"

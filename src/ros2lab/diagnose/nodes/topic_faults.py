@@ -12,9 +12,11 @@ from ros2lab import assignments
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.late_readers import late_readers
 from ros2lab.diagnose.nodes.node_faults import TOPIC_NAME
+from ros2lab.diagnose.nodes.own_answers import answers_itself, by_variable, called_always, kept_as
+from ros2lab.diagnose.nodes.partners import Partners, made_in
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.sources.node_source import Creation, NodeSources
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.rhythm import has_period
 
@@ -23,8 +25,6 @@ COURSE_TOPICS: Mapping[str, tuple[str, float]] = {
     part.topic.lstrip("/"): (part.type_name.replace("/", "."), part.period)
     for part in assignments.load().parts.values()
 } | {"robot_news": ("std_msgs.msg.String", 0.0)}
-
-_DEEPEST = 5  # methods that are followed from one to the next
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,17 @@ class End:
     def name(self) -> str:
         """Its topic, with the name of its node instead of `~`; empty if that is not known."""
         return _named(self.topic, self.creation, self.sources)
+
+    @cached_property
+    def space(self) -> str:
+        """The namespace that the code gives its node, if that applies to its name; empty for none."""
+        is_below = not self.is_private and not self.is_absolute
+        return self.sources.node_name(self.creation).rpartition("/")[0] if is_below else ""
+
+    @property
+    def full_name(self) -> str:
+        """Its name with the namespace that the code gives its node."""
+        return f"{self.space}/{self.name}".lstrip("/")
 
     @property
     def is_private(self) -> bool:
@@ -125,28 +136,33 @@ def _is_there(kind: str | None) -> bool:
     )
 
 
-def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[Finding]:
+def topic_faults(
+    ends: list[End], remapped: Set[str] = frozenset(), partners: Partners | None = None
+) -> Iterator[Finding]:
     """Yield faults that keep the topics of a workspace from connecting to each other or to the course's.
 
     Args:
         ends: the publishers and subscriptions of all its packages.
         remapped: topics that launch files rename, by `End.topic` or `End.name`.
+        partners: what else may have the other end of a topic, and which packages are used together.
     """
+    partners = partners or Partners()
     by_topic: dict[str, list[End]] = {}
     for end in ends:
         if end.name and remapped.isdisjoint((end.topic, end.name)):
-            by_topic.setdefault(end.name, []).append(end)
+            by_topic.setdefault(end.full_name, []).append(end)
     by_topic = {topic: _in_use(there) for topic, there in by_topic.items()}
-    yield from _near_misses(by_topic)
-    yield from _copied(by_topic)
+    unnamed = [end for end in ends if not end.topic]
+    yield from _near_misses(by_topic, unnamed, partners)
+    yield from _copied(by_topic, partners)
     for topic, there in by_topic.items():
-        yield from _answers_itself(repr(topic), there)
-        yield from _types(topic, there)
-        yield from _qualities(topic, there)
-        yield from late_readers(topic, there)
+        yield from answers_itself(repr(topic), there)
+        yield from _types(topic, there, unnamed, partners)
+        yield from _qualities(topic, there, partners)
+        yield from late_readers(topic, there, partners)
         yield from _periods(topic, there)
-    for (_, written), there in _by_variable(ends).items():
-        yield from _answers_itself(written, there)
+    for (_, written), there in by_variable(ends).items():
+        yield from answers_itself(written, there)
 
 
 def _in_use(there: list[End]) -> list[End]:
@@ -158,65 +174,86 @@ def _in_use(there: list[End]) -> list[End]:
     return [end for end in there if end in runs or end.is_publisher not in taken]
 
 
-def _by_variable(ends: list[End]) -> dict[tuple[Function, str], list[End]]:
-    """Group the ends whose topic is known only at run time by their function and the topic's expression."""
-    found: dict[tuple[Function, str], list[End]] = {}
-    for end in ends:
-        written, function = (end.creation.arguments or {}).get("topic"), end.creation.function
-        if not end.topic and written is not None and function is not None:
-            found.setdefault((function, ast.unparse(written)), []).append(end)
-    return found
-
-
-def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
+def _near_misses(
+    by_topic: Mapping[str, list[End]], unnamed: list[End], partners: Partners
+) -> Iterator[Finding]:
     for topic, there in by_topic.items():
+        end = there[0]
         if topic in COURSE_TOPICS or {end.is_publisher for end in there} == {True, False}:
             continue
-        is_publisher = there[0].is_publisher
         # The workspace's own topics come before the course's, which contain no node's name.
-        others = [
-            name
+        others = {
+            name: ends[0].name
             for name, ends in by_topic.items()
-            if name != topic and {end.is_publisher for end in ends} == {not is_publisher}
+            if is_near_miss(topic, name)
+            and {other.is_publisher for other in ends} == {not end.is_publisher}
+            and any(_may_connect(own, other) for own in there for other in ends)
+            and ends[0].space == end.space
             # A class that uses both names, such as `tx` and `rx`, means both.
-            if {*map(_made_in, ends)}.isdisjoint(map(_made_in, there))
+            and {*map(made_in, ends)}.isdisjoint(map(made_in, there))
+            and not _has_partner(name, ends, unnamed, partners)
+        }
+        course = [
+            name
+            for name, (kind, _) in COURSE_TOPICS.items()
+            if is_near_miss(topic, name) and name not in by_topic and end.type in (None, kind)
         ]
-        meant = others if there[0].is_private else [*others, *COURSE_TOPICS]
-        wanted = next((name for name in meant if is_near_miss(topic, name)), None)
-        if wanted:
-            verb = "publishes on" if is_publisher else "subscribes to"
+        meant = [*others.values(), *([] if end.is_private else course)]
+        wanted = next(iter(meant), None)
+        if wanted and not _has_partner(topic, there, unnamed, partners):
+            verb = "publishes on" if end.is_publisher else "subscribes to"
             who = (
                 "it does not reach subscribers to"
-                if is_publisher
+                if end.is_publisher
                 else "it does not receive what is published on"
             )
-            contrast = f"{who} {wanted!r}" if wanted in others else f"the course's topic is {wanted!r}"
+            contrast = f"{who} {wanted!r}" if others else f"the course's topic is {wanted!r}"
             yield Finding(
                 "topic-near-miss",
-                f"This node {verb} {topic!r}, but {contrast}: the names differ.",
-                there[0].place,
+                f"This node {verb} {end.name!r}, but {contrast}: the names differ.",
+                end.place,
                 f"write {wanted!r} if that is meant (a leading slash may stay)",
-                (topic, wanted),
+                (end.name, wanted),
             )
 
 
-def _made_in(end: End) -> object:
-    """Return the class that creates an end, or else the function or the file."""
-    return end.creation.owner or end.creation.function or end.creation.source
+def _may_connect(end: End, other: End) -> bool:
+    """Return whether two ends of one topic would be one's partner: of the other direction, not of another type."""
+    return end.is_publisher is not other.is_publisher and (
+        not end.type or not other.type or end.type == other.type
+    )
 
 
-def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
-    """Yield publishers on a topic that has others, while the topic their file is named after has none."""
+def _has_partner(topic: str, there: list[End], unnamed: list[End], partners: Partners) -> bool:
+    """Return whether an end with a name that is only known when it runs, or another program, may be a partner."""
+    at_run_time = any(_may_connect(end, other) for end in there for other in unnamed)
+    return at_run_time or partners.may_be_elsewhere(topic)
+
+
+def _copied(by_topic: Mapping[str, list[End]], partners: Partners) -> Iterator[Finding]:
+    """Yield publishers on a topic that has others, while the topic their file is named after has none.
+
+    Both topics begin alike, such as `crane/height` and `crane/reach`: others may come from another program.
+    """
     for topic, there in by_topic.items():
-        if any(end.is_publisher for end in there) or topic in COURSE_TOPICS:
+        if (
+            any(end.is_publisher for end in there)
+            or topic in COURSE_TOPICS
+            or partners.may_be_elsewhere(topic)
+        ):
             continue
+        space = topic.rpartition("/")[0]
         for other, ends in by_topic.items():
-            publishers = [end for end in ends if end.is_publisher and end.type == there[0].type]
+            publishers = [
+                end
+                for end in ends
+                if end.is_publisher and end.type == there[0].type and partners.are_together(end, there[0])
+            ]
             files = {end.creation.source.shown: end for end in publishers}
             named = [
                 end for shown, end in files.items() if _in_name(topic, shown) and not _in_name(other, shown)
             ]
-            if len(files) > 1 and len(named) == 1:
+            if space and other.rpartition("/")[0] == space and len(files) > 1 and len(named) == 1:
                 cause = f"Two programs publish on {other!r}, but none on {topic!r}, which {there[0].creation.source.shown} subscribes to."
                 fix = f"write {topic!r} instead of {other!r} here"
                 yield Finding("topic-near-miss", cause, named[0].place, fix, (topic, other))
@@ -234,45 +271,65 @@ def _makes_its_type(end: End) -> bool:
     return any(end.sources.resolve(source, call.func) == end.type for call in calls)
 
 
-def _types(topic: str, there: list[End]) -> Iterator[Finding]:
-    known = [end for end in there if end.type]
+def _types(topic: str, there: list[End], unnamed: list[End], partners: Partners) -> Iterator[Finding]:
+    """Yield ends without a partner of their type: what they are compared with has another type, or the course has."""
     wanted = COURSE_TOPICS[topic][0] if topic in COURSE_TOPICS else None
-    if topic == "cmd_vel" and any(str(end.type).endswith("TwistStamped") for end in known):
+    if topic == "cmd_vel" and any(str(end.type).endswith("TwistStamped") for end in there):
         wanted = None  # what newer robots take
-    # The first end whose file creates messages of its type is right; if there is none, the first of all.
-    first = next((end for end in known if _makes_its_type(end)), known[0] if known else None)
-    for end in known:
-        right = wanted or (first.type if first else None)
-        if right and end.type != right:
-            yield Finding(
-                "topic-type",
-                f"On {topic!r} this node uses {end.type}, but {'the course' if wanted else 'another node'} uses {right}, so no messages arrive.",
-                end.place,
-                f"write {right.rpartition('.')[2]}, with `from {right.rpartition('.')[0]} import {right.rpartition('.')[2]}`",
-                (topic, right),
+    alone = [end for end in there if end.type and not any(_may_connect(end, other) for other in there)]
+    for end in alone:
+        facing = [other for other in there if other.is_publisher is not end.is_publisher]
+        others = [other for other in facing if partners.are_together(end, other)]
+        right = wanted if wanted and (others or not facing) else _right_type(end, others, there, alone)
+        if not right or end.type == right or _has_partner(topic, [end], unnamed, partners):
+            continue
+        kind = right.rpartition(".")[2]
+        yield Finding(
+            "topic-type",
+            f"On {end.name!r} this node uses {end.type}, but {'the course' if wanted else 'another node'} uses {right}, so no messages arrive.",
+            end.place,
+            f"write {kind}, with `from {right.rpartition('.')[0]} import {kind}`",
+            (end.name, right),
+        )
+
+
+def _right_type(end: End, others: list[End], there: list[End], alone: list[End]) -> str | None:
+    """Return the type that an end and those on the other side of its topic should have; None without any.
+
+    Who has a partner is right, or else the first whose file creates messages of its type, or else the first.
+    """
+    if not others:
+        return None
+    both = [other for other in there if other is end or other in others]
+    met = [other for other in both if other not in alone]
+    return next(iter([*met, *filter(_makes_its_type, both), *both])).type
+
+
+def _qualities(topic: str, there: list[End], partners: Partners) -> Iterator[Finding]:
+    """Yield subscriptions that no publisher of their type offers what they require."""
+    policies = (("durability", "TRANSIENT_LOCAL", "VOLATILE"), ("reliability", "RELIABLE", "BEST_EFFORT"))
+    for listener in (end for end in there if not end.is_publisher):
+        offers = [end for end in there if _may_connect(listener, end)]
+        for policy, strict, weak in policies if listener.type and offers else ():
+            is_refused = listener.qos.get(policy) == strict and all(
+                end.type and end.qos.get(policy) == weak and partners.are_together(listener, end)
+                for end in offers
             )
-
-
-def _qualities(topic: str, there: list[End]) -> Iterator[Finding]:
-    for publisher in (end for end in there if end.is_publisher):
-        for listener in (end for end in there if not end.is_publisher):
-            for policy, strict, weak in (
-                ("durability", "TRANSIENT_LOCAL", "VOLATILE"),
-                ("reliability", "RELIABLE", "BEST_EFFORT"),
-            ):
-                if listener.qos.get(policy) == strict and publisher.qos.get(policy) == weak:
-                    yield Finding(
-                        "qos-mismatch",
-                        f"The subscription to {topic!r} requires {policy} {strict}, but the publisher offers {weak}, so nothing arrives.",
-                        listener.place,
-                        f"give both the same {policy}",
-                    )
+            if is_refused and not partners.may_be_elsewhere(topic):
+                yield Finding(
+                    "qos-mismatch",
+                    f"The subscription to {topic!r} requires {policy} {strict}, but the publisher offers {weak}, so nothing arrives.",
+                    listener.place,
+                    f"give both the same {policy}",
+                )
 
 
 def _qos(sources: NodeSources, creation: Creation) -> Mapping[str, str]:
     """Return the policies that are known of a quality of service."""
     default = {"durability": "VOLATILE", "reliability": "RELIABLE"}
     given = (creation.arguments or {}).get("qos_profile")
+    if "qos_overriding_options" in (creation.arguments or {}):
+        return {}  # parameters may change it
     if isinstance(given, ast.Constant):
         return default
     node = _definition(creation, given)
@@ -346,20 +403,20 @@ def publishing_timers(end: End) -> Iterator[Creation]:
     for creation, function in _timers(end):
         # Only unconditional calls.
         calls = [s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
-        if f"{_kept_as(end)}.publish" in [ast.unparse(call.func) for call in calls]:
+        if f"{kept_as(end)}.publish" in [ast.unparse(call.func) for call in calls]:
             yield creation
 
 
 def goes_on(end: End) -> bool:
     """Return whether a timer always publishes on a topic, itself or by the methods that it calls."""
-    sent = f"{_kept_as(end)}.publish"
+    sent = f"{kept_as(end)}.publish"
     owner = end.creation.owner
-    return any(sent in dict(_called_always(end.sources, owner, function)) for _, function in _timers(end))
+    return any(sent in dict(called_always(end.sources, owner, function)) for _, function in _timers(end))
 
 
 def _timers(end: End) -> Iterator[tuple[Creation, Function]]:
     """Yield the timers of the node that publishes on a topic, with their callbacks."""
-    if not end.is_publisher or not _kept_as(end):
+    if not end.is_publisher or not kept_as(end):
         return
     for creation in end.sources.creations:
         is_timer = creation.method == "create_timer" and creation.owner is end.creation.owner
@@ -367,50 +424,3 @@ def _timers(end: End) -> Iterator[tuple[Creation, Function]]:
         function = end.sources.function_of(creation, given) if is_timer else None
         if function is not None:
             yield creation, function
-
-
-def _answers_itself(topic: str, there: list[End]) -> Iterator[Finding]:
-    """Yield callbacks that always publish on the topic they listen to, and so call themselves endlessly."""
-    for listener in (end for end in there if not end.is_publisher and end.type):
-        sources, creation = listener.sources, listener.creation
-        callback = sources.function_of(creation, (creation.arguments or {}).get("callback"))
-        calls = dict(_called_always(sources, creation.owner, callback)) if callback else {}
-        for end in there:
-            is_alike = (end.type, end.is_absolute) == (listener.type, listener.is_absolute)
-            is_own = creation.owner is not None and end.creation.owner is creation.owner
-            sent = calls.get(f"{_kept_as(end)}.publish") if end.is_publisher and is_alike and is_own else None
-            if sent is not None:
-                cause = f"The callback of {topic} publishes on {topic}, so the node receives its own messages and answers them endlessly."
-                fix = "publish on another topic, or only under a condition that eventually becomes false"
-                yield Finding("endless-loop", cause, creation.source.at(sent), fix)
-
-
-def _called_always(
-    sources: NodeSources, owner: NodeClass | None, function: Function, depth: int = 0
-) -> Iterator[tuple[str, ast.Call]]:
-    """Yield the calls that a function always makes, also by methods of its own; none if it may end early."""
-    leaves = (ast.Return, ast.Raise, ast.Yield, ast.Await)
-    ends = ("destroy", "shutdown", "exit", "cancel")
-    for node in own_nodes(function):
-        called = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
-        if isinstance(node, leaves) or any(word in called for word in ends):
-            return
-    waiting = list(reversed(function.body))
-    while waiting:
-        statement = waiting.pop()
-        if isinstance(statement, (ast.With, ast.Try)):
-            waiting += reversed(statement.body)
-        elif isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
-            call = statement.value
-            yield ast.unparse(call.func), call
-            method = sources.method(owner, call.func.attr) if is_self_attribute(call.func) else None
-            if method is not None and depth < _DEEPEST:
-                yield from _called_always(sources, owner, method, depth + 1)
-
-
-def _kept_as(end: End) -> str | None:
-    for node in end.creation.source.nodes:
-        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is end.creation.call:
-            target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-            return ast.unparse(target)
-    return None

@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Collection, Iterator
 from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
 from shlex import quote
 from typing import Any
 
@@ -15,14 +16,18 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
+from ros2lab.diagnose.sources.commented_out import without_comments, without_texts
 from ros2lab.diagnose.sources.interfaces import PACKAGES, meant
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss
+from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss, nearest, same_letters
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
 _PYTHON_LINE = "write <export><build_type>ament_python</build_type></export> in package.xml"
 # What rclpy depends on, and what a launch file needs: hardly anybody declares these, and nothing breaks.
+# Modules of Python that are called like the libraries that they wrap, which rosdep does find.
+_LIBRARIES = frozenset(("readline", "sqlite3", "uuid", "zlib"))
+_LONG = 10  # letters of a standard package's name, of which no other package's differs by only one
 _BROUGHT_ALONG = frozenset(
     ("rcl_interfaces", "builtin_interfaces", "unique_identifier_msgs", "launch", "launch_ros")
 )
@@ -149,35 +154,45 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
             _PYTHON_LINE,
         )
     elif kind is not None and kind not in BUILD_TYPES:
-        yield Finding(
-            "build-type-unknown",
-            f"package.xml has the build type {kind!r}, which colcon does not know, so nothing is built.",
-            at(shown, manifest_line(package, kind or "build_type")),
-            _PYTHON_LINE,
-        )
+        # There are others, for Rust or for Java, each with an extension of colcon.
+        wanted = nearest(kind, BUILD_TYPES, 0.8) or ("ament_python" if package.has("setup.py") else "")
+        if wanted:
+            yield Finding(
+                "build-type-unknown",
+                f"package.xml has the build type {kind!r}, which colcon does not know, so nothing is built.",
+                at(shown, manifest_line(package, kind or "build_type")),
+                f"write <export><build_type>{wanted}</build_type></export> in package.xml",
+            )
     elif kind in ("ament_cmake", "cmake", "catkin") and not has_cmake:
+        is_python = package.has("setup.py") or bool(package.sources)
+        create = f"type `ros2 pkg create {package.name} --build-type ament_cmake` in an empty folder elsewhere, and copy CMakeLists.txt from there next to package.xml"
         yield Finding(
             "build-type-cmake",
-            f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but this is a Python package.",
+            f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but {'this is a Python package' if is_python else 'there is none'}.",
             at(shown, manifest_line(package, "build_type")),
-            _PYTHON_LINE,
+            _PYTHON_LINE if is_python else create,
         )
-    elif kind == "ament_cmake" and not package.has("setup.py") and (file := _python_alone(package)):
-        name = package.name
-        needs = (
-            dict.fromkeys(dependency.name for dependency in package.manifest.exec_depends)
-            if package.manifest
-            else {}
-        )
-        create = f"ros2 pkg create {name} --build-type ament_python"
-        create += f" --dependencies {' '.join(needs)}" if needs else ""
-        folder = package.shown("").rstrip("/")
-        yield Finding(
-            "build-type-cmake",
-            f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python.",
-            at(shown, manifest_line(package, "build_type")),
-            f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(folder.rpartition('/')[0] or '.')} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
-        )
+    elif kind == "ament_cmake" and (file := _python_alone(package)):
+        yield _not_installed_by_cmake(package, shown, file)
+
+
+def _not_installed_by_cmake(package: SourcePackage, shown: str, file: str) -> Finding:
+    """Return a finding that a package is built by CMake, which does not install its Python file."""
+    name, place = package.name, at(shown, manifest_line(package, "build_type"))
+    if package.has("setup.py"):
+        cause = f"package.xml has the build type ament_cmake, so colcon builds {name} with CMakeLists.txt, which does not install {file}, and does not read setup.py."
+        return Finding("build-type-cmake", cause, place, _PYTHON_LINE)
+    manifest = package.manifest
+    needs = dict.fromkeys(dependency.name for dependency in manifest.exec_depends) if manifest else {}
+    create = f"ros2 pkg create {name} --build-type ament_python"
+    create += f" --dependencies {' '.join(needs)}" if needs else ""
+    folder = package.shown("").rstrip("/")
+    return Finding(
+        "build-type-cmake",
+        f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python.",
+        place,
+        f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(folder.rpartition('/')[0] or '.')} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
+    )
 
 
 def _python_alone(package: SourcePackage) -> str:
@@ -193,15 +208,25 @@ def _python_alone(package: SourcePackage) -> str:
         package.folder / package.name,
         package.folder,
     )
-    files = [path for folder in folders for path in sorted(folder.glob("*.py"))]
-    if (
-        compiled
-        or not files
-        or ".py" in read_text(package.folder / "CMakeLists.txt").replace("CMakeLists", "")
-    ):
+    names = ("__init__.py", "setup.py")
+    files = [path for folder in folders for path in sorted(folder.glob("*.py")) if path.name not in names]
+    text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
+    is_told = ".py" in text or "ament_python" in text or "catkin_python" in text
+    if compiled or not files or is_told or _installs_by_folder(text, files, package):
         return ""
-    is_told = "ament_python" in read_text(package.folder / "CMakeLists.txt")
-    return "" if is_told else files[0].relative_to(package.folder).as_posix()
+    return files[0].relative_to(package.folder).as_posix()
+
+
+def _installs_by_folder(text: str, files: Collection[Path], package: SourcePackage) -> bool:
+    """Return whether a CMakeLists.txt may install files by the name of their folder, or by a variable."""
+    for command in re.findall(r"\binstall\s*\(([^()]*)\)", text):
+        taken = set(
+            re.findall(r"[\w.-]+|\$\{", re.sub(r"\b(?:LIBRARY|RUNTIME)?\s*DESTINATION\s+\S+", "", command))
+        )
+        names = {part for path in files for part in path.relative_to(package.folder).with_suffix("").parts}
+        if "${" in taken or "." in taken or names & taken:
+            return True
+    return False
 
 
 def _dependency_faults(
@@ -219,8 +244,13 @@ def _dependency_faults(
         name = str(export.content).strip()
         element = f"<{export.tagname}>{name}</{export.tagname}>"
         cause = f"`{element}` is inside <export>, where neither colcon nor rosdep looks for dependencies."
-        place = at(shown, manifest_line(package, name))
-        yield Finding("dependency-joined", cause, place, "move this line above <export>", (name,))
+        place = at(shown, manifest_line(package, name, after="export"))
+        fix = (
+            "remove this line: it is above <export> as well"
+            if name in declared
+            else "move this line above <export>"
+        )
+        yield Finding("dependency-joined", cause, place, fix, (name,))
     for name in declared:
         place = at(shown, manifest_line(package, name))
         if len(names := re.findall(r"[\w-]+", name)) > 1:
@@ -233,7 +263,7 @@ def _dependency_faults(
             continue
         if name in known:
             continue
-        if name in sys.stdlib_module_names:
+        if name in sys.stdlib_module_names - _LIBRARIES:
             yield Finding(
                 "dependency-not-ros",
                 f"package.xml declares {name}, which is part of Python, not a package, so rosdep cannot find it.",
@@ -242,7 +272,7 @@ def _dependency_faults(
                 (name,),
             )
         elif wanted := next(
-            (candidate for candidate in sorted(known) if is_near_miss(name, candidate)), None
+            (candidate for candidate in sorted(known) if _is_slip(package, name, candidate)), None
         ):
             yield Finding(
                 "dependency-unknown",
@@ -252,6 +282,21 @@ def _dependency_faults(
                 (name,),
             )
     yield from _undeclared(package, set(declared), known - {*plain}, set(workspace_names) - {*plain})
+
+
+def _is_slip(package: SourcePackage, name: str, candidate: str) -> bool:
+    """Return whether a declared name is a misspelling of another package's.
+
+    A public package that is not installed here may differ from one in the workspace by one letter: a slip it is
+    only if the package uses the other one and not this one, or if the other one's name is standard and long.
+    """
+    if candidate == package.name or not is_near_miss(name, candidate):
+        return False
+    launched = {launched for launched, _ in launched_packages(package)}
+    imported = {i.target.partition(".")[0] for source in package.sources.values() for i in source.imports}
+    used = launched | imported
+    is_standard = candidate in PACKAGES and (len(candidate) >= _LONG or same_letters(name, candidate))
+    return name not in used and (candidate in used or is_standard)
 
 
 # How a launch file names another package, in Python, XML and YAML.
@@ -264,8 +309,10 @@ def launched_packages(package: SourcePackage) -> Iterator[tuple[str, str]]:
     """Yield the packages that a package's launch files name, each with its place."""
     for path in package.launch_files:
         shown = package.shown(str(path.relative_to(package.folder)))
-        for number, line in enumerate(read_text(path).splitlines(), 1):
-            code = line.partition("#")[0] if path.suffix == ".py" else line
+        text = read_text(path)
+        text = without_texts(text) if path.suffix == ".py" else without_comments(text)
+        for number, line in enumerate(text.splitlines(), 1):
+            code = line if path.suffix == ".xml" else line.partition("#")[0]
             yield from ((match["name"], at(shown, number)) for match in _NAMED_BY_LAUNCH.finditer(code))
 
 

@@ -16,6 +16,7 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging import setup_child
 from ros2lab.diagnose.packaging.file_patterns import folder_taken
+from ros2lab.diagnose.sources.commented_out import without_comments
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
@@ -264,8 +265,13 @@ def like(path: Any) -> str:
     return same[0] if same else ""
 
 
-def manifest_line(package: SourcePackage, word: str) -> int | None:
-    """Return the line of package.xml in which a word is a tag or its content; None if there is none."""
-    lines = read_text(package.folder / "package.xml").splitlines()
+def manifest_line(package: SourcePackage, word: str, *, after: str = "") -> int | None:
+    """Return the line of package.xml in which a word is a tag or its content; None if there is none.
+
+    Comments do not count; with `after`, only what follows the beginning of that tag does.
+    """
+    text = without_comments(read_text(package.folder / "package.xml"))
+    start = re.search(rf"<{re.escape(after)}\b", text) if after else None
     pattern = rf">\s*{re.escape(word)}\s*<|<{re.escape(word)}\b"
-    return next((number for number, line in enumerate(lines, 1) if re.search(pattern, line)), None)
+    found = re.compile(pattern).search(text, start.end() if start else 0)
+    return text.count("\n", 0, found.start() + found[0].index(word)) + 1 if found else None

@@ -116,8 +116,13 @@ class SourcePackage:
 
     @cached_property
     def setup(self) -> SetupScript | None:
-        """Its setup.py; None if there is none."""
-        return read_setup(self.folder, self.shown("setup.py"))
+        """Its setup.py; None if there is none, or if colcon does not read it."""
+        return None if self.is_built_by_cmake else read_setup(self.folder, self.shown("setup.py"))
+
+    @property
+    def is_built_by_cmake(self) -> bool:
+        """Whether colcon builds it with its CMakeLists.txt alone, also if there is a setup.py."""
+        return self.build_type in ("ament_cmake", "cmake") and self.has("CMakeLists.txt")
 
     @cached_property
     def setup_cfg(self) -> RawConfigParser | None:
@@ -172,7 +177,7 @@ class SourcePackage:
     @cached_property
     def launch_files(self) -> list[Path]:
         """Its launch files in Python, XML or YAML, in any folder: recognized by their names or contents."""
-        return sorted(path for path in self._own_files() if _is_launch_file(path))
+        return sorted(path for path in self.own_files() if _is_launch_file(path))
 
     @cached_property
     def parameter_files(self) -> list[Path]:
@@ -185,7 +190,7 @@ class SourcePackage:
     @cached_property
     def yaml_files(self) -> list[Path]:
         """All its YAML files."""
-        return sorted(path for path in self._own_files() if path.suffix.lower() in (".yaml", ".yml"))
+        return sorted(path for path in self.own_files() if path.suffix.lower() in (".yaml", ".yml"))
 
     @cached_property
     def likely_files(self) -> list[Path]:
@@ -196,10 +201,10 @@ class SourcePackage:
 
     def places_of(self, name: str) -> list[str]:
         """Return the paths of its files with a name, relative to its folder, the shortest paths first."""
-        paths = (path.relative_to(self.folder).as_posix() for path in self._own_files() if path.name == name)
+        paths = (path.relative_to(self.folder).as_posix() for path in self.own_files() if path.name == name)
         return sorted(paths, key=lambda path: (path.count("/"), path))
 
-    def _own_files(self) -> Iterator[Path]:
+    def own_files(self) -> Iterator[Path]:
         """Yield its files, without tests, build folders, and other packages inside its folder."""
         for where, names, files in os.walk(self.folder):
             folder = Path(where)

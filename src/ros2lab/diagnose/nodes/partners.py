@@ -1,0 +1,48 @@
+"""Whether an end of a topic or a service may have a partner, and which packages are used together."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Protocol
+
+from ros2lab.diagnose.sources.node_source import Creation, NodeSources
+from ros2lab.diagnose.sources.other_files import OtherFiles
+
+
+class _End(Protocol):
+    """What a publisher, a subscription, a server and a client have in common."""
+
+    @property
+    def creation(self) -> Creation: ...
+
+    @property
+    def sources(self) -> NodeSources: ...
+
+
+class Partners:
+    """What is known about the programs of a workspace beside the ends that its Python files name.
+
+    Args:
+        files: the files that may name a topic or a service without being read.
+        groups: the packages that are used together, because a launch file starts both or one needs the other.
+    """
+
+    def __init__(
+        self, files: OtherFiles | None = None, groups: Collection[Collection[NodeSources]] = ()
+    ) -> None:
+        self._files = files or OtherFiles()
+        self._groups = groups
+
+    def may_be_elsewhere(self, name: str) -> bool:
+        """Return whether a file that is not read names a topic or a service, so that it may have the other end."""
+        return self._files.name(name)
+
+    def are_together(self, end: _End, other: _End) -> bool:
+        """Return whether two ends are meant to run at the same time: two exercises may use one name."""
+        pair = (end.sources, other.sources)
+        return pair[0] is pair[1] or any(all(sources in group for sources in pair) for group in self._groups)
+
+
+def made_in(end: _End) -> object:
+    """Return the class that creates an end, or else the function or the file."""
+    return end.creation.owner or end.creation.function or end.creation.source
