@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
@@ -310,7 +311,13 @@ class Look:
             points = package.setup.entry_points if package.setup else None
             scripts = package.setup.keywords.get("scripts") if package.setup else None
             is_known = bool(points) and all(point.module for point in points or ()) and not scripts
-            found[package.name] = [point.name for point in points or ()] if is_known else None
+            if package.setup is not None and not package.setup.are_data_files_known:
+                is_known &= re.search(r"['\"]/?lib['\"/]", package.setup.source.text) is None
+            names = [point.name for point in points or ()]
+            # What is copied into the folder of the executables is one, too.
+            files = package.setup.data_files if package.setup else ()
+            copied = [path for folder, paths in files if folder == f"lib/{package.name}" for path in paths]
+            found[package.name] = [*names, *(Path(path).name for path in copied)] if is_known else None
         return found
 
 

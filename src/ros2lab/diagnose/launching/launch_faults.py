@@ -5,14 +5,16 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection, Iterator, Mapping
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.logged import as_logged
 from ros2lab.diagnose.launching.unread_words import unread_words
+from ros2lab.diagnose.packaging.entry_point_forms import meant_function
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.other_names import by_another_name
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
 
 
@@ -32,7 +34,15 @@ def launch_faults(
     declared = {name for package in packages.values() for name in package.declared}
     for node in launch_file.nodes:
         if isinstance(node.package, str) and node.package not in packages:
-            wanted = next((name for name in packages if is_near_miss(node.package, name)), None)
+            # A package with another name that is not installed here would have another executable.
+            wanted = next(
+                (
+                    name
+                    for name, package in packages.items()
+                    if is_near_miss(node.package, name) and _may_have(package, node, executables.get(name))
+                ),
+                None,
+            )
             if (
                 wanted
                 and node.package not in declared
@@ -47,7 +57,13 @@ def launch_faults(
                 )
         elif isinstance(node.package, str) and isinstance(node.executable, str):
             there = executables.get(node.package)
-            if there is not None and node.executable not in there:
+            if (
+                there is not None
+                and node.executable not in there
+                and (module := _uncalled(packages[node.package], node.executable))
+            ):
+                yield _no_entry_point(packages[node.package], node, node.executable, module)
+            elif there is not None and node.executable not in there:
                 meant = by_another_name(packages[node.package], node.executable)
                 near = meant[0].name if meant else nearest(node.executable, there, 0.6)
                 said = "" if meant else did_you_mean(node.executable, there)
@@ -63,6 +79,41 @@ def launch_faults(
                 yield from _prints(packages[node.package], node)
         yield from _parameter_files(node, packages)
         yield from unread_words(node, packages)
+
+
+def _may_have(package: SourcePackage, node: Launched, there: Collection[str] | None) -> bool:
+    """Return whether a package has an executable, as far as that is known."""
+    if there is None:
+        return str(node.executable) in read_text(package.folder / "CMakeLists.txt")
+    return node.executable in there
+
+
+def _uncalled(package: SourcePackage, executable: str) -> str:
+    """Return the module with the name of an executable if it has a program that no entry point calls; else empty."""
+    points = (package.setup.entry_points if package.setup else None) or ()
+    called = {point.module for point in points}
+    stem = executable.removesuffix(".py")
+    for name, source in package.sources.items():
+        functions = [node for node in source.tree.body if isinstance(node, ast.FunctionDef)]
+        if name.rpartition(".")[2] == stem and name not in called and functions:
+            return name
+    return ""
+
+
+def _no_entry_point(package: SourcePackage, node: Launched, executable: str, module: str) -> Finding:
+    """Return a finding that a launch file starts a program for which setup.py has no entry point."""
+    shown, setup = package.sources[module].shown, package.setup
+    name = executable.removesuffix(".py")
+    row = f"'{name} = {module}:{meant_function(package, module)}',"
+    place = at(package.shown("setup.py"), setup.line("entry_points") if setup else None)
+    other = f", write {name} instead of {executable} in {node.place}" if name != executable else ""
+    return Finding(
+        "launch-executable",
+        f"The launch file starts {executable}, which is {shown}, but no entry point in setup.py calls it, so it is not an executable.",
+        node.place,
+        f"write `{row}` into 'console_scripts' in {place}{other}, and build again",
+        (name,),
+    )
 
 
 def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:

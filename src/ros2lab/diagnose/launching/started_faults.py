@@ -15,12 +15,12 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.nodes.parameter_faults import is_for, sections_of
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
-from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.node_source import CREATORS, NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 
 @dataclass(frozen=True)
@@ -176,26 +176,32 @@ def started_faults(
     nodes = started_in(file, packages)
     yield from _parameters(nodes)
     yield from _renamed(nodes)
-    if len(nodes) == len(file.nodes):
-        if is_alone:
-            yield from _without_clock(nodes)
-        yield from _started_twice(nodes)
     if len(nodes) == len(file.nodes):  # otherwise another program may have the other end of a topic
+        yield from _without_clock(nodes) if is_alone else ()
+        yield from _started_twice(nodes)
         yield from _apart(nodes)
-    topics = _names([sources for _, sources in packages.values()])
+    yield from _remappings(file, nodes)
+
+
+def _remappings(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield remappings whose first name none of the nodes has that are given it; all their names are known."""
+    known = {id(node.launched): _own_names(node) for node in nodes}
     for node in nodes:
-        own = _own_names(node)
         for topic, new in node.launched.remappings:
             # A remapping given to several nodes is meant for those that use the name.
-            is_shared = sum((topic, new) in launched.remappings for launched in file.nodes) > 1
-            if own and not is_shared and not _is_among(topic, own, node):
-                others = [_own_names(other) for other in nodes if other is not node]
-                yield _remapped(
-                    node, topic, new, own, {name.lstrip("/") for names in others for name in names}
-                )
-            elif topics and not _is_among(topic, topics, node):
-                wanted = nearest(topic.lstrip("/"), topics, 0.6)
-                yield from [_remapped(node, topic, None, {wanted}, set())] if wanted else []
+            given = [launched for launched in file.nodes if (topic, new) in launched.remappings]
+            takers = [other for other in nodes if any(other.launched is launched for launched in given)]
+            names = [known[id(other.launched)] for other in takers]
+            if len(takers) < len(given) or not all(names):
+                continue
+            if any(_is_among(topic, own, other) for own, other in zip(names, takers, strict=True)):
+                continue
+            own = {name for taken in names for name in taken}
+            if len(given) > 1 and not nearest(topic.lstrip("/"), own, 0.6):
+                continue  # such as the transforms, which a launch file may rename for all nodes alike
+            others = [known[id(other.launched)] for other in nodes if other is not node]
+            beside = {name.lstrip("/") for taken in others for name in taken}
+            yield _remapped(node, topic, new, own, beside)
 
 
 def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
@@ -206,7 +212,8 @@ def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
         calls = calls_in_one_run(function, is_node) if function else []
         made = [ast.unparse(call.func) for call in calls]
         name = node.launched.name
-        if isinstance(name, str) and len(made) > 1:
+        is_for_all = "use_global_arguments" not in node.sources.sources[node.module].text
+        if isinstance(name, str) and len(made) > 1 and is_for_all:
             cause = f"The launch file names {node.launched.executable} {name!r}, but that program makes {len(made)} nodes ({', '.join(made)}): name= renames every one of them, so they all have the same name."
             fix = f"remove name={name!r}, so that each node keeps the name from its code"
             yield Finding("name-twice", cause, node.launched.place, fix, (str(node.launched.executable),))
@@ -221,6 +228,8 @@ def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool
 def _own_names(node: Started) -> set[str]:
     """Return the names of a node's topics and services; empty if it may have others."""
     files = node.sources.around(node.module)
+    if files and any(CREATORS.keys() & node_class.methods.keys() for node_class in files.classes.values()):
+        return set()  # what its own way of creating them makes is not known
     for source in files.sources.values() if files else ():
         called = {id(call.func) for call in source.nodes if isinstance(call, ast.Call)}
         for inner in source.nodes:
@@ -252,6 +261,7 @@ def _remapped(node: Started, topic: str, new: Any, own: set[str], beside: set[st
     wanted = nearest(topic.lstrip("/"), own, 0.6) or (min(own) if len(own) == 1 else "")
     fix = f"write one of these as the first name of the remapping: {there}"
     fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
+    fix = fix if is_near_miss(topic.lstrip("/"), wanted) else f"{fix}, or remove it if no name is to change"
     if is_turned:
         turned = f"write ({new!r}, {topic!r}) instead of ({topic!r}, {new!r})"
         is_met, is_met_turned = new.lstrip("/") in beside, topic.lstrip("/") in beside
@@ -379,14 +389,17 @@ def line_of(key: str, text: str) -> int | None:
 def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield two nodes that would share a topic if the launch file did not separate them."""
     ends = [(node, *end) for node in nodes for end in node.ends]
+    if any(not end.topic for node in nodes for end in ends_of(node.sources, unnamed=True)):
+        return  # the other end may have a name that is only known when it runs
     for node, end, plain, name in ends:
         if end.is_publisher or not name or _others(ends, name, is_publisher=True):
             continue
-        for other, _, other_plain, other_name in ends:
+        for other, other_end, other_plain, other_name in ends:
             is_left = other_name and not _others(ends, other_name, is_publisher=False)
             if (
                 other is node
                 or not is_left
+                or (other_end.type and end.type and other_end.type != end.type)
                 or other_plain != plain
                 or not _is_publisher(ends, other, other_plain)
             ):

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import ast
+import io
+import itertools
 import re
+import tokenize
 from shlex import quote
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.setup_script import EntryPoint
 from ros2lab.diagnose.sources.spelling import nearest
@@ -15,16 +18,24 @@ from ros2lab.diagnose.sources.spelling import nearest
 def wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
     """Explain an entry point that is not of the form `name = package.module:function`."""
     name, _, rest = point.text.partition("=")
+    if joined := _without_comma(package, point):
+        rows = [f"`{written},` on line {number}" for number, written in joined]
+        after = " and ".join(f"line {number}" for number, _ in joined)
+        cause = f"A comma is missing after the entry point on {after}, so Python joins it with the next one: {point.text!r}."
+        shown = package.setup.source.shown if package.setup else ""
+        fix = f"write `{joined[0][1]},`" if len(joined) == 1 else f"write {' and '.join(rows)}"
+        return Finding("entry-point-comma", cause, at(shown, joined[0][0]), fix)
+    # In one string, they are divided by a comma or a space.
     parts = [
         re.sub(r"\s*=\s*", " = ", entry)
-        for entry in re.findall(r"[\w-]+\s*=\s*[\w.]+:\w+?(?=[\W_]|$)", point.text)
+        for entry in re.findall(r"(?<![\w-])[\w-]+\s*=\s*[\w.]+:\w+(?=[\s,;]|$)", point.text)
     ]
-    if rest.count("=") >= 1:
+    if len(parts) > 1:
         return Finding(
             "entry-point-comma",
             f"Two entry points are in one string: {point.text!r}; each needs its own quotes, with a comma between them.",
             place,
-            f"write {', '.join(map(repr, parts))}" if len(parts) > 1 else f"write `{_line(package, point)},`",
+            f"write {', '.join(map(repr, parts))}",
         )
     if meant := of_its_parts(package, point):
         return put_in_order(package, point, meant, place)
@@ -42,10 +53,44 @@ def wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding
     )
 
 
-def _line(package: SourcePackage, point: EntryPoint) -> str:
-    """Return the line of an entry point without its end."""
-    lines = package.setup.source.text.splitlines() if package.setup else []
-    return lines[point.line - 1].strip().rstrip(",") if point.line else repr(point.text)
+def _without_comma(package: SourcePackage, point: EntryPoint) -> list[tuple[int, str]]:
+    """Return what a comma should follow in setup.py, each with its line; empty if none is missing.
+
+    Python joins strings that follow each other: each that begins a new entry point should have been an item.
+    """
+    setup = package.setup
+    if setup is None or point.text.count("=") < 2 or not point.line:
+        return []
+    texts = _strings(setup.source.text)
+    lines = setup.source.text.splitlines()
+    found = []
+    for (line, former, is_next), (_, following, _) in itertools.pairwise(texts):
+        begins = re.match(r"\w?['\"]+\s*([\w-]+\s*=)", following)
+        is_own = line >= point.line and bool(begins) and begins is not None and begins[1] in point.text
+        if is_next and is_own and ":" in former:
+            # The end of an expression, such as a sum, is shown with the rest of its line.
+            before = lines[line - 1].partition(former)[0].lstrip()
+            found.append((line, before + former if before.rstrip().endswith("+") else former))
+    return found
+
+
+def _strings(text: str) -> list[tuple[int, str, bool]]:
+    """Return the strings of a file in order: the line on which each ends, its code, and whether one follows directly."""
+    try:
+        tokens = [*tokenize.generate_tokens(io.StringIO(text).readline)]
+    except (tokenize.TokenError, SyntaxError):
+        return []
+    tokens = [token for token in tokens if token.type not in (tokenize.NL, tokenize.COMMENT)]
+    lines = text.splitlines()
+    starts = (tokenize.STRING, getattr(tokenize, "FSTRING_START", tokenize.STRING))
+    ends = (tokenize.STRING, getattr(tokenize, "FSTRING_END", tokenize.STRING))
+    found, start = [], (0, 0)
+    for token, following in itertools.pairwise(tokens):
+        start = token.start if token.type in starts else start
+        if token.type in ends and start[0] == token.end[0]:
+            code = lines[start[0] - 1][start[1] : token.end[1]]
+            found.append((token.end[0], code, following.type in starts))
+    return found
 
 
 def _why(text: str, meant: str = "") -> str:
