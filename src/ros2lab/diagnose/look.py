@@ -207,13 +207,17 @@ class Look:
         moved = {
             node.package.name for node in self.launched.values() if node.namespace or node.launched.remappings
         }
-        return service_faults(
-            map(self.sources, self.packages),
-            names,
-            moved | self._remapped(),
-            self._partners,
-            is_alone=self._are_alone,
+        # Turtlesim offers services of the types that everybody uses, such as /reset.
+        users = (
+            i.target
+            for package in self.packages
+            for source in package.sources.values()
+            for i in source.imports
         )
+        named = {*users, *(name for package in self.packages for name in package.declared)}
+        is_alone = self._are_alone and not any(name.partition(".")[0] == "turtlesim" for name in named)
+        ends = map(self.sources, self.packages)
+        return service_faults(ends, names, moved | self._remapped(), self._partners, is_alone=is_alone)
 
     def _started_faults(self) -> Iterator[Finding]:
         for launch_file in self.launch_files:

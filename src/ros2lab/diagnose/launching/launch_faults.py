@@ -104,14 +104,18 @@ def _no_entry_point(package: SourcePackage, node: Launched, executable: str, mod
     """Return a finding that a launch file starts a program for which setup.py has no entry point."""
     shown, setup = package.sources[module].shown, package.setup
     name = executable.removesuffix(".py")
-    row = f"'{name} = {module}:{meant_function(package, module)}',"
-    place = at(package.shown("setup.py"), setup.line("entry_points") if setup else None)
+    row = f"{name} = {module}:{meant_function(package, module)}"
+    where = f"write `{row}` below console_scripts in {package.shown('setup.cfg')}"
+    if setup and setup.line("entry_points"):
+        place = at(package.shown("setup.py"), setup.line("entry_points"))
+        # As the first one, it needs no comma that the last one may lack.
+        where = f"write `'{row}',` as the first entry point in 'console_scripts' in {place}"
     other = f", write {name} instead of {executable} in {node.place}" if name != executable else ""
     return Finding(
         "launch-executable",
         f"The launch file starts {executable}, which is {shown}, but no entry point in setup.py calls it, so it is not an executable.",
         node.place,
-        f"write `{row}` into 'console_scripts' in {place}{other}, and build again",
+        f"{where}{other}, and build again",
         (name,),
     )
 

@@ -199,8 +199,7 @@ def _remappings(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Finding]
             own = {name for taken in names for name in taken}
             if len(given) > 1 and not nearest(topic.lstrip("/"), own, 0.6):
                 continue  # such as the transforms, which a launch file may rename for all nodes alike
-            others = [known[id(other.launched)] for other in nodes if other is not node]
-            beside = {name.lstrip("/") for taken in others for name in taken}
+            beside = {name for other in nodes if other is not node for name in known[id(other.launched)]}
             yield _remapped(node, topic, new, own, beside)
 
 

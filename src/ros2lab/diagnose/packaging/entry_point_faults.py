@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import copy
 import difflib
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,6 +20,7 @@ from ros2lab.diagnose.packaging.entry_point_forms import (
     wrong_form,
 )
 from ros2lab.diagnose.packaging.setup_shapes import like
+from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
@@ -40,7 +42,12 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
             place,
             "write 'console_scripts' with an s",
         )
-    elif points == [] and (main := _first_main(package)) and not _is_named_beside(package, main):
+    elif (
+        points == []
+        and not _has_scripts(package, setup)
+        and (main := _first_main(package))
+        and not _is_named_beside(package, main)
+    ):
         yield Finding(
             "entry-points-missing",
             f"setup.py has no entry point, so {main} cannot be run with `ros2 run`.",
@@ -56,6 +63,14 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         else:
             found = [*_entry_point_fault(package, setup, point)]
         yield from (replace(finding, about=(point.name, *finding.about)) for finding in found)
+
+
+def _has_scripts(package: SourcePackage, setup: SetupScript) -> bool:
+    """Return whether a setup.py installs executables in another way, or may do so."""
+    folders = [folder for folder, _ in setup.data_files]
+    is_open = not setup.are_data_files_known and "lib" in setup.source.text
+    others = {"scripts"} & setup.keywords.keys() or {*(setup.groups or ())} - {"console_scripts"}
+    return bool(others) or is_open or f"lib/{package.name}" in folders
 
 
 def _is_named_beside(package: SourcePackage, module: str) -> bool:
@@ -112,6 +127,8 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         yield Finding("entry-point-module", cause, place, fix, (package.shown(called),))
         return
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
+    if source is None and top not in tops and (top in package.declared or is_installed(top)):
+        return
     if (
         source is None
         and top not in tops
@@ -135,7 +152,13 @@ def _function_fault(
     package: SourcePackage, source: PythonSource, point: EntryPoint, place: str
 ) -> Iterator[Finding]:
     """Yield what keeps an entry point's function from being called: it is a class, needs arguments, or is missing."""
-    if any(isinstance(n, ast.ClassDef) and n.name == point.function for n in source.tree.body):
+    made = next(
+        (n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == point.function), None
+    )
+    if made is not None:
+        # The constructor of another class may run the whole program.
+        if not _is_only_a_node(source, made):
+            return
         yield Finding(
             "entry-point-function",
             f"The executable {point.name} calls the class {point.function}, but it must call a function that makes and runs the node.",
@@ -145,16 +168,24 @@ def _function_fault(
     elif (function := _demanding(source, point.function)) is not None:
         names = [argument.arg for argument in function.args.args]
         required = names[: len(names) - len(function.args.defaults)]
-        values = [*["None"] * len(required), *map(ast.unparse, function.args.defaults)]
-        given = ", ".join(f"{name}={value}" for name, value in zip(names, values, strict=True))
+        given = copy.deepcopy(function.args)
+        given.defaults = [*(ast.Constant(None) for _ in required), *function.args.defaults]
+        returns = f" -> {ast.unparse(function.returns)}" if function.returns else ""
         yield Finding(
             "entry-point-function",
             f"`ros2 run` calls {point.function}() without arguments, but it requires {', '.join(required)}.",
             source.at(function),
-            f"write def {point.function}({given}):",
+            f"write def {point.function}({ast.unparse(given)}){returns}:",
         )
     elif not source.fault and not _has(source, point.function):
         yield _missing_function(source, package.sources, point, place)
+
+
+def _is_only_a_node(source: PythonSource, made: ast.ClassDef) -> bool:
+    """Return whether a class is a node that neither starts nor spins itself."""
+    is_node = any(ast.unparse(base).rpartition(".")[2].endswith("Node") for base in made.bases)
+    calls = (node for node in ast.walk(made) if isinstance(node, ast.Call))
+    return is_node and not any((source.resolve(call.func) or "").startswith("rclpy.") for call in calls)
 
 
 def _demanding(source: PythonSource, name: str) -> ast.FunctionDef | None:
@@ -193,7 +224,7 @@ def _meant_module(
     """Return the module that an entry point should name instead of that of another; empty if it may be right.
 
     It is the file with the name of the executable. If two entry points call the same function and one file is
-    left uncalled, that file belongs to the executable with the more similar name, or else to the last one.
+    left uncalled, that file belongs to the executable with the more similar name, if there is one.
     """
     point = points[number]
     able = [name for name in uncalled if _has(sources[name], point.function)]
@@ -212,8 +243,8 @@ def _meant_module(
             candidate
         )
 
-    is_told = max(fit(candidate)[0] for candidate in alike) > 0
-    return able[0] if point is (max(alike, key=fit) if is_told else alike[-1]) else ""
+    meant = max(alike, key=fit)
+    return able[0] if point is meant and fit(meant)[0] > 0 else ""
 
 
 def _likeness(executable: str, module: str) -> float:
@@ -334,8 +365,22 @@ def _has(source: PythonSource, function: str) -> bool:
     bound = {
         node.id for node in source.nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
     }
-    names = set(source.names) | bound
+    names = set(source.names) | bound | {node.name for node in _defined(source.tree.body)}
     return function.partition(".")[0] in names or any(imported.local == "*" for imported in source.imports)
+
+
+def _defined(body: Sequence[ast.stmt]) -> Iterator[ast.FunctionDef | ast.ClassDef]:
+    """Yield what a module defines, also under a condition, unless it is run only as a script."""
+    for node in body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            yield node
+        elif isinstance(node, (ast.If, ast.Try, ast.With)) and "__name__" not in ast.unparse(
+            getattr(node, "test", ast.Constant(None))
+        ):
+            for field in ("body", "orelse", "finalbody"):
+                yield from _defined(getattr(node, field, ()))
+            for handler in getattr(node, "handlers", ()):
+                yield from _defined(handler.body)
 
 
 def _indented(source: PythonSource, name: str) -> tuple[str, int] | None:

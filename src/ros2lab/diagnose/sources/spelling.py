@@ -45,8 +45,8 @@ def is_near_miss(name: object, wanted: object) -> bool:
     """Return whether `name` is a misspelling of `wanted`, and not another name.
 
     It has one letter too few, too many or wrong, two letters swapped, another case or separator, or a number
-    at the end: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, nor is `pose2` of `pose1`, which
-    may stand beside it, and no non-string is.
+    at the end: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, nor is `pose2` of `pose1` or
+    `wheel_r` of `wheel_l`, which may stand beside it, and no non-string is.
     """
     return isinstance(name, str) and isinstance(wanted, str) and _is_near_miss(name, wanted)
 
@@ -63,9 +63,16 @@ def _is_near_miss(name: str, wanted: str) -> bool:
     if _letters(name) == _letters(wanted):
         return True
     are_numbered = re.sub(r"\d+", "0", name) == re.sub(r"\d+", "0", wanted)
-    if len(wanted) < 5 or are_numbered:
+    if len(wanted) < 5 or are_numbered or _are_lettered(name, wanted):
         return False
     return re.sub(r"_?\d+$", "", name) == wanted or _is_one_edit(name.lower(), wanted.lower())
+
+
+def _are_lettered(name: str, wanted: str) -> bool:
+    """Return whether two names differ in words of one letter, such as `wheel_l` and `wheel_r`."""
+    pairs = [*zip(re.split(r"[\W_]+", name), re.split(r"[\W_]+", wanted), strict=False)]
+    different = [pair for pair in pairs if pair[0] != pair[1]]
+    return bool(different) and all(len(word) == 1 for pair in different for word in pair)
 
 
 def same_letters(name: str, other: str) -> bool:
