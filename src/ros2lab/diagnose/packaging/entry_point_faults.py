@@ -26,6 +26,8 @@ from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
 from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, is_near_miss, nearest
 
+_ALIKE = 0.6  # how similar the names of an executable and of its module usually are, at least
+
 
 def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     """Yield what is wrong with the entry points of a setup.py, and with the functions that they name."""
@@ -244,7 +246,9 @@ def _meant_module(
         )
 
     meant = max(alike, key=fit)
-    return able[0] if point is meant and fit(meant)[0] > 0 else ""
+    words = [set(name.split("_")) for name in (meant.name, able[0].rpartition(".")[2])]
+    is_alike = bool(words[0] & words[1]) or _likeness(meant.name, able[0]) >= _ALIKE
+    return able[0] if point is meant and is_alike and fit(meant)[0] > 0 else ""
 
 
 def _likeness(executable: str, module: str) -> float:
