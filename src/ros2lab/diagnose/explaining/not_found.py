@@ -14,7 +14,6 @@ from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.explaining.unbuilt import not_yet_built
 from ros2lab.diagnose.finding import Finding, at, stops_build
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.packaging.entry_point_forms import meant_function
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.packaging.layout_faults import hidden, outside
 from ros2lab.diagnose.packaging.listed_packages import not_built
@@ -22,7 +21,7 @@ from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, is_module, nearest_module
-from ros2lab.diagnose.sources.other_names import by_another_name
+from ros2lab.diagnose.sources.other_names import by_another_name, meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.setup_script import EntryPoint

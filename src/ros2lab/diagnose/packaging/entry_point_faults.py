@@ -14,13 +14,13 @@ from shlex import quote
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.entry_point_forms import (
     function_of,
-    meant_function,
     of_its_parts,
     put_in_order,
     wrong_form,
 )
 from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.interfaces import is_installed
+from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
@@ -248,7 +248,9 @@ def _meant_module(
     meant = max(alike, key=fit)
     words = [set(name.split("_")) for name in (meant.name, able[0].rpartition(".")[2])]
     is_alike = bool(words[0] & words[1]) or _likeness(meant.name, able[0]) >= _ALIKE
-    return able[0] if point is meant and is_alike and fit(meant)[0] > 0 else ""
+    # The module may be named after another executable, which leaves none for this one.
+    is_left = any(other.name == other.module.rpartition(".")[2] for other in alike if other is not meant)
+    return able[0] if point is meant and (is_left or (is_alike and fit(meant)[0] > 0)) else ""
 
 
 def _likeness(executable: str, module: str) -> float:

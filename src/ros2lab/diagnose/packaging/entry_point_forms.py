@@ -10,6 +10,7 @@ import tokenize
 from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.setup_script import EntryPoint
 from ros2lab.diagnose.sources.spelling import nearest
@@ -165,12 +166,3 @@ def function_of(package: SourcePackage, module: str, words: list[str]) -> str:
     if words[0] in functions:
         return words[0]
     return "main" if is_class and "main" in functions else nearest(words[0], functions, 0.6) or ""
-
-
-def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
-    """Return the function that an entry point should call: as written, else the only one, else main."""
-    if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
-        return name[1]
-    source = package.sources.get(module)
-    functions = [n.name for n in source.tree.body if isinstance(n, ast.FunctionDef)] if source else []
-    return functions[0] if len(functions) == 1 else "main"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -37,3 +38,12 @@ def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
         if word in (point.function, *classes, *nodes):
             inner.append(point)
     return inner if len(inner) == 1 else []
+
+
+def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
+    """Return the function that an entry point should call: as written, else the only one, else main."""
+    if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
+        return name[1]
+    source = package.sources.get(module)
+    functions = [n.name for n in source.tree.body if isinstance(n, ast.FunctionDef)] if source else []
+    return functions[0] if len(functions) == 1 else "main"
