@@ -93,8 +93,9 @@ def _uncalled(package: SourcePackage, executable: str) -> str:
     called = {point.module for point in points}
     stem = executable.removesuffix(".py")
     for name, source in package.sources.items():
-        functions = [node for node in source.tree.body if isinstance(node, ast.FunctionDef)]
-        if name.rpartition(".")[2] == stem and name not in called and functions:
+        functions = [node.name for node in source.tree.body if isinstance(node, ast.FunctionDef)]
+        is_program = meant_function(package, name) in functions
+        if name.rpartition(".")[2] == stem and name not in called and is_program:
             return name
     return ""
 
