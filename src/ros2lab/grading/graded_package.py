@@ -83,6 +83,11 @@ class Package(SourcePackage):
         """The entries of `package_dir` that do not lead out of the package."""
         return {name: where for name, where in super().package_dirs.items() if _is_inside(where)}
 
+    @property
+    def is_built_by_cmake(self) -> bool:
+        """Never: its setup.py is graded for what it says, and its build type for itself."""
+        return False
+
     @cached_property
     def setup(self) -> SetupScript | None:
         """Its setup.py, with arguments from setup.cfg and pyproject.toml if it does not have them itself."""
