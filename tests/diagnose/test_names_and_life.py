@@ -115,3 +115,19 @@ def test_one_callback_of_a_timer_and_a_subscription(
     (finding,) = of_workspace(files.write(tmp_path))
     assert finding.fix.startswith("remove this line")
     assert f"shared is right for the {fits} on line" in finding.fix
+
+
+@pytest.mark.parametrize(
+    ("written", "fix"),
+    [
+        ("None(package='my_bot', executable='talker')", "write Node instead of None"),
+        ("'Node'(package='my_bot', executable='talker')", "write Node instead of 'Node'"),
+    ],
+)
+def test_a_value_that_is_called_with_names(tmp_path: Path, files: Files, written: str, fix: str) -> None:
+    files.texts["src/my_bot/launch/two.launch.py"] = (
+        "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n\n"
+        "def generate_launch_description():\n    return LaunchDescription([\n"
+        f"        Node(package='my_bot', executable='ears'),\n        {written},\n    ])\n"
+    )
+    assert fix in [finding.fix for finding in of_workspace(files.write(tmp_path), None)]

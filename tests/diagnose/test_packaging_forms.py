@@ -206,3 +206,14 @@ def test_a_marker_that_is_not_installed_is_made_first_where_it_is_missing(
     subprocess.run(command, shell=True, check=True, cwd=root)
     package = root / "src/robot_controller"
     assert (package / line.partition("['")[2].partition("']")[0]).is_file()
+
+
+def test_a_dependency_under_a_condition_is_declared(tmp_path: Path) -> None:
+    files = Files.right(NAMES[0])
+    for condition in ("$ROS_DISTRO == humble", "$BUILD_KIND == real"):
+        depend = f'<depend condition="{condition}">std_msgs</depend>'
+        files.change("package.xml", "<depend>std_msgs</depend>", depend)
+        assert "dependency-undeclared" not in [f.code for f in of_workspace(files.write(tmp_path), None)]
+        files.change("package.xml", depend, "<depend>std_msgs</depend>")
+    files.change("package.xml", "<depend>std_msgs</depend>", "")
+    assert "dependency-undeclared" in [f.code for f in of_workspace(files.write(tmp_path), None)]

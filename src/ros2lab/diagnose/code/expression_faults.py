@@ -18,6 +18,7 @@ from ros2lab.diagnose.sources.python_source import (
     children,
     own_nodes,
 )
+from ros2lab.diagnose.sources.spelling import nearest
 
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "lower": str.lower,
@@ -79,6 +80,9 @@ def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterat
             and isinstance(before, _LITERALS)
         ):
             text = ast.unparse(before)
+            if getattr(node, "keywords", ()):  # after a comma, nothing could read them
+                yield from _not_callable(source, before)
+                continue
             cause = f"A comma is missing after `{text[:60]}`, so Python takes what follows as {_NEXT[type(node)]} it."
             line = source.text.splitlines()[(before.end_lineno or 1) - 1]
             begun, rest = (
@@ -88,6 +92,17 @@ def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterat
             fix = f"write a comma after `{text[:60]}`" if rest.strip() else f"write `{begun.strip()},`"
             yield Finding(missing, cause, source.at(before.end_lineno), fix)
     yield from _tuple_faults(source)
+
+
+def _not_callable(source: PythonSource, called: ast.expr) -> Iterator[Finding]:
+    """Yield a value that is called, if it is written like something that the file imports."""
+    value = called.value if isinstance(called, ast.Constant) else None
+    names = {imported.local for imported in source.imports if imported.local[:1].isupper()}
+    meant = value if value in names else nearest(str(value), names, 0.6)
+    if meant:
+        what = ast.unparse(called)
+        cause = f"`{what}` is called here, but it is neither a class nor a function."
+        yield Finding("not-callable", cause, source.at(called), f"write {meant} instead of {what}")
 
 
 def _tuple_faults(source: PythonSource) -> Iterator[Finding]:

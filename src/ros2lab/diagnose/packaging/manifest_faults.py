@@ -281,7 +281,9 @@ def _dependency_faults(
                 f"write {wanted} instead of {name}",
                 (name,),
             )
-    yield from _undeclared(package, set(declared), known - {*plain}, set(workspace_names) - {*plain})
+    yield from _undeclared(
+        package, {*declared} | package.conditional, known - {*plain}, set(workspace_names) - {*plain}
+    )
 
 
 def _is_slip(package: SourcePackage, name: str, candidate: str) -> bool:

@@ -84,6 +84,12 @@ class SourcePackage:
         return {dependency.name for tag in tags for dependency in tag}
 
     @property
+    def conditional(self) -> set[str]:
+        """The packages that package.xml declares under a condition, which may hold elsewhere only."""
+        text = read_text(self.folder / "package.xml") if self.manifest else ""
+        return {*re.findall(r"<\w*depend\s[^<>]*\bcondition=[^<>]*>\s*([\w-]+)", text)}
+
+    @property
     def manifest_fault(self) -> str | None:
         """Why package.xml is not valid; None if it is valid or missing."""
         return self._parsed[1]
