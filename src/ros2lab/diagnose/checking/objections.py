@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ros2lab.diagnose.checking.base_classes import asked_of, may_be_of_subclass
 from ros2lab.diagnose.checking.checked_copies import RULES, said_of
 from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted, is_doubtful
 from ros2lab.diagnose.checking.hints import is_misled
@@ -15,6 +16,7 @@ from ros2lab.diagnose.checking.type_words import types_named
 from ros2lab.diagnose.code.lost_parameters import CODE, definitions
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.construction import is_of_construction
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
@@ -111,9 +113,13 @@ class Doubts:
         source, line, groups = objection.source, objection.line, objection.groups
         if not (_is_sure(groups) and _may_not_fail(source, line, groups)):
             return False
+        owner, name = owner_and_name(groups)
+        asked = asked_of(objection.row["rule"], objection.said[0], groups["owner"], name)
+        if may_be_of_subclass(*asked, Spot(objection.read(), line), self._owners):
+            return False
         if source is None:
             return True
-        if _may_be_given(self._owners.get(source), *owner_and_name(groups)):
+        if _may_be_given(self._owners.get(source), owner, name):
             return False
         is_doubted = source in self._owners and is_doubtful(
             objection.row, objection.said, source, self._owners[source]

@@ -302,21 +302,26 @@ def launch_homes_of(name: str) -> list[str]:
     return found
 
 
-@lru_cache(maxsize=1)
-def _launch_classes() -> Mapping[str, frozenset[str]]:
-    """Return the names of the base classes of each class of launch."""
-    folders = [folder for folder in map(folder_of, ("launch", "launch_ros")) if folder]
+@lru_cache(maxsize=8)
+def _bases_in(*packages: str) -> Mapping[str, frozenset[str]]:
+    """Return the names of the base classes of each class of some packages."""
+    folders = [folder for folder in map(folder_of, packages) if folder]
     texts = (read_text(path) for folder in folders for path in folder.rglob("*.py"))
     found = (re.findall(r"^class (\w+)\(([\w., ]+)", text, re.MULTILINE) for text in texts)
     return {name: frozenset(re.findall(r"\w+(?=,|$)", above)) for rows in found for name, above in rows}
 
 
-def launch_classes_below(name: str) -> list[str]:
-    """Return the classes for launch files that are derived from a class of launch, itself included."""
-    known, found = _launch_classes(), {name}
+def classes_below(name: str, *packages: str) -> list[str]:
+    """Return the classes of some packages that are derived from a class, itself included."""
+    known, found = _bases_in(*packages), {name}
     while more := {class_name for class_name, above in known.items() if above & found} - found:
         found |= more
-    return sorted(class_name for class_name in found if launch_homes_of(class_name))
+    return sorted(found)
+
+
+def launch_classes_below(name: str) -> list[str]:
+    """Return the classes for launch files that are derived from a class of launch, itself included."""
+    return [below for below in classes_below(name, "launch", "launch_ros") if launch_homes_of(below)]
 
 
 def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:

@@ -1,0 +1,153 @@
+"""Objects of which only a base class is known: what the base class lacks, their own class may have."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import sys
+from collections.abc import Collection, Iterable, Iterator
+
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
+
+_OF_METHODS = frozenset(
+    ("missing-argument", "too-many-positional-arguments", "unknown-argument", "invalid-argument-type")
+)
+_OPERATORS = "__"  # how the names of the methods that Python calls begin
+_SETS_BY_NAME = ("setattr", "__getattr__", "__dict__")
+
+
+def asked_of(rule: str, said: str, owner: str, name: str) -> tuple[str, str]:
+    """Return the class whose member the type checker misses, and the member; empty if it is of another kind.
+
+    Args:
+        rule: its rule.
+        said: what it says.
+        owner: the class that it names, or a method of it.
+        name: the attribute that the class lacks.
+    """
+    kind, _, method = owner.rpartition(".")
+    if rule == "missing-attribute" and said.startswith("Object of type") and owner.isidentifier():
+        return owner, name
+    if rule in ("unsupported-operator", "not-callable") and owner.isidentifier():
+        return owner, _OPERATORS
+    is_method = rule in _OF_METHODS and kind and method != "__init__"
+    return (kind.rpartition(".")[2], method) if is_method else ("", "")
+
+
+def may_be_of_subclass(kind: str, name: str, spot: Spot, sources: Iterable[PythonSource]) -> bool:
+    """Return whether an object on a line may be of a class below the one that the type checker names.
+
+    A hint, a handler, an `isinstance` and the result of a function tell only a base class. It is the class itself
+    where the file makes the object, and where no class below it is known to have what it lacks.
+
+    Args:
+        kind: the class that it names.
+        name: the member that it misses in it.
+        spot: the line.
+        sources: the files of the workspace.
+    """
+    values = [n.value for n in spot.nodes if isinstance(n, ast.Attribute) and n.attr == name]
+    if not kind or (values and all(_is_made(spot, value, kind) for value in values)):
+        return False
+    classes = [node for source in sources for node in source.nodes if isinstance(node, ast.ClassDef)]
+    is_own = any(definition.name == kind for definition in classes)
+    return _is_given_below(kind, name, classes) or (not is_own and _is_given_in_library(spot, kind, name))
+
+
+def _is_made(spot: Spot, value: ast.expr, kind: str) -> bool:
+    """Return whether an expression makes an instance of a class, or names what holds nothing else."""
+    text = ast.unparse(value)
+    made = [value] if isinstance(value, ast.Call) else spot.assigned(text)
+    around = spot.function.args if spot.function else None
+    is_given = around is not None and text in {a.arg for a in (*around.args, *around.kwonlyargs)}
+    return bool(made) and not is_given and all(_called(node) == kind for node in made)
+
+
+def _called(node: ast.expr) -> str:
+    return ast.unparse(node.func).rpartition(".")[2] if isinstance(node, ast.Call) else ""
+
+
+def _is_given_below(kind: str, name: str, classes: Collection[ast.ClassDef]) -> bool:
+    """Return whether a class of the workspace below another one has a name, or may have any."""
+    below, above = {kind, *_library_below(kind)}, set[str]()
+    while more := {c.name for c in classes if below & _bases(c)} - below:
+        below |= more
+    derived = [c for c in classes if c.name in below - {kind}]
+    while more := {base for c in classes if c in derived or c.name in above for base in _bases(c)} - above:
+        above |= more  # what a class inherits from others than the one that is named
+    return any(_gives(c, name) for c in classes if c in derived or c.name in above - {kind})
+
+
+def _bases(definition: ast.ClassDef) -> set[str]:
+    return {ast.unparse(base).partition("[")[0].rpartition(".")[2] for base in definition.bases}
+
+
+def _gives(definition: ast.ClassDef, name: str) -> bool:
+    names = {found for node in walk(definition) for found in _names(node)}
+    is_there = any(map(_is_operator, names)) if name == _OPERATORS else name in names
+    return is_there or any(word in ast.dump(definition) for word in _SETS_BY_NAME)
+
+
+def _is_operator(name: str) -> bool:
+    return name.startswith(_OPERATORS) and name != "__init__"
+
+
+def _names(node: ast.AST) -> Iterator[str]:
+    match node:
+        case ast.Attribute(attr=name, ctx=ast.Store()) | ast.Name(id=name, ctx=ast.Store()):
+            yield name
+        case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
+            yield name
+
+
+def _library_below(kind: str) -> list[str]:
+    return interfaces.classes_below(kind, "rclpy") if interfaces.inner_homes_of(kind) else []
+
+
+def _is_given_in_library(spot: Spot, kind: str, name: str) -> bool:
+    """Return whether a class of Python or of ROS below another one may have a name.
+
+    Of other libraries nothing is known, nor of who derives an exception from one of Python's.
+    """
+    if found := getattr(builtins, kind, None):
+        return isinstance(found, type) and issubclass(found, BaseException)
+    if own := [*_of_python(spot, kind)]:
+        return any(_has(below, name) for known in own for below in known.__subclasses__())
+    if name == _OPERATORS:
+        return False
+    if interfaces.homes_of(kind) or interfaces.inner_homes_of(kind) or interfaces.launch_homes_of(kind):
+        return any(
+            name in interfaces.members_of(home, below)[0]
+            for below in _library_below(kind)
+            if below != kind
+            for home in interfaces.inner_homes_of(below)
+        )
+    return True
+
+
+def _of_python(spot: Spot, kind: str) -> Iterator[type[object]]:
+    """Yield the classes of a name in the modules of Python that the file imports."""
+    for imported in spot.source.imports if spot.source else ():
+        for module in (imported.target, imported.target.rpartition(".")[0]):
+            if module and module.partition(".")[0] in sys.stdlib_module_names:
+                try:
+                    found = getattr(interfaces.own_module(module), kind, None)
+                except ImportError:
+                    continue
+                if isinstance(found, type):
+                    yield found
+
+
+def _has(kind: type[object], name: str) -> bool:
+    """Return whether a class of Python, or one below it, has an attribute, or sets it in one of its methods."""
+    made = (getattr(method, "__code__", None) for method in vars(kind).values())
+    is_set = any(name in code.co_names for code in made if code is not None)
+    fields = getattr(kind, "_fields", ())
+    return (
+        hasattr(kind, name)
+        or is_set
+        or name in fields
+        or any(_has(below, name) for below in kind.__subclasses__())
+    )
