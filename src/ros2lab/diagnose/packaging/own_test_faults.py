@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import ast
+import collections
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import lru_cache
+from importlib.metadata import entry_points
 from shlex import quote
 
+from ros2lab.diagnose.code.main_guards import is_guard
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, read_text
 
 _FIXTURE = re.compile(
-    r"^ {,4}@(?:pytest\.)?fixture\b.*\n(?: *@.*\n)* *def (\w+)",
+    r"^ {,4}@(?:pytest\.)?fixture\b.*\n(?: *@.*\n)* *(?:async )?def (\w+)",
     re.MULTILINE,  # as pytest's own sources write one
 )
 
@@ -26,11 +29,11 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
     looked_into = [
         source for source in sources if source.name.startswith("test_") or source.name.endswith("_test")
     ]
-    for source in sources:
-        if source in looked_into:
-            yield from _called_otherwise(source)
-        elif source.name != "conftest":
-            yield from _not_looked_into(source)
+    others = _others(package, sources) if sources else ""
+    for source in sources if not _CHOSEN.search(others) else ():
+        texts = [others, *(other.text for other in sources if other is not source)]
+        if not any(re.search(rf"\b{re.escape(source.name)}\b", text) for text in texts):
+            yield from _not_run(source, is_looked_into=source in looked_into)
     tests = [
         (source, function)
         for source in looked_into
@@ -39,52 +42,79 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
     ]
     if tests:
         yield from _not_given_to_pytest(package, *tests[0])
-    texts = " ".join(source.text for source in sources)
-    if not [*package.folder.glob("conftest.py")] and not re.search(r"pytest_plugins|import \*", texts):
-        own = {function.name for source in sources for function in _fixtures(source)}
+    texts = [others, *(source.text for source in sources)]
+    if not _has_conftest(package) and not any(_GIVES_ANY.search(text) for text in texts):
+        own = {name for source in sources for name in _fixtures(source)}
         for source, function in tests:
             yield from _without_fixture(source, function, own)
 
 
-def _not_looked_into(source: PythonSource) -> Iterator[Finding]:
-    tests = _checks(source)
-    if tests:
+# Settings by which pytest looks for other names, and what gives tests arguments that are not seen here.
+_CHOSEN = re.compile(r"\bpython_(?:files|functions|classes)\b|collect_file")
+_GIVES_ANY = re.compile(r"\bpytest(?:[-_][a-z]|11|mark)|launch_pytest|import \*")
+
+
+def _others(package: SourcePackage, sources: Collection[PythonSource]) -> str:
+    """Return the texts of the other files that may name a file of tests: code, launch files, settings and builds."""
+    paths = {source.path for source in (*package.sources.values(), *sources) if source.path}
+    known = {source.path for source in sources}
+    endings = (".py", ".cfg", ".ini", ".toml", ".txt", ".xml")
+    paths |= {path for path in package.folder.glob("*") if path.suffix in endings and path.is_file()}
+    paths |= {path for path in package.launch_files if path.suffix in endings}
+    inner = (path for name in ("test", "tests") for path in (package.folder / name).rglob("*.py"))
+    return "\n".join(map(read_text, sorted({*paths, *inner} - known)))
+
+
+def _has_conftest(package: SourcePackage) -> bool:
+    """Return whether a conftest.py above the tests may give them fixtures, also one for all packages."""
+    root = package.root or package.folder
+    inside = [folder for folder in package.folder.parents if folder.is_relative_to(root)]
+    return any((folder / "conftest.py").is_file() for folder in (package.folder, *inside))
+
+
+def _not_run(source: PythonSource, *, is_looked_into: bool) -> Iterator[Finding]:
+    """Yield the tests of a file that no other names, if pytest passes over the file, or over all its functions.
+
+    A file that is run, and one with classes or names from elsewhere, may hold what pytest finds.
+    """
+    if any(isinstance(node, ast.If) and is_guard(node) for node in source.nodes) or "import *" in source.text:
+        return
+    named = collections.Counter(re.findall(r"\w+", source.text))
+    given = {*_fixtures(source)}
+    tests = [
+        function
+        for function in source.tree.body
+        if isinstance(function, ast.FunctionDef)
+        and named[function.name] == 1
+        and not function.decorator_list
+        and given.issuperset(argument.arg for argument in function.args.args)
+        and (function.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(function)))
+    ]
+    if not tests or (is_looked_into and any(map(_is_collected, source.nodes))):
+        return
+    name, place = tests[0].name, source.at(tests[0])
+    if is_looked_into:
+        cause = f"pytest runs only functions named test_..., so {name}() is never run."
+        fix = f"write test_{name.removeprefix('check_')} instead of {name}"
+        yield Finding("never-called", cause, place, fix)
+    elif source.name != "conftest":
         new = f"test_{source.name.removesuffix('_tests').removesuffix('_checks')}.py"
-        cause = (
-            f"pytest looks only at files named test_*.py, so {tests[0]}() in {source.name}.py is never run."
-        )
-        others = [name for name in tests if not name.startswith("test")]
+        cause = f"pytest looks only at files named test_*.py, so {name}() in {source.name}.py is never run."
+        others = [test.name for test in tests if not test.name.startswith("test")]
         more = f", and begin the names of its functions with test_ ({', '.join(others)})" if others else ""
         fix = f"mv {quote(source.shown)} {quote(source.shown.rpartition('/')[0] + '/' + new)}{more}"
         yield Finding("never-called", cause, source.shown, fix)
 
 
-def _checks(source: PythonSource) -> list[str]:
-    """Return the names of the functions that are named as tests or assert something."""
-    functions = [n for n in source.nodes if isinstance(n, ast.FunctionDef)]
-    return [
-        function.name
-        for function in functions
-        if function.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(function))
-    ]
-
-
-def _called_otherwise(source: PythonSource) -> Iterator[Finding]:
-    """Yield a function that asserts something but that pytest ignores, in a file without any test."""
-    names = _checks(source)
-    if names and not any(name.startswith("test") for name in names):
-        cause = f"pytest runs only functions named test_..., so {names[0]}() is never run."
-        yield Finding(
-            "never-called",
-            cause,
-            source.shown,
-            f"write test_{names[0].removeprefix('check_')} instead of {names[0]}",
-        )
+def _is_collected(node: ast.AST) -> bool:
+    return isinstance(node, ast.ClassDef) or (
+        isinstance(node, Function) and node.name.startswith(("test", "generate_test"))
+    )
 
 
 def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Function) -> Iterator[Finding]:
     """Yield that setup.py does not name pytest: colcon then runs unittest, which finds no test functions."""
-    setup = package.setup
+    setup = None if (package.build_type or "").endswith("cmake") else package.setup
     if setup is None or "pytest" in setup.source.text + read_text(package.folder / "setup.cfg"):
         return
     cause = f"setup.py does not name pytest, so `colcon test` uses unittest, which does not find {test.name}() in {source.shown}."
@@ -104,11 +134,13 @@ def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str])
     marks = [ast.unparse(decorator) for decorator in test.decorator_list]
     if not all(mark.startswith("pytest.mark.") for mark in marks):
         return
-    named = set(re.findall(r"\w+", " ".join(mark for mark in marks if "parametrize" in mark)))
+    known = own | source.names.keys() | _built_in()
+    known |= {*re.findall(r"\w+", " ".join(mark for mark in marks if "parametrize" in mark))}
+    if any(re.search(r"parametrize\((?!['\"(\[]|argnames=['\"(\[])", mark) for mark in marks):
+        return  # the names are in a variable
     functions = [function for function in source.tree.body if isinstance(function, ast.FunctionDef)]
-    for name in (argument.arg for argument in test.args.args):
-        if name in own | named | _built_in():
-            continue
+    required = test.args.args[: len(test.args.args) - len(test.args.defaults)]
+    for name in (argument.arg for argument in required if argument.arg not in known):
         same = next((function for function in functions if function.name == name), None)
         makes = next(
             (
@@ -128,17 +160,29 @@ def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str])
         yield Finding("test-fixture", cause, source.at(test), fix)
 
 
-def _fixtures(source: PythonSource) -> Iterator[Function]:
+def _fixtures(source: PythonSource) -> Iterator[str]:
+    """Yield the names of the fixtures that a file defines."""
     for node in source.nodes:
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and any(
-            "fixture" in ast.unparse(decorator) for decorator in node.decorator_list
-        ):
-            yield node
+        match node:
+            case (
+                ast.FunctionDef(name=name, decorator_list=marks)
+                | ast.AsyncFunctionDef(name=name, decorator_list=marks)
+            ):
+                made = [mark for mark in marks if "fixture" in ast.unparse(mark)]
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call):
+                made = [call] if "fixture" in ast.unparse(call) else []
+            case _:
+                continue
+        for mark in made:
+            keywords = mark.keywords if isinstance(mark, ast.Call) else []
+            named = [k.value.value for k in keywords if k.arg == "name" and isinstance(k.value, ast.Constant)]
+            yield str(named[0]) if named else name
 
 
 @lru_cache(maxsize=1)
 def _built_in() -> frozenset[str]:
-    """Return the names of pytest's own fixtures, read from its sources."""
-    folder = interfaces.folder_of("_pytest")
-    texts = (read_text(path) for path in (folder.glob("*.py") if folder else ()))
+    """Return the names of the fixtures of pytest and its installed plugins, read from their sources."""
+    plugins = {point.module.partition(".")[0] for point in entry_points(group="pytest11")}
+    folders = [folder for name in ("_pytest", *sorted(plugins)) if (folder := interfaces.folder_of(name))]
+    texts = (read_text(path) for folder in folders for path in folder.glob("*.py"))
     return frozenset({"request", *(name for text in texts for name in _FIXTURE.findall(text))})
