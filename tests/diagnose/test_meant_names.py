@@ -206,3 +206,22 @@ def test_an_attribute_that_nothing_sets_is_given_what_its_uses_need(line: str, f
     wrong = "" if line.endswith("\n") else line.replace("=", "==")
     found = text_faults(PythonSource("pk.talker", "talker.py", NODE.replace(line, wrong, 1)))
     assert fix in [finding.fix for finding in found if finding.code == "attribute-missing"]
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("angle - angle_prev", "write a line above it that gives angle_prev its value"),
+        ("angle - angle0", "write a line above it that gives angle0 its value"),
+        ("left_wheel - right_wheel", "write a line above it that gives right_wheel its value"),
+        ("angle - angel", "write a line above it that gives angel its value"),
+        ("angle == anlge", "write a line above it that gives anlge its value"),
+        ("left_wheel - angel", "write `self.error = left_wheel - angle`"),
+        ("lefft_wheel - angle", "write `self.error = left_wheel - angle`"),
+        ("leftwheel - angle", "write `self.error = left_wheel - angle`"),
+        ("left_whl - angle", "write `self.error = left_wheel - angle`"),
+    ],
+)
+def test_a_name_with_another_word_is_another_thing(line: str, fix: str) -> None:
+    head = "def move(self, angle, left_wheel):\n    print(angle, left_wheel)\n"
+    assert fixes(f"{head}    self.error = {line}\n") == [fix]

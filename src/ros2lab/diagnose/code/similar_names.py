@@ -13,7 +13,7 @@ from ros2lab.diagnose.code.bound_names import bound_by, bound_in
 from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import own_nodes, walk
-from ros2lab.diagnose.sources.spelling import edits, same_letters
+from ros2lab.diagnose.sources.spelling import edits, has_other_words, same_letters
 
 # Words of other languages, and what Python calls them.
 _FOREIGN = {"this": "self", "null": "None", "nullptr": "None", "nil": "None", "undefined": "None"}
@@ -67,6 +67,9 @@ def _candidates(unknown: Unknown, *, is_class_meant: bool) -> Iterator[tuple[boo
         wanted = candidate.removeprefix("self.")
         if wanted == unknown.name or not _fits(unknown, candidate, is_class_meant=is_class_meant):
             continue
+        is_of_file = far < _KEYWORDS or far == _MEMBERS
+        if is_of_file and (has_other_words(unknown.name, wanted) or _meets_itself(unknown, candidate)):
+            continue
         distance = edits(unknown.name, wanted)
         alike = SequenceMatcher(None, unknown.name, wanted).ratio()
         if far < _KEYWORDS:
@@ -108,6 +111,24 @@ def _fits(unknown: Unknown, candidate: str, *, is_class_meant: bool) -> bool:
         return candidate[:1].isupper()
     names = interfaces.importable_names(target) if target and interfaces.is_module(target) else None
     return names is None or (not unknown.is_called and unknown.attributes <= names)
+
+
+def _meets_itself(unknown: Unknown, candidate: str) -> bool:
+    """Return whether an operation would have the same value on both sides with a name in place of the unknown one.
+
+    Another unknown name that the same name resembles may mean it just as well.
+    """
+    match unknown.above():
+        case ast.BinOp(left=left, right=right):
+            beside = [left, right]
+        case ast.Compare(left=left, comparators=values):
+            beside = [left, *values]
+        case ast.BoolOp(values=values):
+            beside = values
+        case _:
+            return False
+    others = [ast.unparse(value) for value in beside if value is not unknown.node]
+    return any(other == candidate for other in others)
 
 
 def _reads(unknown: Unknown, word: str) -> bool:

@@ -80,6 +80,31 @@ def same_letters(name: str, other: str) -> bool:
     return _letters(name) == _letters(other)
 
 
+def has_other_words(name: str, other: str) -> bool:
+    """Return whether two names differ in a whole word: `speed_sum` and `speed`, or `left_wheel` and `right_wheel`.
+
+    Whoever writes another word, or one more, names another thing; a misspelt word is none.
+    """
+    if same_letters(name, other):
+        return False
+    longer, shorter = sorted((_words(name), _words(other)), key=len, reverse=True)
+    left = iter(longer)
+    is_within = all(any(_is_same_word(word, found) for found in left) for word in shorter)
+    return is_within if len(shorter) < len(longer) else len(longer) > 1 and not is_within
+
+
+def _words(name: str) -> list[str]:
+    return re.findall(r"[a-z]+|\d+", snake_case(name))
+
+
+def _is_same_word(word: str, other: str) -> bool:
+    """Return whether a word is another one, misspelt or shortened."""
+    shorter, longer = sorted((word, other), key=len)
+    letters = iter(longer)
+    is_short = shorter[0] == longer[0] and all(letter in letters for letter in shorter)
+    return word == other or (len(shorter) > 2 and (is_short or _edits(word, other) < 2))
+
+
 def edits(name: str, wanted: str) -> int:
     """Return how many slips of typing turn one name into the other.
 
