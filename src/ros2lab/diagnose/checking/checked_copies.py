@@ -99,17 +99,17 @@ def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
 
 def first_that_stands(
     source: PythonSource,
-    call: ast.Call,
+    call: ast.expr,
     ways: Sequence[str],
     *,
     are_items_open: bool = False,
     settled: str = "",
 ) -> str:
-    """Return the first form of a call that the type checker accepts in a copy of the file; else empty.
+    """Return the first form of an expression, such as a call, that the type checker accepts in a copy of the file; else empty.
 
     Args:
         source: the file.
-        call: the call in it.
+        call: the expression in it.
         ways: the forms to try.
         are_items_open: whether a list may have items of other types than the annotation allows, which is often too
             narrow.

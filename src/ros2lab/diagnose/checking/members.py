@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import ast
 import builtins
+import difflib
 import re
 import sys
 from collections.abc import Sequence
 
+from ros2lab.diagnose.checking.checked_copies import first_that_stands
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.kinds import field_kind
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import has_other_words, nearest
 
 
 def members(owner: str, look: Look | None) -> set[str]:
@@ -31,14 +33,42 @@ def members(owner: str, look: Look | None) -> set[str]:
     return {name for name in found if not name.startswith("_")}
 
 
-def in_place_of(name: str, owner: str, spot: Spot, look: Look | None) -> str:
+def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str = "") -> str:
     """Return what to write instead of a member that does not exist; empty if that is not known.
 
-    It may be a field with a matching type name, the member with the most similar name, or a method with an option, as
+    It may be a field with a matching type name, the member with the most similar name, one with which an older name
+    ends, as `RELIABLE` in `RMW_QOS_POLICY_RELIABILITY_RELIABLE`, or a method with an option, as
     `info(..., throttle_duration_sec=2.0)` for `info_throttle(2.0, ...)`.
+
+    Args:
+        name: the member.
+        owner: what lacks it.
+        spot: the line that asks for it.
+        look: the workspace.
+        said: what the type checker says of the line, which must accept it with what is returned; empty if nothing.
     """
     known = members(owner, look)
-    return _of_type(name, owner) or nearest(name, known) or _with_option(name, known, owner, spot)
+    near = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
+    ends = sorted((member for member in known if name.endswith(f"_{member}")), key=len, reverse=True)
+    meant = [_of_type(name, owner), *(member for member in near if _may_mean(name, member, known)), *ends]
+    meant = [*dict.fromkeys(filter(None, meant))]
+    uses = [n for n in spot.nodes if isinstance(n, ast.Attribute) and n.attr == name]
+    if len(uses) == 1 and meant and said and spot.source:
+        calls = (n for n in spot.nodes if isinstance(n, ast.Call) and n.func is uses[0])
+        whole = next(calls, uses[0])
+        rest = ast.unparse(whole).removeprefix(ast.unparse(uses[0]))
+        ways = {f"{ast.unparse(uses[0].value)}.{member}{rest}": member for member in meant}
+        meant = [ways.get(first_that_stands(spot.source, whole, list(ways), settled=said), "")]
+    return next(iter(meant), "") or _with_option(name, known, owner, spot)
+
+
+def _may_mean(name: str, member: str, known: set[str]) -> bool:
+    """Return whether a name may be meant as a similar one: not if that has another word, or if several have one more."""
+    if not has_other_words(name, member):
+        return True
+    parts = set(name.split("_"))
+    longer = [other for other in known if set(other.split("_")) > parts and has_other_words(name, other)]
+    return set(member.split("_")) < parts or longer == [member]
 
 
 def _homes(owner: str) -> Sequence[str]:

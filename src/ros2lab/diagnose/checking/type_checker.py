@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import difflib
 import re
 from collections.abc import Iterable, Iterator
 
@@ -15,11 +14,12 @@ from ros2lab.diagnose.checking.call_forms import (
     rewritten,
 )
 from ros2lab.diagnose.checking.checked_copies import checked, first_that_stands
-from ros2lab.diagnose.checking.members import in_place_of, members
+from ros2lab.diagnose.checking.members import in_place_of
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
+from ros2lab.diagnose.checking.wrong_owners import of_another_owner
 from ros2lab.diagnose.finding import SAID, Finding, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.unset_attributes import unset
@@ -27,7 +27,6 @@ from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.diagnose.sources.spelling import nearest
 
 
 def type_faults(
@@ -65,6 +64,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     assert spot.source is not None
     place = spot.source.at(spot.line)
     if rule in _OF_VALUES:
+        said["whole"] = row["said"]
         return _of_member(rule, said, spot, look)
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
         return Finding("argument-missing", *of_class(said, spot))
@@ -115,13 +115,11 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     assert spot.source is not None
     owner, name = owner_and_name(said)
     code, cause, fix = _of_value(rule, said, spot, look)
-    if rule == "missing-attribute" and owner == "rclpy" and (told := of_a_node(name, spot)):
+    told = None
+    if rule == "missing-attribute":
+        told = (of_a_node(name, spot) if owner == "rclpy" else None) or of_another_owner(owner, name, spot)
+    if told:
         cause, fix = told
-    elif rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
-        cause, fix = (
-            f"{plain(owner)} has no {name}. Did you mean {meant}?",
-            f"write {meant} instead of {name}{_imported(owner, meant, spot)}",
-        )
     else:
         fix = _unwrapped(said, spot) or fix
     return Finding(code, cause, spot.source.at(spot.line), fix)
@@ -135,18 +133,6 @@ def _imported(owner: str, meant: str, spot: Spot) -> str:
         not f"{imported.target}.".startswith(f"{module}.") for imported in known
     )
     return f", with `import {module}` at the top" if needs else ""
-
-
-def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
-    """Return the member that was meant, the first of the similar ones that makes a valid call; else empty."""
-    known = members(owner, look)
-    alike = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
-    match [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]:
-        case [ast.Call(func=ast.Attribute(value=before)) as call] if len(alike) > 1 and spot.source:
-            rest = ast.unparse(call).removeprefix(ast.unparse(call.func))
-            ways = {f"{ast.unparse(before)}.{member}{rest}": member for member in alike}
-            return ways.get(first_that_stands(spot.source, call, list(ways)), "")
-    return ""
 
 
 # Rules about what a value lacks or cannot do; the other rules are about the arguments of a call.
@@ -179,7 +165,7 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
         if method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner):
             cause = f"{method[1]} is a method and has no {name}: the parentheses that call it are missing."
             return "attribute-missing", cause, f"write {method[1]}() instead of {method[1]}"
-        return "attribute-missing", *_no_attribute(owner, name, spot, look)
+        return "attribute-missing", *_no_attribute(owner, name, spot, look, said["whole"])
     if rule == "not-callable":
         fix = "remove the parentheses; or, if a method was meant, give the attribute a different name from the method"
         return rule, f"What comes before the parentheses is {plain(owner)}, not a function.", fix
@@ -243,9 +229,9 @@ def _unset(name: str, spot: Spot) -> tuple[str, str] | None:
     return None
 
 
-def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str]:
+def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> tuple[str, str]:
     cause = f"{plain(owner)} has no {name}."
-    if close := in_place_of(name, owner, spot, look):
+    if close := in_place_of(name, owner, spot, look, said):
         is_name = close.isidentifier()
         return (
             (
@@ -260,9 +246,6 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, s
             return told
         cause = f"self.{name} is used here, but nothing in the class sets it."
         return cause, f"write self.{name} = ... in __init__, with its initial value"
-    if name in (interfaces.names_in("rclpy") or ()):
-        fix = f"write rclpy.{name}(...), with the node as its argument"
-        return f"{cause} It is a function of rclpy.", fix
     methods = interfaces.methods_of(owner)
     return (
         cause,

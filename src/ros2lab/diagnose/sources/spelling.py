@@ -102,7 +102,11 @@ def _is_same_word(word: str, other: str) -> bool:
     shorter, longer = sorted((word, other), key=len)
     letters = iter(longer)
     is_short = shorter[0] == longer[0] and all(letter in letters for letter in shorter)
-    return word == other or (len(shorter) > 2 and (is_short or _edits(word, other) < 2))
+    is_alike = difflib.SequenceMatcher(None, word, other).ratio() >= _SAME_WORD or _edits(word, other) < 2
+    return word == other or (len(shorter) > 2 and (is_short or is_alike))
+
+
+_SAME_WORD = 0.7  # the least similarity of two spellings of a word, as difflib measures it
 
 
 def edits(name: str, wanted: str) -> int:

@@ -1,0 +1,71 @@
+"""Functions that are asked of an object or a module that lacks them, while another has them that is at hand."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import sys
+from collections.abc import Iterator
+
+from ros2lab.diagnose.checking.checked_copies import first_that_stands
+from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, type_of
+from ros2lab.diagnose.checking.type_words import plain
+from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
+
+_KNOWN = interfaces.PACKAGES | sys.stdlib_module_names  # modules whose functions say what they take
+
+
+def of_another_owner(owner: str, name: str, spot: Spot) -> tuple[str, str] | None:
+    """Return cause and fix of a call such as `rclpy.destroy_node(node)` or `node.spin()`; None if no owner is at hand.
+
+    Args:
+        owner: what lacks the function, as the type checker names it.
+        name: the function.
+        spot: the line.
+    """
+    source, calls = spot.source, [n for n in spot.nodes if isinstance(n, ast.Call)]
+    calls = [call for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == name]
+    if source is None or len(calls) != 1:
+        return None
+    ways = dict(_ways(source, calls[0], name))
+    good = first_that_stands(source, calls[0], [*ways])
+    if not good:
+        return None
+    cause = f"{plain(owner)} has no {name}: {ways[good]}."
+    return cause, f"write `{good}` instead of `{ast.unparse(calls[0])}`"
+
+
+def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str, str]]:
+    """Yield the calls that may be meant, each with a clause that says who has the function."""
+    assert isinstance(call.func, ast.Attribute)
+    own = [] if _is_module(source, call.func.value) else [ast.unparse(call.func.value)]
+    given, named = [*map(ast.unparse, call.args)], [*map(ast.unparse, call.keywords)]
+    for number, value in enumerate(call.args):
+        is_named = isinstance(value, (ast.Name, ast.Attribute)) and not _is_module(source, value)
+        kind = type_of(source, value) if is_named else ""
+        if kind and not UNKNOWN_TYPE.search(kind):
+            rest = [*given[:number], *given[number + 1 :], *named]
+            for values in (rest, [*own, *rest]):
+                yield f"{given[number]}.{name}({', '.join(values)})", f"{given[number]} has it"
+    for function, clause in _functions(source, name):
+        for values in ([*own, *given, *named], [*given, *named]):
+            yield f"{function}({', '.join(values)})", clause
+
+
+def _functions(source: PythonSource, name: str) -> Iterator[tuple[str, str]]:
+    """Yield the functions of a name that a file can call, each with a clause that says where it is."""
+    if any(isinstance(node, Function) and node.name == name for node in source.tree.body):
+        yield name, "it is a function of this file"
+    for imported in source.imports:
+        is_known = not imported.is_from and imported.target.partition(".")[0] in _KNOWN
+        if is_known and interfaces.has_name(imported.target, name):
+            yield f"{imported.local}.{name}", f"it is a function of {imported.target}"
+    if callable(getattr(builtins, name, None)):
+        yield name, "it is a function of Python"
+
+
+def _is_module(source: PythonSource, node: ast.expr) -> bool:
+    target = source.resolve(node) or ""
+    return any(target == imported.target and not imported.is_from for imported in source.imports)
