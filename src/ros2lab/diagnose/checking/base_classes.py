@@ -49,20 +49,43 @@ def may_be_of_subclass(kind: str, name: str, spot: Spot, sources: Iterable[Pytho
         sources: the files of the workspace.
     """
     values = [n.value for n in spot.nodes if isinstance(n, ast.Attribute) and n.attr == name]
-    if not kind or (values and all(_is_made(spot, value, kind) for value in values)):
-        return False
     classes = [node for source in sources for node in source.nodes if isinstance(node, ast.ClassDef)]
-    is_own = any(definition.name == kind for definition in classes)
-    return _is_given_below(kind, name, classes) or (not is_own and _is_given_in_library(spot, kind, name))
+    own = {definition.name for definition in classes}
+    if not kind or (values and all(_is_made(spot, value, {kind, *own}) for value in values)):
+        return False
+    around = _class_around(spot) if {*map(ast.unparse, values)} == {"self"} else ""
+    if around:
+        return _is_given_below(around, name, classes)
+    return _is_given_below(kind, name, classes) or (
+        kind not in own and _is_given_in_library(spot, kind, name)
+    )
 
 
-def _is_made(spot: Spot, value: ast.expr, kind: str) -> bool:
+def _class_around(spot: Spot) -> str:
+    """Return the name of the innermost class around a line; empty if there is none."""
+    around = [
+        node
+        for node in (spot.source.nodes if spot.source else ())
+        if isinstance(node, ast.ClassDef) and node.lineno <= spot.line <= (node.end_lineno or 0)
+    ]
+    return max(around, key=lambda node: node.lineno).name if around else ""
+
+
+def _is_made(spot: Spot, value: ast.expr, kinds: Collection[str]) -> bool:
     """Return whether an expression makes an instance of a class, or names what holds nothing else."""
     text = ast.unparse(value)
     made = [value] if isinstance(value, ast.Call) else spot.assigned(text)
-    around = spot.function.args if spot.function else None
-    is_given = around is not None and text in {a.arg for a in (*around.args, *around.kwonlyargs)}
-    return bool(made) and not is_given and all(_called(node) == kind for node in made)
+    bound = [node for node in (spot.source.nodes if spot.source else ()) if _binds(node, text)]
+    is_all = isinstance(value, ast.Call) or len(bound) == len(made)
+    return bool(made) and is_all and all(_called(node) in kinds for node in made)
+
+
+def _binds(node: ast.AST, text: str) -> bool:
+    """Return whether a syntax node gives a name or an attribute its value: an assignment, a parameter, a handler."""
+    match node:
+        case ast.arg(arg=name) | ast.ExceptHandler(name=name):
+            return name == text
+    return isinstance(getattr(node, "ctx", None), ast.Store) and ast.unparse(node) == text
 
 
 def _called(node: ast.expr) -> str:

@@ -20,6 +20,7 @@ from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
 from ros2lab.diagnose.checking.wrong_owners import of_another_owner
+from ros2lab.diagnose.code.moved_keywords import moved_keyword
 from ros2lab.diagnose.finding import SAID, Finding, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.unset_attributes import unset
@@ -76,6 +77,8 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
+    if rule == "unknown-argument" and (moved := moved_keyword(spot.source, call, name)):
+        return Finding(code, f"{cause} It is one of {moved[0]}().", place, moved[1])
     made = ast.unparse(call.func)
     if code == "argument-missing" and made in _classes(spot.source) and made != short:
         cause = f"{made} has no __init__ of its own, so {made}() takes the same arguments as {short}(), but is called without {name}."

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from functools import lru_cache
 
+from ros2lab.diagnose.code.moved_keywords import moved_keyword
 from ros2lab.diagnose.code.unknown_names import written_with
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
@@ -34,7 +35,9 @@ def _refused(
     cause = f"{name}() has no argument called {keyword.arg}."
     value = ast.get_source_segment(source.text, keyword.value) or ast.unparse(keyword.value)
     fix = f"remove {keyword.arg}={value}; {name}() takes {', '.join(sorted(taken))}"
-    if near:
+    if moved := moved_keyword(source, call, keyword.arg or ""):
+        cause, fix = f"{cause} It is one of {moved[0]}().", moved[1]
+    elif near:
         cause, fix = f"{cause} Did you mean {near}?", written_with(source, keyword, f"{near}={value}")
     return Finding("argument-unknown", cause, source.at(keyword), fix)
 
