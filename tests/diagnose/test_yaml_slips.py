@@ -12,7 +12,8 @@ import yaml
 from ros2lab.diagnose.launching.entity_words import entity_repair
 from ros2lab.diagnose.sources.parameter_file import parameter_file_repair
 from ros2lab.diagnose.sources.setup_cfg import cfg_repair
-from ros2lab.diagnose.sources.slips import Slip
+from ros2lab.diagnose.sources.slips import Slip, Vocabulary
+from ros2lab.diagnose.sources.yaml_slips import yaml_repair
 
 PARAMETERS = """\
 # of two nodes
@@ -170,3 +171,29 @@ def test_a_line_that_setup_cfg_lacks_is_added(line: str) -> None:
     assert slip is not None
     assert slip.told.startswith(f"add `{line}` ")
     assert slip.text.strip() == CFG.strip()
+
+
+BODY = "talker:\n  ros__parameters:\n    speed: 1.0\n"
+
+
+@pytest.mark.parametrize(
+    ("head", "told"),
+    [
+        ('#!/usr/bin/env python3\n"""\nGains.\n\nDepends: nav\n  sudo apt install nav\n- a: b\n"""\n', "write # at the beginning of lines 2 to 8"),
+        ('"""Gains."""\n', "write # at the beginning of line 1"),
+        ("'''Gains: all'''\n", "write # at the beginning of line 1"),
+        ("/* gains\n * of the wheels: both\n */\n", "write # at the beginning of lines 1 to 3"),
+        ("// gains\n// of both: yes\n", "write # at the beginning of line 1 and of line 2"),
+        ("These are the gains.\n", "write `# These are the gains.`"),
+    ],
+)  # fmt: skip
+def test_a_comment_of_another_language_is_made_one(head: str, told: str) -> None:
+    slip = yaml_repair(head + BODY, Vocabulary(()))
+    assert slip is not None
+    assert slip.told == told
+    assert yaml.safe_load(slip.text) == yaml.safe_load(BODY)
+
+
+@pytest.mark.parametrize("text", ['a: |\n  """\n  // b\n', "a: http://b // c\n", "a: 'b /* c */'\n# // d\n"])
+def test_signs_in_a_text_are_no_comment(text: str) -> None:
+    assert yaml_repair(text, Vocabulary(())) is None

@@ -15,9 +15,12 @@ from ros2lab.diagnose.sources.slips import ALL, RARE, SELDOM, USUAL, Lines, Slip
 _ALIKE = 0.7  # of a word to the one that it misspells
 _ODD = 3.0  # the cost of what makes no sense
 _LONGEST = 20_000  # characters
+_FEW_WORDS = 3  # of a line that is no sentence
 _NEAR = 3  # lines around a fault in which the slip may be
 _PAIRS = {"'": "'", '"': '"', "[": "]", "{": "}"}
 _SIGNS = (*"'\"[]{},:",)
+# How comments of other languages begin and end; those without an end go to that of the line.
+_COMMENTS = {'"""': '"""', "'''": "'''", "/*": "*/", "<!--": "-->", "//": ""}
 _ENTRY = re.compile(
     r"(?P<indent>[ \t]*)(?P<dash>(?:-[ \t]*)*)(?P<key>[\w./*~-]*\w|/?\*+|'[^']+'|\"[^\"]+\")?(?P<rest>.*)"
 )
@@ -184,6 +187,7 @@ def _slips(text: str, fault: yaml.MarkedYAMLError, usual: _Usual) -> Iterator[Sl
     lines = Lines(text)
     marks = [mark.line + 1 for mark in (fault.problem_mark, fault.context_mark) if mark]
     yield from _tabs(lines)
+    yield from _foreign_comments(lines)
     near = [number for mark in marks for number in _around(lines, mark)]
     for number in dict.fromkeys([*near, *_apart(lines, near)]):
         far = min(abs(number - mark) for mark in marks) / 100
@@ -258,6 +262,33 @@ def _tabs(lines: Lines) -> Iterator[Slip]:
         yield lines.written(number, " " * indent + lines[number].lstrip(), why, cost)
 
 
+def _foreign_comments(lines: Lines) -> Iterator[Slip]:
+    """Yield a text in which what other languages take for comments, such as a docstring of Python, is a comment."""
+    new, blocks, number = lines.all.copy(), list[str](), 1
+    while number <= len(new):
+        body = lines[number].strip()
+        begin = next((sign for sign in _COMMENTS if body.startswith(sign)), "")
+        last = _end_of_comment(lines, number, begin) if begin else 0
+        if last:
+            blocks.append(f"lines {number} to {last}" if last > number else f"line {number}")
+            new[number - 1 : last] = [f"# {line}".rstrip() for line in lines.all[number - 1 : last]]
+        number = max(number, last) + 1
+    if blocks:
+        first = int(blocks[0].split()[1])
+        told = f"write # at the beginning of {' and of '.join(blocks)}"
+        why = "YAML has no comments but those that begin with #"
+        yield Slip(first, told, "\n".join(new), USUAL - 0.3, why)
+
+
+def _end_of_comment(lines: Lines, number: int, begin: str) -> int:
+    """Return the last line of a comment of another language; 0 if it does not end."""
+    if not _COMMENTS[begin]:
+        return number
+    rest = lines[number].strip()[len(begin) :]
+    texts = [rest, *lines.all[number:]]
+    return next((number + n for n, text in enumerate(texts) if _COMMENTS[begin] in text), 0)
+
+
 def _moved(lines: Lines, number: int, step: int, far: float) -> Iterator[Slip]:
     """Yield a text with a line, or it and those that belong to it, at another column."""
     line, was = lines[number], len(_indent(lines[number]))
@@ -313,6 +344,8 @@ def _entry(line: str) -> str:
 def _changes(line: str, usual: _Usual) -> Iterator[tuple[str, str, float]]:
     """Yield a line with one slip undone, what was wrong, and what it costs."""
     body, indent = line.strip(), _indent(line)
+    if re.fullmatch(r"[A-Za-z][^:=#\[\]{}]*", body) and len(body.split()) > _FEW_WORDS:
+        yield f"{indent}# {body}", "a sentence needs a # before it", USUAL - 0.3
     if entry := _entry(line):
         yield entry, _COLON, USUAL
     for match in re.finditer(r"(?<=\w):(?=[^\s/])|^\s*-(?=[^\s-])|(?<=[^\s])(?<!:):(?=[&*'\"\[{])", line):
