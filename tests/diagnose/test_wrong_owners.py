@@ -40,6 +40,10 @@ FIXES = [
     ("self.best = DurabilityPolicy.RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL", "TRANSIENT_LOCAL instead of"),
     ("self.best = ReliabilityPolicy.BESTEFFORT", "BEST_EFFORT instead of"),
     ("self.best = self.get_clock().get_now()", "now instead of"),
+    ("self.get.logger().info('x')", "write self.get_logger instead of self.get.logger"),
+    ("self.destroy.node()", "write self.destroy_node instead of self.destroy.node"),
+    ("self.team = SingleThreadedExecutor()\nself.wake.team()", "write self.team.wake instead of self.wake.team"),
+    ("self.late = 9.0\nprint(self.settings.late)", "settings"),
     ("self.best = Duration(seconds=1).secs", ""),
     ("self.best = self.get_clock().now().to_secs()", ""),
 ]  # fmt: skip
@@ -52,4 +56,5 @@ def test_a_member_that_is_missing_is_asked_of_who_has_it(tmp_path: Path, code: s
     (finding,) = of_workspace(files.write(tmp_path))
     assert finding.code == "attribute-missing"
     assert fix in finding.fix
+    assert "self.late.settings" not in finding.fix
     assert fix or not finding.fix.startswith("write")

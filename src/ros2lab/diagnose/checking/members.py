@@ -15,7 +15,7 @@ from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.kinds import field_kind
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import has_other_words, nearest
+from ros2lab.diagnose.sources.spelling import may_mean, nearest
 
 
 def members(owner: str, look: Look | None) -> set[str]:
@@ -50,7 +50,7 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
     known = members(owner, look)
     near = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
     ends = sorted((member for member in known if name.endswith(f"_{member}")), key=len, reverse=True)
-    meant = [_of_type(name, owner), *(member for member in near if _may_mean(name, member, known)), *ends]
+    meant = [_of_type(name, owner), *(member for member in near if may_mean(name, member, known)), *ends]
     meant = [*dict.fromkeys(filter(None, meant))]
     uses = [n for n in spot.nodes if isinstance(n, ast.Attribute) and n.attr == name]
     if len(uses) == 1 and meant and said and spot.source:
@@ -60,15 +60,6 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
         ways = {f"{ast.unparse(uses[0].value)}.{member}{rest}": member for member in meant}
         meant = [ways.get(first_that_stands(spot.source, whole, list(ways), settled=said), "")]
     return next(iter(meant), "") or _with_option(name, known, owner, spot)
-
-
-def _may_mean(name: str, member: str, known: set[str]) -> bool:
-    """Return whether a name may be meant as a similar one: not if that has another word, or if several have one more."""
-    if not has_other_words(name, member):
-        return True
-    parts = set(name.split("_"))
-    longer = [other for other in known if set(other.split("_")) > parts and has_other_words(name, other)]
-    return set(member.split("_")) < parts or longer == [member]
 
 
 def _homes(owner: str) -> Sequence[str]:

@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Collection, Iterator
 
+from ros2lab.diagnose.code.attribute_chains import chain_fault
 from ros2lab.diagnose.code.first_values import compared, first_value
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import method_of, properties_of
@@ -26,6 +27,8 @@ _SENDERS = {"publish": "create_publisher", "call_async": "create_client", "call"
 
 def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
     """Return the finding of an attribute or a method that a node class lacks."""
+    if found := chain_fault(owner, node, members):
+        return found
     name = node.attr
     where, fix = _elsewhere(owner, name)
     public = [member for member in members if member[0] != "_" or name[0] == "_"]

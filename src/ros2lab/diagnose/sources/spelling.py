@@ -93,6 +93,18 @@ def has_other_words(name: str, other: str) -> bool:
     return is_within if len(shorter) < len(longer) else len(longer) > 1 and not is_within
 
 
+def may_mean(name: str, member: str, known: Iterable[str]) -> bool:
+    """Return whether a name may be meant as a similar one of a library.
+
+    Not if that has another word, nor if it is only one of several that have a word more.
+    """
+    if not has_other_words(name, member):
+        return True
+    parts = set(name.split("_"))
+    longer = [other for other in known if set(other.split("_")) > parts and has_other_words(name, other)]
+    return set(member.split("_")) < parts or longer == [member]
+
+
 def _words(name: str) -> list[str]:
     return re.findall(r"[a-z]+|\d+", snake_case(name))
 

@@ -1,0 +1,34 @@
+"""Attributes of self that are asked for another one, where a single method or the other way round was meant."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.node_source import NodeClass
+
+
+def chain_fault(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> Finding | None:
+    """Return the finding of `self.get.logger()` for `get_logger`, or of `self.cancel.timer()` for `timer.cancel`.
+
+    Args:
+        owner: the class.
+        node: the attribute of self that it lacks.
+        members: those that it has.
+    """
+    asked = next((n for n in owner.source.nodes if getattr(n, "value", None) is node), None)
+    if not isinstance(asked, ast.Attribute):
+        return None
+    is_called = any(isinstance(n, ast.Call) and n.func is asked for n in owner.source.nodes)
+    made = {text for text, _ in owner.source.made}
+    written, joined = ast.unparse(asked), f"{node.attr}_{asked.attr}"
+    if joined in members:
+        cause = f"{written} asks self for {node.attr} first, which it does not have: the name has no dot."
+        meant = f"self.{joined}"
+    elif is_called and f"self.{asked.attr}" in made and asked.attr in owner.attributes:
+        cause = f"{written} asks self for {node.attr}, which it does not have: {asked.attr} comes first."
+        meant = f"self.{asked.attr}.{node.attr}"
+    else:
+        return None
+    return Finding("attribute-missing", cause, owner.source.at(node), f"write {meant} instead of {written}")
