@@ -48,6 +48,8 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
         said: what the type checker says of the line, which must accept it with what is returned; empty if nothing.
     """
     known = members(owner, look)
+    if option := _with_option(name, known, owner, spot):
+        return option
     near = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
     ends = sorted((member for member in known if name.endswith(f"_{member}")), key=len, reverse=True)
     meant = [_of_type(name, owner), *(member for member in near if may_mean(name, member, known)), *ends]
@@ -59,7 +61,7 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
         rest = ast.unparse(whole).removeprefix(ast.unparse(uses[0]))
         ways = {f"{ast.unparse(uses[0].value)}.{member}{rest}": member for member in meant}
         meant = [ways.get(first_that_stands(spot.source, whole, list(ways), settled=said), "")]
-    return next(iter(meant), "") or _with_option(name, known, owner, spot)
+    return next(iter(meant), "")
 
 
 def _homes(owner: str) -> Sequence[str]:
