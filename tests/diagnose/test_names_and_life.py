@@ -131,3 +131,21 @@ def test_a_value_that_is_called_with_names(tmp_path: Path, files: Files, written
         f"        Node(package='my_bot', executable='ears'),\n        {written},\n    ])\n"
     )
     assert fix in [finding.fix for finding in of_workspace(files.write(tmp_path), None)]
+
+
+def test_a_field_of_a_field_that_is_given_by_name(tmp_path: Path, files: Files) -> None:
+    files.change(
+        "node",
+        "from std_msgs.msg import String",
+        "from geometry_msgs.msg import Twist\nfrom std_msgs.msg import String",
+    )
+    files.change("node", "self.count = 0", "self.count = 0\n        self.twist = Twist(x=0.5)")
+    (finding,) = (f for f in of_workspace(files.write(tmp_path)) if f.code == "message-field")
+    assert finding.fix.startswith("write linear=Vector3(x=0.5) or angular=Vector3(x=0.5) instead of x=0.5")
+    assert "`from geometry_msgs.msg import Vector3`" in finding.fix
+
+
+def test_a_member_with_another_word_is_not_meant(tmp_path: Path, files: Files) -> None:
+    files.change("node", "self.count += 1", "self.count += 1\n        self.destroy()")
+    (finding,) = (f for f in of_workspace(files.write(tmp_path)) if f.code == "attribute-missing")
+    assert "destroy_rate" not in finding.fix

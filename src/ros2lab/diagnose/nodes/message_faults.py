@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ros2lab.diagnose.code.expression_faults import is_by_comma
@@ -112,7 +112,7 @@ def _constructor_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         return
     for keyword in node.keywords:
         if keyword.arg:
-            yield from _value_faults(scope, message, keyword.arg, keyword.value, keyword.value)
+            yield from _value_faults(scope, message, keyword.arg, keyword.value, keyword)
     if node.args:
         cause = f"{_short(message)} takes its fields as keyword arguments, but this value has no name."
         yield Finding("argument-missing", cause, scope.source.at(node), meant_call(scope.source, node))
@@ -202,13 +202,25 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             "message-field",
             f"{short} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
-            f"write {' or '.join(f'{field}.{name}' for field in inner)} instead of {name}"
+            _deeper(fields, inner, name, node)
             if inner
             else f"write one of: {', '.join(fields)}"
             if fields
             else f"remove {name}, or use another message type",
             (str(message),),
         )
+
+
+def _deeper(fields: Mapping[str, str], inner: Sequence[str], name: str, node: ast.AST) -> str:
+    """Say which inner field is to be written instead of a name, read or given."""
+    if not isinstance(node, ast.keyword):
+        return f"write {' or '.join(f'{field}.{name}' for field in inner)} instead of {name}"
+    value = ast.unparse(node.value)
+    kinds = {field: str(field_kind(fields[field])) for field in inner}
+    whole = [f"{field}={_short(kind)}({name}={value})" for field, kind in kinds.items()]
+    modules = {kind.rpartition(".")[0]: _short(kind) for kind in kinds.values()}
+    imports = " and ".join(f"`from {module} import {short}`" for module, short in modules.items())
+    return f"write {' or '.join(whole)} instead of {name}={value}, with {imports} at the top"
 
 
 def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[Finding]:

@@ -20,7 +20,7 @@ from ros2lab.diagnose.sources.python_source import (
     returns_value,
     walk,
 )
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import may_mean, nearest
 
 _SENDERS = {"publish": "create_publisher", "call_async": "create_client", "call": "create_client"}
 
@@ -32,7 +32,8 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     name = node.attr
     where, fix = _elsewhere(owner, name)
     public = [member for member in members if member[0] != "_" or name[0] == "_"]
-    close = None if where else nearest(name, owner.attributes) or nearest(name, public)
+    like = [member for member in public if may_mean(name, member, public)]
+    close = None if where else nearest(name, owner.attributes) or nearest(name, like)
     is_called = any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
     if not where and not is_called:
         fix = f"set self.{name} in __init__, or fix its spelling"

@@ -230,10 +230,12 @@ class NodeSources:
     def _creations_in(
         self, source: PythonSource, methods: Mapping[str, tuple[str, ...]]
     ) -> Iterator[Creation]:
+        modules = {imported.local for imported in source.imports if not imported.is_from}
         for owner, function, node in self.scoped(source):
             if (
                 isinstance(node, ast.Call)
                 and isinstance(node.func, ast.Attribute)
+                and ast.unparse(node.func.value) not in modules
                 and (method := _ALSO.get(node.func.attr, node.func.attr)) in methods
             ):
                 names = methods[method]
