@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources.spelling import may_mean, nearest
 def members(owner: str, look: Look | None) -> set[str]:
     """Return the public members of a module or a class, including the workspace's own classes."""
     if owner in sys.stdlib_module_names:
-        return set(dir(interfaces.own_module(owner)))
+        return {name for name in dir(interfaces.own_module(owner)) if not name.startswith("_")}
     found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
     for home in _homes(owner):
         found |= interfaces.members_of(home, owner)[0] or set(interfaces.fields_of(f"{home}.{owner}") or ())

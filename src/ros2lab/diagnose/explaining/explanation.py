@@ -14,6 +14,7 @@ from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
 from ros2lab.diagnose.causes.later_calls import of_later_call
 from ros2lab.diagnose.causes.parameters_given import of_parameters
 from ros2lab.diagnose.causes.refused_names import of_refused_name
+from ros2lab.diagnose.causes.shadowed import of_shadow
 from ros2lab.diagnose.causes.taken import of_taken
 from ros2lab.diagnose.causes.unanswered import of_unanswered
 from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
@@ -74,10 +75,10 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         found = explain(built, workspace, sources, loads=loads)
         if found and found[0].code != UNKNOWN:
             return found
+    if sure := (of_earlier(error, look) if look else None) or of_shadow(error, look):
+        return [sure]
     if look is None:
         return _of_error(error, text, _beside(error, sources, look), look)
-    if earlier := of_earlier(error, look):
-        return [earlier]
     error = _whole(error, text, look)
     known = [*_beside(error, sources, look), *of_needed(look.findings, error, look)]
     known = [finding for finding in known if not is_refuted(finding, error, look)]

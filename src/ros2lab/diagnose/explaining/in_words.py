@@ -164,6 +164,9 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
     if owner in ("function", "method", "builtin_function_or_method"):
         return of_function(name, place, spot_at(place, look))
     spot = spot_at(place, look)
+    if spot.source and not re.search(rf"\b{name}\b", spot.source.text):
+        fix = "compare what this line passes with what the function that it calls takes"
+        return Finding("attribute-unknown", f"What this line calls asks {owner} for {name}.", place, fix)
     near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot, look)
     known = members(owner, look) - {*dir(object), name}
     offered = methods_of(owner) or ", ".join(

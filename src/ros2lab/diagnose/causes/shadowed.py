@@ -1,0 +1,153 @@
+"""Errors of a library whose module is hidden: Python found a file of the student with the same name before it."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.code.bound_names import global_names
+from ros2lab.diagnose.finding import Finding, at, shown_path
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, Frame, own_frames
+from ros2lab.diagnose.printed.spots import place_of
+from ros2lab.diagnose.sources.interfaces import importable_names, is_module
+from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import Import, PythonSource, read_source
+from ros2lab.diagnose.sources.spelling import snake_case
+
+# What Python says when a module lacks a name, or has nothing inside because it is no package.
+_LACKS = (
+    re.compile(r"module '(?P<module>\w+)' has no attribute '(?P<name>\w+)'"),
+    re.compile(
+        r"cannot import name '(?P<name>\w+)' from (?:partially initialized module )?'(?P<module>\w+)'"
+    ),
+    re.compile(r"No module named '(?P<module>\w+)\.(?P<name>\w+)(?:\.\w+)*'"),
+)
+_PATH = re.compile(r"[('\"]((?:/|\w:)[^()'\"]+\.pyc?)\b")
+_RUN_BY_FILE = re.compile(r"\bpython[\d.]* (?:-\w+ )*(?P<file>[^\s-]\S*\.py)\b")
+
+
+def of_shadow(error: ErrorText, look: Look | None) -> Finding | None:
+    """Say which file hides a module of a library; None if the module lacks what the error names even so.
+
+    A name that is missing from a module which does have it shows that another module was imported, whoever asks for
+    the name: the student's line or one of a library.
+    """
+    for report in reversed(error.reports):
+        match = next((found for pattern in _LACKS if (found := pattern.search(report.message))), None)
+        if match is None or match["name"] not in (importable_names(match["module"]) or ()):
+            continue
+        module, name = match["module"], match["name"]
+        is_inner = is_module(f"{module}.{name}")  # the file may only have to import it
+        folders = [*dict.fromkeys(_beside(report, look))]
+        for folder in folders[:1] if is_inner and report.kind == "AttributeError" else folders:
+            for file in (folder / f"{module}.py", folder / module / "__init__.py"):
+                if file.is_file() and name not in _names_of(file, module):
+                    return _hidden(module, file, error, look)
+        if not is_inner and module in sys.stdlib_module_names:
+            return _unseen(module, name, report, look)
+    return None
+
+
+def _names_of(file: Path, module: str) -> frozenset[str]:
+    """Return the names that a file binds, other than by imports from a module of its own name."""
+    source = read_source(file, module, file.name)
+    return global_names(source) - {i.local for i in source.imports if i.target.startswith(f"{module}.")}
+
+
+def _beside(report: ErrorReport, look: Look | None) -> Iterator[Path]:
+    """Yield the folders in which Python may have found a module of the student, the likeliest first."""
+    named = [Frame(path, 1) for path in _PATH.findall(report.message)]
+    for frame in (*own_frames(named), *reversed(own_frames(report.frames))):
+        shown = place_of([frame], look).rpartition(":")[0]
+        path = (look.root if look else Path()) / shown
+        yield path.parent.parent if path.name == "__init__.py" else path.parent
+    if look:
+        yield look.root
+        for package in look.packages:
+            yield package.folder
+            yield package.folder / package.name
+
+
+def _hidden(module: str, file: Path, error: ErrorText, look: Look | None) -> Finding:
+    """Return the finding of a file that hides a module, with its other name and where else that must stand."""
+    shown = shown_path(file, look.root if look else None).removesuffix("/__init__.py")
+    what = "folder" if file.name == "__init__.py" else "file"
+    whose = "Python's own" if module in sys.stdlib_module_names else "the library's"
+    cause = f"The module {module} that Python imports here is your own {what} {shown}, so {whose} {module} is hidden."
+    new = _other_name(module, file)
+    fix = f"rename {shown.rpartition('/')[2]} to {new}{'.py' if what == 'file' else ''}"
+    named, package = _named(module, file, look)
+    if package and package.name == module:
+        return Finding("name-shadowed", cause, shown, _renamed_package(module, new), (module,))
+    if named:
+        fix += f", and write {new} instead of {module} in {' and '.join(named)}"
+    if named and package:
+        fix += f", then build again: `colcon build --packages-select {package.name}`"
+    if started := _as_executable(error, look):
+        fix += f"; or start it with `{started}`, where this {what} hides nothing"
+    return Finding("name-shadowed", cause, shown, fix, (module,))
+
+
+def _renamed_package(old: str, new: str) -> str:
+    return f"give the package another name, such as {new}: the folders {old}, the file resource/{old}, and {old} in package.xml, setup.py, setup.cfg and all imports; then `rm -r build/{old} install/{old}` and build again"
+
+
+def _other_name(module: str, file: Path) -> str:
+    """Return a free name for a file: that of its class if it has only one, else its own with `own_` before it."""
+    body = read_source(file, module, file.name).tree.body
+    classes = [snake_case(node.name) for node in body if isinstance(node, ast.ClassDef)]
+    is_free = len(classes) == 1 and classes[0] != module and not importable_names(classes[0])
+    is_free = is_free and not file.with_name(f"{classes[0]}.py").exists() and file.name != "__init__.py"
+    return classes[0] if is_free else f"own_{module}"
+
+
+def _named(module: str, file: Path, look: Look | None) -> tuple[list[str], SourcePackage | None]:
+    """Return where the workspace names a module, and the package that has it."""
+    for package in look.packages if look else ():
+        own = next((name for name, source in package.sources.items() if source.path == file), None)
+        if own is not None and look:
+            places = [
+                source.at(imported.line)
+                for other in look.packages
+                for source in other.sources.values()
+                for imported in source.imports
+                if f"{imported.target}.".startswith(f"{own}.") or _means(imported, module, source, file)
+            ]
+            return [*dict.fromkeys([*places, *_points(package, own)])], package
+    return [], None
+
+
+def _means(imported: Import, module: str, source: PythonSource, file: Path) -> bool:
+    """Return whether `from queue import Waiting` beside the file asks for a name that only the file has."""
+    first, name = [*imported.target.split("."), ""][:2]
+    is_beside = source.path is not None and source.path.parent == file.parent
+    return is_beside and first == module and bool(name) and name not in (importable_names(module) or ())
+
+
+def _points(package: SourcePackage, module: str) -> list[str]:
+    """Return the lines of setup.py that name a module in an entry point."""
+    points = (package.setup.entry_points if package.setup else None) or ()
+    return [at(package.shown("setup.py"), point.line) for point in points if point.module == module]
+
+
+def _as_executable(error: ErrorText, look: Look | None) -> str:
+    """Return the `ros2 run` of a file that was started with python3; empty if it has no entry point."""
+    typed = [match["file"] for line in error.typed if (match := _RUN_BY_FILE.search(line))]
+    for package in look.packages if typed and look else ():
+        for point in (package.setup.entry_points if package.setup else None) or ():
+            source = package.sources.get(point.module)
+            if source and source.path and source.path.name == Path(typed[-1]).name and point.name:
+                return f"ros2 run {package.name} {point.name}"
+    return ""
+
+
+def _unseen(module: str, name: str, report: ErrorReport, look: Look | None) -> Finding:
+    """Return the finding of a module of Python that is hidden by a file which cannot be seen from here."""
+    place = place_of(own_frames(report.frames), look)
+    cause = f"Python's own {module} has {name}, so another module was imported: a file {module}.py, or a folder {module}, is found before it."
+    fix = f"`python3 -c 'import {module}; print({module}.__file__)'`, typed in the folder of the file that you start, shows it; rename it, and what imports it"
+    return Finding("name-shadowed", cause, place, fix, (module,))
