@@ -75,7 +75,18 @@ Traceback (most recent call last):
 AttributeError: module 'queue' has no attribute 'Empty'
 """
     fix = of_text(text, root)[0].fix
-    assert f"write waiting_line instead of queue in {INNER}/asks.py:1, then build again" in fix
+    assert f"write my_bot.waiting_line instead of my_bot.queue in {INNER}/asks.py:1, then build again" in fix
+
+
+def test_a_script_that_hides_its_own_package_is_told(tmp_path: Path) -> None:
+    """Started with python3, `my_bot/my_bot.py` is what `import my_bot` finds."""
+    root = Files.right(NAMES[1]).write(tmp_path)
+    script = root / INNER / "my_bot.py"
+    script.write_text("from my_bot.talker import main\n\nmain()\n")
+    first = of_text(printed(script), root)[0]
+    assert (first.code, first.place) == ("name-shadowed", f"{INNER}/my_bot.py")
+    assert first.cause.endswith("so the package my_bot is hidden.")
+    assert first.fix == "rename my_bot.py to own_my_bot.py"
 
 
 def test_a_file_that_cannot_be_seen_is_asked_for(tmp_path: Path) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.code.bound_names import global_names
-from ros2lab.diagnose.finding import Finding, at, shown_path
+from ros2lab.diagnose.code.imports import bound_names
+from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.spots import place_of
@@ -38,18 +39,35 @@ def of_shadow(error: ErrorText, look: Look | None) -> Finding | None:
     """
     for report in reversed(error.reports):
         match = next((found for pattern in _LACKS if (found := pattern.search(report.message))), None)
-        if match is None or match["name"] not in (importable_names(match["module"]) or ()):
+        if match is None or match["name"] not in _known(match["module"], look):
             continue
         module, name = match["module"], match["name"]
         is_inner = is_module(f"{module}.{name}")  # the file may only have to import it
         folders = [*dict.fromkeys(_beside(report, look))]
+        own = _own_files(module, look)
         for folder in folders[:1] if is_inner and report.kind == "AttributeError" else folders:
             for file in (folder / f"{module}.py", folder / module / "__init__.py"):
-                if file.is_file() and name not in _names_of(file, module):
+                if file.is_file() and file not in own and name not in _names_of(file, module):
                     return _hidden(module, file, error, look)
         if not is_inner and module in sys.stdlib_module_names:
             return _unseen(module, name, report, look)
     return None
+
+
+def _known(module: str, look: Look | None) -> frozenset[str]:
+    """Return the names of a module of the workspace, of a library or of Python; empty if there is none."""
+    found = importable_names(module) if module in sys.stdlib_module_names else None
+    for package in look.packages if look and found is None else ():
+        inner = (name.split(".")[1:2] for name in package.sources if name.startswith(f"{module}."))
+        if module in package.sources:
+            return frozenset(bound_names(package.sources[module])).union(*inner)
+    return found or importable_names(module) or frozenset()
+
+
+def _own_files(module: str, look: Look | None) -> list[Path | None]:
+    """Return the files of the workspace that are the module itself; none for one of Python."""
+    packages = look.packages if look and module not in sys.stdlib_module_names else ()
+    return [package.sources[module].path for package in packages if module in package.sources]
 
 
 def _names_of(file: Path, module: str) -> frozenset[str]:
@@ -76,15 +94,19 @@ def _hidden(module: str, file: Path, error: ErrorText, look: Look | None) -> Fin
     """Return the finding of a file that hides a module, with its other name and where else that must stand."""
     shown = shown_path(file, look.root if look else None).removesuffix("/__init__.py")
     what = "folder" if file.name == "__init__.py" else "file"
-    whose = "Python's own" if module in sys.stdlib_module_names else "the library's"
-    cause = f"The module {module} that Python imports here is your own {what} {shown}, so {whose} {module} is hidden."
+    of_python, of_package = module in sys.stdlib_module_names, any(_own_files(module, look))
+    hidden = (
+        f"Python's own {module}" if of_python else f"the {'package' if of_package else 'library'} {module}"
+    )
+    cause = f"The module {module} that Python imports here is your own {what} {shown}, so {hidden} is hidden."
     new = _other_name(module, file)
     fix = f"rename {shown.rpartition('/')[2]} to {new}{'.py' if what == 'file' else ''}"
-    named, package = _named(module, file, look)
-    if package and package.name == module:
+    named, package, whole = _named(module, file, look)
+    if package and file == package.folder / module / "__init__.py":
         return Finding("name-shadowed", cause, shown, _renamed_package(module, new), (module,))
     if named:
-        fix += f", and write {new} instead of {module} in {' and '.join(named)}"
+        written = f"{whole.removesuffix(module)}{new} instead of {whole}"
+        fix += f", and write {written} in {' and '.join(named)}"
     if named and package:
         fix += f", then build again: `colcon build --packages-select {package.name}`"
     if started := _as_executable(error, look):
@@ -105,33 +127,41 @@ def _other_name(module: str, file: Path) -> str:
     return classes[0] if is_free else f"own_{module}"
 
 
-def _named(module: str, file: Path, look: Look | None) -> tuple[list[str], SourcePackage | None]:
-    """Return where the workspace names a module, and the package that has it."""
+def _named(module: str, file: Path, look: Look | None) -> tuple[list[str], SourcePackage | None, str]:
+    """Return where the workspace names a module, the package that has it, and under which name all these have it."""
+    known = None if any(_own_files(module, look)) else _known(module, look)
     for package in look.packages if look else ():
         own = next((name for name, source in package.sources.items() if source.path == file), None)
-        if own is not None and look:
-            places = [
-                source.at(imported.line)
-                for other in look.packages
-                for source in other.sources.values()
-                for imported in source.imports
-                if f"{imported.target}.".startswith(f"{own}.") or _means(imported, module, source, file)
+        if own is None or look is None:
+            continue
+        lines = [
+            (source, imported.line)
+            for other in look.packages
+            for source in other.sources.values()
+            for imported in source.imports
+            if f"{imported.target}.".startswith(f"{own}.") or _means(imported, module, known, source, file)
+        ]
+        if package.setup:
+            points = package.setup.entry_points or ()
+            lines += [
+                (package.setup.source, point.line) for point in points if point.module == own and point.line
             ]
-            return [*dict.fromkeys([*places, *_points(package, own)])], package
-    return [], None
+        are_whole = all(own in source.text.splitlines()[line - 1] for source, line in lines)
+        return (
+            [*dict.fromkeys(source.at(line) for source, line in lines)],
+            package,
+            own if are_whole else module,
+        )
+    return [], None, module
 
 
-def _means(imported: Import, module: str, source: PythonSource, file: Path) -> bool:
+def _means(
+    imported: Import, module: str, known: Collection[str] | None, source: PythonSource, file: Path
+) -> bool:
     """Return whether `from queue import Waiting` beside the file asks for a name that only the file has."""
     first, name = [*imported.target.split("."), ""][:2]
     is_beside = source.path is not None and source.path.parent == file.parent
-    return is_beside and first == module and bool(name) and name not in (importable_names(module) or ())
-
-
-def _points(package: SourcePackage, module: str) -> list[str]:
-    """Return the lines of setup.py that name a module in an entry point."""
-    points = (package.setup.entry_points if package.setup else None) or ()
-    return [at(package.shown("setup.py"), point.line) for point in points if point.module == module]
+    return known is not None and is_beside and first == module and bool(name) and name not in known
 
 
 def _as_executable(error: ErrorText, look: Look | None) -> str:
