@@ -141,11 +141,8 @@ def _named(module: str, file: Path, look: Look | None) -> tuple[list[str], Sourc
             for imported in source.imports
             if f"{imported.target}.".startswith(f"{own}.") or _means(imported, module, known, source, file)
         ]
-        if package.setup:
-            points = package.setup.entry_points or ()
-            lines += [
-                (package.setup.source, point.line) for point in points if point.module == own and point.line
-            ]
+        for number, line in enumerate(package.setup.source.text.splitlines() if package.setup else (), 1):
+            lines += [(package.setup.source, number)] if package.setup and f"{own}:" in line else []
         are_whole = all(own in source.text.splitlines()[line - 1] for source, line in lines)
         return (
             [*dict.fromkeys(source.at(line) for source, line in lines)],
