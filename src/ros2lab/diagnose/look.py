@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from shlex import quote
 from typing import Any
@@ -49,6 +49,8 @@ from ros2lab.diagnose.packaging.installed import environment_faults, install_fau
 from ros2lab.diagnose.packaging.layout_faults import layout_faults
 from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, manifest_faults
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
+from ros2lab.diagnose.sources.beyond import Beyond
+from ros2lab.diagnose.sources.made_modules import is_made, written_modules
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.other_files import OtherFiles
 from ros2lab.diagnose.sources.package import SourcePackage, discover
@@ -259,8 +261,14 @@ class Look:
         """Return a package's Python files."""
         if package.folder not in self._sources:
             used = self._used if self.executables[package.name] is not None else set()
-            self._sources[package.folder] = NodeSources(package.sources, used)
+            beyond = Beyond(self._modules, partial(is_made, package), partial(written_modules, package))
+            self._sources[package.folder] = NodeSources(package.sources, used, beyond)
         return self._sources[package.folder]
+
+    @cached_property
+    def _modules(self) -> Mapping[str, PythonSource]:
+        """The Python files of all packages, by the names of their modules."""
+        return {name: source for package in self.packages for name, source in package.sources.items()}
 
     @cached_property
     def _used(self) -> set[str]:

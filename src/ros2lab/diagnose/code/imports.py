@@ -13,6 +13,7 @@ from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.beyond import Beyond
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Import, PythonSource, read_source
 from ros2lab.diagnose.sources.spelling import nearest
@@ -24,6 +25,9 @@ ROS_1 = {
     "tf": "tf2_ros",
     "rospkg": "ament_index_python",
 }
+
+
+_UNKNOWN = "from unknown import *"  # the text of a module of which nothing is known
 
 
 def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[str]) -> Iterator[Finding]:
@@ -81,7 +85,7 @@ def _binds(file: Path, name: str) -> bool:
 
 def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:
     """Yield faults in the imports of a file, and the names that nothing in it binds."""
-    own_modules = sources.sources
+    own_modules = {**sources.sources, **_made(sources, source)}
     for imported in source.imports:
         if imported.is_guarded:
             continue
@@ -93,8 +97,8 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 source.at(imported.line),
                 f"import {ROS_1[top]}, and write the node as a subclass of rclpy.node.Node",
             )
-        elif imported.is_from and top in own_modules and top not in interfaces.PACKAGES:
-            yield from _own_module(source, imported, own_modules)
+        elif top in own_modules and top not in interfaces.PACKAGES:
+            yield from _own_module(source, imported, own_modules, sources.beyond)
         elif bare_sibling(source, imported, own_modules):
             continue  # whether Python finds it depends on how the file is started
     yield from misspelt_packages(source, own_modules)
@@ -102,6 +106,14 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
     for name, node in undefined_names(source):
         cause, fix = meant(source, name, node, members=sources.members_at(source, node), own=own_modules)
         yield Finding("name-undefined", cause, source.at(node), fix)
+
+
+def _made(sources: NodeSources, source: PythonSource) -> dict[str, PythonSource]:
+    """Return the modules that a file imports of its own package and that only the build makes, as unknown files."""
+    own = sources.sources
+    targets = (imported.target for imported in source.imports if imported.target.partition(".")[0] in own)
+    names = (name for target in targets for name in (target, target.rpartition(".")[0]) if name not in own)
+    return {name: PythonSource(name, "", _UNKNOWN) for name in names if sources.beyond.is_made(name)}
 
 
 def names_of(source: PythonSource, modules: Mapping[str, PythonSource]) -> dict[str, frozenset[str]]:
@@ -119,8 +131,10 @@ def bound_names(source: PythonSource) -> frozenset[str]:
     return frozenset() if is_open else global_names(source) | MODULE_NAMES
 
 
-def _own_module(source: PythonSource, imported: Import, own_modules: Collection[str]) -> Iterator[Finding]:
-    module = imported.target.rpartition(".")[0]
+def _own_module(
+    source: PythonSource, imported: Import, own_modules: Collection[str], beyond: Beyond
+) -> Iterator[Finding]:
+    module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
     if module.endswith((".msg", ".srv", ".action")) and module not in own_modules:
         kind = module.rpartition(".")[2]
         yield Finding(
@@ -130,8 +144,10 @@ def _own_module(source: PythonSource, imported: Import, own_modules: Collection[
             f"put the .{kind} files into a separate ament_cmake package, with rosidl_generate_interfaces in CMakeLists.txt, and import from that",
         )
         return
-    if module not in own_modules and imported.target not in own_modules:
-        close = nearest(module, own_modules)
+    is_folder = any(name.startswith(f"{module}.") for name in own_modules)  # one without __init__.py
+    if not is_folder and module not in own_modules and imported.target not in own_modules:
+        parent = module.rpartition(".")[0]
+        close = nearest(module, {*own_modules, *(f"{parent}.{name}" for name in beyond.written() if name)})
         yield Finding(
             "module-missing",
             f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",

@@ -20,6 +20,7 @@ from ros2lab.diagnose.packaging.entry_point_forms import (
 )
 from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.interfaces import is_installed
+from ros2lab.diagnose.sources.made_modules import is_made
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
@@ -122,6 +123,8 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         return
     sources = package.sources
     source = sources.get(point.module)
+    if source is None and is_made(package, point.module):
+        return
     top = point.module.partition(".")[0]
     if source is None and (called := alike(package.folder, top)) and (package.folder / called).is_dir():
         cause = f"The entry point {point.name} names the package {top}, but the folder is called {called}: {differs(called, top)}."

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeGuard
 
+from ros2lab.diagnose.sources.beyond import NOTHING, Beyond
 from ros2lab.diagnose.sources.handed_on import given_from_outside
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.python_source import (
@@ -115,11 +116,15 @@ class NodeSources:
     Args:
         sources: the files by the names of their modules.
         used: what executables and other packages use of them, such as `pk.talk.main`; empty if not known.
+        beyond: what else the files may import; nothing if that is not known.
     """
 
-    def __init__(self, sources: Mapping[str, PythonSource], used: Collection[str] = ()) -> None:
+    def __init__(
+        self, sources: Mapping[str, PythonSource], used: Collection[str] = (), beyond: Beyond = NOTHING
+    ) -> None:
         self.sources = sources
         self.used = used
+        self.beyond = beyond
         self.classes: dict[str, NodeClass] = {}
         self.functions: dict[str, tuple[PythonSource, Function]] = {}
         self._scoped: dict[PythonSource, tuple[Scoped, ...]] = {}

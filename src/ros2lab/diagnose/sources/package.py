@@ -159,7 +159,7 @@ class SourcePackage:
         mapping = self.package_dirs
         names = self.packages
         tops = {name.partition(".")[0] for name in names} if names is not None else set()
-        tops |= {self.name}
+        tops |= {self.name, *(name for name in mapping if "." in name)}
         for top in sorted(tops):
             folder = self.folder / mapping.get(top, Path(mapping.get("", "")) / top)
             # Not the folder itself, and nothing outside it, as with a name such as `/usr`.

@@ -1,0 +1,26 @@
+"""What the files of a package may import beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """The modules that are not among a package's files.
+
+    Attributes:
+        modules: the files of all packages of the workspace, by the names of their modules.
+        is_made: whether a module without a file is there once the package is built.
+        written: the last parts of the names of the modules that the build is seen to write.
+    """
+
+    modules: Mapping[str, PythonSource] = field(default_factory=dict)
+    is_made: Callable[[str], bool] = lambda _: False
+    written: Callable[[], Collection[str]] = frozenset
+
+
+NOTHING = Beyond()

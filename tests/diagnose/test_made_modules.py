@@ -1,0 +1,127 @@
+"""Modules that only the build makes are there, however they are imported; misspelt and forgotten ones are not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+
+NAME = NAMES[1]
+MAKER = """\
+from pathlib import Path
+from setuptools.command.build_py import build_py
+
+
+class BuildWithTable(build_py):
+    def run(self):
+        super().run()
+        (Path(self.build_lib) / 'PACKAGE' / {file}).write_text('LIMIT = 1.0')
+
+
+package_name = 'PACKAGE'
+"""
+IMPORTS = [
+    "from PACKAGE.table import LIMIT",
+    "from .table import LIMIT",
+    "from PACKAGE import table",
+    "from . import table",
+    "import PACKAGE.table",
+    "import PACKAGE.table as limits",
+]
+MISSING = frozenset(("module-missing", "import-wrong", "entry-point-module"))
+
+
+def made(imports: str, file: str = "'table.py'") -> Files:
+    """Return a workspace whose setup.py writes a module, which a node imports."""
+    files = Files.right(NAME).change("setup.py", "package_name = 'PACKAGE'\n", MAKER.format(file=file))
+    files.change(
+        "setup.py", "    zip_safe=True,", "    zip_safe=True,\n    cmdclass={'build_py': BuildWithTable},"
+    )
+    return files.change("node", "import rclpy\n", f"import rclpy\n{imports}\n")
+
+
+def missing(files: Files, folder: Path) -> list[tuple[str, str]]:
+    """Return code and fix of what is said to be missing."""
+    return [(f.code, f.fix) for f in of_workspace(files.write(folder)) if f.code in MISSING]
+
+
+def install(files: Files, module: str) -> Files:
+    """Put a module where the package is installed."""
+    files.texts[f"install/{NAME.package}/lib/python3.12/site-packages/{NAME.package}/{module}.py"] = (
+        "LIMIT = 1.0\n"
+    )
+    return files
+
+
+@pytest.mark.parametrize("imports", IMPORTS)
+def test_a_module_that_setup_writes_is_there(tmp_path: Path, imports: str) -> None:
+    assert missing(made(imports), tmp_path) == []
+
+
+@pytest.mark.parametrize("imports", IMPORTS)
+def test_one_whose_name_setup_puts_together_is_there_if_it_is_installed(tmp_path: Path, imports: str) -> None:
+    files = install(made(imports, "f'{Path(__file__).stem}.py'"), "table")
+    assert missing(files, tmp_path) == []
+
+
+def test_one_whose_name_setup_puts_together_may_be_there_before_the_build(tmp_path: Path) -> None:
+    assert missing(made(IMPORTS[0], "f'{Path(__file__).stem}.py'"), tmp_path) == []
+
+
+def test_an_entry_point_may_name_it(tmp_path: Path) -> None:
+    files = made(IMPORTS[0]).change(
+        "setup.py",
+        "'DRIVER = PACKAGE.DRIVER:main',",
+        "'DRIVER = PACKAGE.DRIVER:main', 'table = PACKAGE.table:main',",
+    )
+    assert missing(files, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("imports", "name", "text"),
+    [
+        (
+            "from PACKAGE._version import version",
+            "pyproject.toml",
+            "[tool.setuptools_scm]\nversion_file = 'PACKAGE/_version.py'\n",
+        ),
+        ("from PACKAGE._fast import limit", "PACKAGE/_fast.cpython-312-x86_64-linux-gnu.so", ""),
+    ],
+)
+def test_one_that_is_made_without_setup_is_there(tmp_path: Path, imports: str, name: str, text: str) -> None:
+    files = Files.right(NAME).change("node", "import rclpy\n", f"import rclpy\n{imports}\n").put(name, text)
+    assert missing(files, tmp_path) == []
+
+
+def test_a_package_in_another_folder_is_there(tmp_path: Path) -> None:
+    files = Files.right(NAME).change(
+        "node", "import rclpy\n", "import rclpy\nfrom PACKAGE.made.table import LIMIT\n"
+    )
+    files.change(
+        "setup.py",
+        "packages=find_packages(exclude=['test']),",
+        "packages=[package_name, 'PACKAGE.made'],\n    package_dir={'PACKAGE.made': 'generated'},",
+    )
+    files.put("generated/__init__.py", "").put("generated/table.py", "LIMIT = 1.0\n")
+    assert missing(files, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    "imports", [i.replace("table", "tabel") for i in IMPORTS if i.endswith("LIMIT") or "as" in i]
+)
+@pytest.mark.parametrize("is_built", [False, True])
+def test_a_misspelt_one_is_told(tmp_path: Path, imports: str, is_built: bool) -> None:  # noqa: FBT001
+    files = made(imports)
+    files = install(files, "table") if is_built else files
+    fix = f"write {NAME.package}.table instead of {NAME.package}.tabel"
+    assert missing(files, tmp_path) == [("module-missing", fix)]
+
+
+@pytest.mark.parametrize("imports", IMPORTS)
+def test_one_that_nothing_makes_is_told(tmp_path: Path, imports: str) -> None:
+    """A copy that is installed may be of a file that has been renamed."""
+    files = Files.right(NAME).change("node", "import rclpy\n", f"import rclpy\n{imports}\n")
+    assert len(missing(install(files, "table"), tmp_path)) == 1
