@@ -113,7 +113,7 @@ def test_a_package_in_another_folder_is_there(tmp_path: Path) -> None:
     "imports", [i.replace("table", "tabel") for i in IMPORTS if i.endswith("LIMIT") or "as" in i]
 )
 @pytest.mark.parametrize("is_built", [False, True])
-def test_a_misspelt_one_is_told(tmp_path: Path, imports: str, is_built: bool) -> None:  # noqa: FBT001
+def test_a_misspelt_one_is_told(tmp_path: Path, imports: str, is_built: bool) -> None:
     files = made(imports)
     files = install(files, "table") if is_built else files
     fix = f"write {NAME.package}.table instead of {NAME.package}.tabel"

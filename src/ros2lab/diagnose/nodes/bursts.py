@@ -8,8 +8,10 @@ from collections.abc import Iterator
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.sources.interfaces import is_interface
+from ros2lab.diagnose.sources.known_values import definition
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, is_log
 
@@ -138,16 +140,16 @@ def _depth_node(creation: Creation) -> ast.expr:
 def _depth(sources: NodeSources, creation: Creation) -> int | None:
     """Return the queue depth of a publisher or subscription; None if it is not known."""
     given = (creation.arguments or {}).get("qos_profile")
-    written = sources.written(creation.source, given)
+    found = definition(sources, creation, given)
+    if found is None or policies_of(sources, creation).get("history") != "KEEP_LAST":
+        return None
+    source, written = found
     if isinstance(written, ast.Call):
-        keywords = {keyword.arg: keyword.value for keyword in written.keywords}
-        if not (sources.resolve(creation.source, written.func) or "").endswith(".QoSProfile"):
-            return None
-        if "KEEP_ALL" in ast.dump(written) or None in keywords:
-            return None
-        written = keywords.get("depth")
-    value = sources.value(creation.source, written)
-    return value if value is not UNKNOWN and isinstance(value, int) and not isinstance(value, bool) else None
+        depths = [keyword.value for keyword in written.keywords if keyword.arg == "depth"]
+        value = sources.value(source, depths[0]) if depths else UNKNOWN
+    else:
+        value = sources.value(source, written)
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
 def _reads_all(sources: NodeSources, creation: Creation) -> bool:

@@ -28,6 +28,7 @@ from ros2lab.diagnose.sources.python_source import (
     returns_value,
     walk,
 )
+from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import Uses
 
@@ -192,7 +193,7 @@ def _needs_asyncio(
 
 def _sent_early(sources: NodeSources) -> Iterator[Finding]:
     """Yield messages published only before the node spins, when no subscriber can have connected."""
-    waits = re.compile(r"subscription_count|TRANSIENT_LOCAL|sleep\(|wait|input\(", re.IGNORECASE)
+    waits = re.compile(r"subscription_count|sleep\(|wait|input\(", re.IGNORECASE)
     if any(waits.search(source.text) for source in sources.sources.values()):
         return
     files = [node for source in sources.sources.values() for node in source.nodes]
@@ -210,6 +211,7 @@ def _sent_early(sources: NodeSources) -> Iterator[Finding]:
             is_once = id(calls[method.name]) not in repeated
             early |= {id(node) for node in own_nodes(method)} - _repeated(method) if is_once else set()
         sent = [n for n in walk(owner.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
+        sent = sent if _are_not_kept(sources, owner, sent) else []
         kept = {getattr(getattr(n.func, "value", None), "attr", "") for n in sent}
         others = [n for n in files if isinstance(n, ast.Call) and _is_publish(n.func) and n not in sent]
         is_elsewhere = any(getattr(getattr(n.func, "value", None), "attr", "") in kept for n in others)
@@ -218,7 +220,9 @@ def _sent_early(sources: NodeSources) -> Iterator[Finding]:
             fix = "publish in a method, and call it with a timer: create_timer(1.0, self.that_method)"
             yield _early(owner.source, sent[0], "in the constructor", fix)
     for creation in sources.creations:
-        if creation.method == "create_publisher" and creation.owner is None and creation.function:
+        if creation.method != "create_publisher" or creation.owner or not creation.function:
+            continue
+        if policies_of(sources, creation).get("durability") == "VOLATILE":
             yield from _sent_at_once(sources, creation.source, creation.function, creation.call)
 
 
@@ -235,6 +239,18 @@ def _own_calls(function: Function) -> dict[str, ast.Call]:
         for node in own_nodes(function)
         if isinstance(node, ast.Call) and is_self_attribute(node.func)
     }
+
+
+def _are_not_kept(sources: NodeSources, owner: NodeClass, sent: list[ast.Call]) -> bool:
+    """Return whether none of the publishers that send is known or likely to keep messages for later subscribers."""
+    made = {id(creation.call): creation for creation in sources.creations}
+    kept: dict[str, list[str]] = {}
+    for source in {inner.source for inner in sources.lineage(owner)[0]}:
+        for name, call in source.made:
+            if creation := made.get(id(call)):
+                kept.setdefault(name, []).append(policies_of(sources, creation).get("durability", ""))
+    names = {ast.unparse(node.func).rpartition(".")[0] for node in sent}
+    return all(set(kept.get(name, ())) == {"VOLATILE"} for name in names)
 
 
 def _sent_at_once(

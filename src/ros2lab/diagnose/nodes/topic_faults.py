@@ -6,7 +6,6 @@ import ast
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from ros2lab import assignments
 from ros2lab.diagnose.finding import Finding
@@ -17,6 +16,7 @@ from ros2lab.diagnose.nodes.partners import Partners, made_in
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.rhythm import has_period
 
@@ -94,7 +94,7 @@ def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
         if is_named or (unnamed and not isinstance(topic, str)):
             kind = sources.resolve(creation.source, creation.arguments.get("msg_type"))
             name = kind if _is_there(kind) else None
-            qos = _qos(sources, creation)
+            qos = policies_of(sources, creation)
             found.append(
                 End(
                     topic.lstrip("/") if is_named else "",
@@ -322,56 +322,6 @@ def _qualities(topic: str, there: list[End], partners: Partners) -> Iterator[Fin
                     listener.place,
                     f"give both the same {policy}",
                 )
-
-
-def _qos(sources: NodeSources, creation: Creation) -> Mapping[str, str]:
-    """Return the policies that are known of a quality of service."""
-    default = {"durability": "VOLATILE", "reliability": "RELIABLE"}
-    given = (creation.arguments or {}).get("qos_profile")
-    if "qos_overriding_options" in (creation.arguments or {}):
-        return {}  # parameters may change it
-    if isinstance(given, ast.Constant):
-        return default
-    node = _definition(creation, given)
-    name = sources.resolve(creation.source, given) or ""
-    if name == "rclpy.qos.qos_profile_sensor_data":
-        return {"durability": "VOLATILE", "reliability": "BEST_EFFORT"}
-    if (
-        not isinstance(node, ast.Call)
-        or sources.resolve(creation.source, node.func) != "rclpy.qos.QoSProfile"
-    ):
-        return {}
-    told = dict(default)
-    for keyword in node.keywords:
-        if keyword.arg in told:
-            text = ast.unparse(keyword.value).rpartition(".")[2]
-            told[keyword.arg] = (
-                text if text in ("VOLATILE", "TRANSIENT_LOCAL", "RELIABLE", "BEST_EFFORT") else ""
-            )
-        elif keyword.arg is None:
-            return {}
-    return told
-
-
-def _definition(creation: Creation, given: ast.expr | None) -> ast.expr | None:
-    """Return the expression that a name stands for; None if it is assigned twice or changed afterwards."""
-    if not isinstance(given, (ast.Name, ast.Attribute)):
-        return given
-    text = ast.unparse(given)
-    values: list[Any] = [
-        node.value
-        for node in creation.source.nodes
-        if isinstance(node, (ast.Assign, ast.AnnAssign))
-        and text
-        in [ast.unparse(t) for t in (node.targets if isinstance(node, ast.Assign) else [node.target])]
-    ]
-    changed = any(
-        isinstance(node, ast.Attribute)
-        and isinstance(node.ctx, ast.Store)
-        and ast.unparse(node.value) == text
-        for node in creation.source.nodes
-    )
-    return values[0] if len(values) == 1 and not changed else None
 
 
 def _periods(topic: str, there: list[End]) -> Iterator[Finding]:

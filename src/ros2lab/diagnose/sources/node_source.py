@@ -11,6 +11,7 @@ from typing import Any, TypeGuard
 from ros2lab.diagnose.sources.beyond import NOTHING, Beyond
 from ros2lab.diagnose.sources.handed_on import given_from_outside
 from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.known_values import value_of
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -19,7 +20,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     walk,
 )
-from ros2lab.diagnose.sources.static_value import UNKNOWN, evaluate
+from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 NODE_CLASSES = frozenset(
     (
@@ -146,7 +147,7 @@ class NodeSources:
             if name is None or name in self.classes or name in self.functions:
                 return name
             module, _, rest = name.rpartition(".")
-            handed_on = self.sources[module].names.get(rest) if module in self.sources else None
+            handed_on = home.names.get(rest) if (home := self.file(module)) else None
             if handed_on in (None, name):
                 return name
             name = handed_on
@@ -273,13 +274,11 @@ class NodeSources:
 
     def value(self, source: PythonSource, node: ast.expr | None) -> Any:
         """Return the value of an expression, from the constants of the files; `UNKNOWN` if not known."""
-        known = evaluate(node, source.constants, {})
-        if known is UNKNOWN and node is not None:
-            name = source.resolve(node) or ""
-            module, _, rest = name.rpartition(".")
-            if module in self.sources:
-                return self.sources[module].constants.get(rest, UNKNOWN)
-        return known
+        return value_of(self, source, node)
+
+    def file(self, module: str) -> PythonSource | None:
+        """Return the file of a module of the workspace; None if there is none."""
+        return self.sources.get(module) or self.beyond.modules.get(module)
 
     def written(self, source: PythonSource, node: ast.expr | None) -> ast.expr | None:
         """Return the value of a name that the file assigns only once; any other expression as it is."""
@@ -332,7 +331,7 @@ class NodeSources:
 
         None if code outside these files may use their nodes, so that not all of it is seen.
         """
-        own = NodeSources({name: self.sources[name] for name in self.together(module)})
+        own = NodeSources({name: self.sources[name] for name in self.together(module)}, beyond=self.beyond)
         is_seen = not any(source.fault or own.hands_itself_on(source) for source in own.sources.values())
         return own if is_seen and all(own.lineage(node_class)[2] for node_class in own.nodes) else None
 

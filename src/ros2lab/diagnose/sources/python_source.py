@@ -6,6 +6,7 @@ import ast
 import importlib
 import math
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -223,21 +224,27 @@ class PythonSource:
 
     @cached_property
     def constants(self) -> Mapping[str, object]:
-        """The values of the names that the file binds only once, at its top level, to a constant."""
-        values: dict[str, object] = {}
-        again: set[str] = set()
-        for node in self.nodes:
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                if node.id in values:
-                    again.add(node.id)
-                values[node.id] = None
+        """The values of the names that the file binds only once, at its top level or in a class, to a constant.
+
+        One in a class is called as in `Topics.STATUS`; a class with bases, such as an Enum, may make another value.
+        """
+        stored = [n for n in self.nodes if isinstance(n, (ast.Name, ast.Attribute, ast.arg))]
+        bound = Counter(
+            n.arg if isinstance(n, ast.arg) else ast.unparse(n)
+            for n in stored
+            if isinstance(n, ast.arg) or isinstance(n.ctx, ast.Store)
+        )
+        plain = [n for n in self.tree.body if isinstance(n, ast.ClassDef) and not n.bases]
+        bodies = [("", self.tree.body), *((f"{owner.name}.", owner.body) for owner in plain)]
         found = {}
-        for statement in self.tree.body:
-            value = getattr(statement, "value", None)
-            if isinstance(statement, (ast.Assign, ast.AnnAssign)) and isinstance(value, ast.Constant):
-                targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
-                found.update({to.id: value.value for to in targets if isinstance(to, ast.Name)})
-        return {name: value for name, value in found.items() if name not in again}
+        for prefix, body in bodies:
+            for statement in body:
+                value = getattr(statement, "value", None)
+                if isinstance(statement, (ast.Assign, ast.AnnAssign)) and isinstance(value, ast.Constant):
+                    targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+                    names = [to.id for to in targets if isinstance(to, ast.Name) and bound[to.id] == 1]
+                    found.update({f"{prefix}{name}": value.value for name in names})
+        return {name: value for name, value in found.items() if bound[name] <= 1 - ("." in name)}
 
 
 _BUILTINS = frozenset(
