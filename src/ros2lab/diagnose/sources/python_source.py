@@ -7,7 +7,7 @@ import importlib
 import math
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -228,23 +228,25 @@ class PythonSource:
 
         One in a class is called as in `Topics.STATUS`; a class with bases, such as an Enum, may make another value.
         """
-        stored = [n for n in self.nodes if isinstance(n, (ast.Name, ast.Attribute, ast.arg))]
-        bound = Counter(
-            n.arg if isinstance(n, ast.arg) else ast.unparse(n)
-            for n in stored
-            if isinstance(n, ast.arg) or isinstance(n.ctx, ast.Store)
-        )
-        plain = [n for n in self.tree.body if isinstance(n, ast.ClassDef) and not n.bases]
-        bodies = [("", self.tree.body), *((f"{owner.name}.", owner.body) for owner in plain)]
-        found = {}
-        for prefix, body in bodies:
-            for statement in body:
-                value = getattr(statement, "value", None)
-                if isinstance(statement, (ast.Assign, ast.AnnAssign)) and isinstance(value, ast.Constant):
-                    targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
-                    names = [to.id for to in targets if isinstance(to, ast.Name) and bound[to.id] == 1]
-                    found.update({f"{prefix}{name}": value.value for name in names})
-        return {name: value for name, value in found.items() if bound[name] <= 1 - ("." in name)}
+        nodes = [n for n in self.nodes if isinstance(n, (ast.Name, ast.Attribute, ast.arg))]
+        stored = [n for n in nodes if isinstance(n, ast.arg) or isinstance(n.ctx, ast.Store)]
+        bound = Counter(n.arg if isinstance(n, ast.arg) else ast.unparse(n) for n in stored)
+        owners = [n for n in self.tree.body if isinstance(n, ast.ClassDef)]
+        inner = [(owner, *pair) for owner in owners for pair in _constants_in(owner.body)]
+        bound.subtract(name for _, name, _ in inner)
+        bound.update(f"{owner.name}.{name}" for owner, name, _ in inner)
+        found = dict(_constants_in(self.tree.body))
+        found |= {f"{owner.name}.{name}": value for owner, name, value in inner if not owner.bases}
+        return {name: value for name, value in found.items() if bound[name] == 1}
+
+
+def _constants_in(body: Sequence[ast.stmt]) -> Iterator[tuple[str, object]]:
+    """Yield the names to which statements assign a constant, each with its value."""
+    for statement in body:
+        value = getattr(statement, "value", None)
+        if isinstance(statement, (ast.Assign, ast.AnnAssign)) and isinstance(value, ast.Constant):
+            targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+            yield from ((to.id, value.value) for to in targets if isinstance(to, ast.Name))
 
 
 _BUILTINS = frozenset(
