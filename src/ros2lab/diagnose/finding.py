@@ -97,6 +97,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "shutdown-in-callback",
         "timer-in-callback",
         "callback-waits",
+        "raise-in-callback",
         "spin-inside",
         "life-order",
         "made-again",

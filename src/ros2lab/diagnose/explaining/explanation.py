@@ -13,6 +13,7 @@ from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
 from ros2lab.diagnose.causes.later_calls import of_later_call
 from ros2lab.diagnose.causes.parameters_given import of_parameters
+from ros2lab.diagnose.causes.raised_in_callbacks import of_own_raise
 from ros2lab.diagnose.causes.refused_names import of_refused_name
 from ros2lab.diagnose.causes.shadowed import of_shadow
 from ros2lab.diagnose.causes.taken import of_taken
@@ -186,6 +187,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         of_assertion(error, look)
         or of_test_without_init(error, look)
         or of_taken(error, look)
+        or of_own_raise(error, look)
         or of_later_call(error, known, look)
         or of_init_order(error, look)
         or of_init_twice(error, look)
@@ -321,8 +323,6 @@ def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
 _REFUSED_BY_LAUNCH = frozenset(
     ("import-wrong", "launch-argument", "launch-function", "launch-syntax", "comma-tuple", "comma-missing")
 )
-
-
 _NOT_THERE = frozenset(("not-built", "package-not-found", "executable-missing"))
 
 
