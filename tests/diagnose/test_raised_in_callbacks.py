@@ -86,6 +86,11 @@ def told(root: Path, code: str, *called: str, through: str = RCLPY) -> Finding:
          "write `if not request.data:` instead of the assert, and, indented below it, `response.success = False`, `response.message = 'no'`"),
         (SERVE, GO + "        self.check()\n\n    def check(self):\n        raise Full('full')\n", ["self.check()", "raise"],
          "`try:`, and write `except Full as error:` after it, with `response.success = False`, `response.message = str(error)` and `return response`"),
+        (SERVE, GO + "        raise Full(\n            'it is '\n            'full')\n", ["raise"],
+         "`response.message = 'it is full'` and `return response` instead of the raise"),
+        (SERVE, GO + "        if self.check():\n            response.success = True\n        return response\n\n"
+         "    def check(self):\n        raise Full('full')\n", ["if self.check()", "raise"],
+         "in go(), indent lines 23 to 24 below a `try:`"),
         ("self.create_timer(1.0, self.tick)", "    def tick(self):\n        raise RuntimeError('late')\n", ["raise"],
          "`self.get_logger().warning('late')` and `return`"),
         ("self.create_subscription(String, 'in', partial(self.take, 3), 10)",

@@ -92,7 +92,7 @@ def of_own_raise(error: ErrorText, look: Look) -> Finding | None:
     callback = next(_called_by_rclpy(report, error, look), None)
     if callback is None or spot.function is None:
         return None
-    is_direct = spot.function.name == callback.function.name and callback.spot.line == spot.line
+    is_direct = _shown(callback.spot) == _shown(spot) and callback.function.lineno == spot.function.lineno
     what = _KINDS.get(callback.kind, "a callback")
     raised = f"{spot.function.name}() raises {report.kind}"
     said = f" ({report.message.rstrip('.')})" if report.message else ""
@@ -100,6 +100,11 @@ def of_own_raise(error: ErrorText, look: Look) -> Finding | None:
     cause = f"{raised}{said}, but an exception that leaves {what} {ends}."
     fix = _instead(callback, raising) if is_direct else _caught(callback, raising)
     return Finding("raise-in-callback", cause, place, fix)
+
+
+def _shown(spot: Spot) -> str:
+    """Return the file of a spot as it is shown; empty if it cannot be read."""
+    return spot.source.shown if spot.source else ""
 
 
 def _raising(spot: Spot) -> ast.Raise | ast.Assert | None:
@@ -119,7 +124,7 @@ def _called_by_rclpy(report: ErrorReport, error: ErrorText, look: Look) -> Itera
     every = sources_around(error, look) if of_rclpy else []
     for frame in report.frames[of_rclpy[-1] + 1 :] if of_rclpy else ():
         spot = spot_at(place_of([frame], look), look)
-        shown = spot.source.shown if spot.source else ""
+        shown = _shown(spot)
         for sources in every:
             if spot.function is not None and any(s.shown == shown for s in sources.sources.values()):
                 yield from _passed_on(sources, shown, spot.function, spot)
@@ -187,13 +192,24 @@ def _instead(callback: _Callback, raising: ast.Raise | ast.Assert) -> str:
 def _caught(callback: _Callback, raising: ast.Raise | ast.Assert) -> str:
     """Return how to catch an exception in the callback that calls the function that raises it."""
     kind = _kind_caught(callback, raising)
-    lines = callback.spot.lines
-    where = f"line {lines.start}" if len(lines) == 1 else f"lines {lines.start} to {lines.stop - 1}"
+    first, last = _statement(callback)
+    where = f"line {first}" if first == last else f"lines {first} to {last}"
     answers = _joined(_answers(callback, "str(error)"))
     return (
         f"in {callback.function.name}(), indent {where} below a `try:`, and write `except {kind} as error:` after it, "
         f"with {answers} below that{_imported(callback)}"
     )
+
+
+def _statement(callback: _Callback) -> tuple[int, int]:
+    """Return the first and the last line of the statement that was running in a callback, with its body."""
+    around = [
+        node
+        for node in walk(callback.function)
+        if isinstance(node, ast.stmt) and node.lineno <= callback.spot.line <= (node.end_lineno or 0)
+    ]
+    innermost = max(around, key=lambda node: node.lineno)
+    return innermost.lineno, innermost.end_lineno or innermost.lineno
 
 
 def _kind_caught(callback: _Callback, raising: ast.Raise | ast.Assert) -> str:
