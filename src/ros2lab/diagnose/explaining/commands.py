@@ -7,14 +7,15 @@ import itertools
 import re
 import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ros2lab.diagnose.explaining.colcon_commands import of_colcon
 from ros2lab.diagnose.explaining.typed_message import as_message, misfit, read_as
-from ros2lab.diagnose.explaining.usage import plain_words
+from ros2lab.diagnose.explaining.usage import accepted_form, plain_words
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.topic_faults import ends_of
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest
@@ -31,7 +32,7 @@ _PLACES = {
     "param set": ("node", "parameter", "value"),
     "param describe": ("node", "parameter"),
     "param list": ("node",),
-    "service call": ("service", "service type"),
+    "service call": ("service", "service type", "message"),
     "service type": ("service",),
     "interface show": ("type",),
     "pkg prefix": ("package",),
@@ -51,6 +52,8 @@ _VARIABLES = {
     "RCUTILS_COLORIZED_OUTPUT": (r"[01]", "0 or 1", "1"),
     "RMW_IMPLEMENTATION": (r"rmw_\w+_cpp", "the name of a middleware that is installed", "rmw_fastrtps_cpp"),
 }
+REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
+_MOST_CORRECTIONS = 4  # words of a command that are corrected
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?")
 
 
@@ -93,6 +96,20 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
     rest = words[1 + len(verb.split()) :]
     command = _Command(line, verb, rest, _Known(look, rest))
     return next(command.faults(), None)
+
+
+def as_meant(line: str, error: ErrorText, look: Look) -> Corrected | None:
+    """Return a command with all wrong words corrected, and the first fault; None if no fault is known."""
+    meant = None
+    for _ in range(_MOST_CORRECTIONS):
+        # Errors of the parser come first: words are looked up only in a command that it accepts.
+        form = accepted_form(line) if REFUSED.search(error.text) or meant else None
+        better = Corrected(*form) if form else corrected(line, look, error.text)
+        if better is None or better.line == line:
+            break
+        line = better.line
+        meant = replace(better, why=meant.why if meant else better.why)
+    return meant
 
 
 def _of_variable(setting: str) -> Corrected | None:
@@ -276,8 +293,9 @@ class _Command:
 
     def _message(self, word: str) -> Iterator[Corrected]:
         """Yield a correction if a message is not a YAML dictionary with the fields of its type."""
-        kind = self.plain[1].replace("/msg/", ".msg.")
-        fields = interfaces.fields_of(kind if ".msg." in kind else kind.replace("/", ".msg."))
+        package, _, name = self.plain[1].partition("/")
+        kind, part = ("srv", "_Request") if self.verb == "service call" else ("msg", "")
+        fields = interfaces.fields_of(f"{package}.{kind}.{name.removeprefix(f'{kind}/')}{part}")
         if not fields:
             return
         text = as_message(word, fields)

@@ -25,8 +25,9 @@ from ros2lab.diagnose.checking.checked_copies import stands_trial
 from ros2lab.diagnose.checking.type_checker import type_faults
 from ros2lab.diagnose.explaining.asked_for import asked_for
 from ros2lab.diagnose.explaining.assertions import of_assertion, of_test_without_init, results_of_tests
-from ros2lab.diagnose.explaining.commands import Corrected, corrected
+from ros2lab.diagnose.explaining.commands import REFUSED, as_meant
 from ros2lab.diagnose.explaining.in_words import said_of
+from ros2lab.diagnose.explaining.launched_commands import of_launched_command
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
 from ros2lab.diagnose.explaining.needed import is_refuted, of_needed
@@ -40,7 +41,6 @@ from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.explaining.unbuilt import failed_build
-from ros2lab.diagnose.explaining.usage import accepted_form
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.mending.repairs import tried, worth_typing
@@ -59,11 +59,9 @@ _BUILD_FAILED = re.compile(
     r"^(?:Failed +<<< |error: can't copy|error in \S+ setup command|(?:\[[\d.]+s\] )?ERROR:colcon)|in setup command|setup\.py.*returned non-zero",
     re.M,
 )
-_REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
 _SHELLS = re.compile(r" *(?:&&|\|\||;|\|) +")  # between two commands on a line
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
-_MOST_CORRECTIONS = 4  # words of a command that are corrected
 
 
 def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, loads: bool) -> list[Finding]:
@@ -196,6 +194,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or made_twice(error, known, look)
         or called_by_rclpy(error, look)
         or taken_from_rclpy(error, known, look)
+        or of_launched_command(error, look)
         or declaration_fault(error, look)
         or of_unanswered(error, look)
         or undeclared_argument(error, look)
@@ -233,7 +232,7 @@ def _with_command(
     """Make the corrected command the fix of the first finding if the command was wrong."""
     first = found[0] if found else Finding(UNKNOWN, "")
     is_told = first.code not in (SAID, UNKNOWN)
-    is_refused = _REFUSED.search(error.text) is not None
+    is_refused = REFUSED.search(error.text) is not None
     if look is None or first in known or first.code not in _OF_THE_COMMAND:
         return found
     if is_told and "`" in first.fix and not is_refused:
@@ -241,7 +240,7 @@ def _with_command(
     blamed = step_with(error.decisive, error.steps)
     lines = [step.command for step in reversed(error.steps) if step is blamed or not _did_well(step)]
     commands = [as_keyed(command) for line in lines if line for command in _SHELLS.split(line)]
-    meant = next((better for command in commands if (better := _as_meant(command, error, look))), None)
+    meant = next((better for command in commands if (better := as_meant(command, error, look))), None)
     if meant is None:
         return found
     if first.code == "package-not-found":
@@ -254,20 +253,6 @@ def _did_well(step: Step) -> bool:
     """Return whether the output of a command shows that it succeeded."""
     is_told = any(meaning.pattern.search(line) for meaning in MEANINGS for line in step.lines)
     return step.is_answered and not is_told
-
-
-def _as_meant(line: str, error: ErrorText, look: Look) -> Corrected | None:
-    """Return a command with all wrong words corrected, and the first fault; None if no fault is known."""
-    meant = None
-    for _ in range(_MOST_CORRECTIONS):
-        # Errors of the parser come first: words are looked up only in a command that it accepts.
-        form = accepted_form(line) if _REFUSED.search(error.text) or meant else None
-        better = Corrected(*form) if form else corrected(line, look, error.text)
-        if better is None or better.line == line:
-            break
-        line = better.line
-        meant = replace(better, why=meant.why if meant else better.why)
-    return meant
 
 
 def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
