@@ -116,7 +116,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "installed-elsewhere",
     ),
     ("parameter-file-missing", "parameter-file-node", "parameter-name", "parameter-once", "remap-unknown"),
-    ("program-ends", "no-node", "not-spinning", "never-ends"),
+    ("program-ends", "no-node", "not-spinning", "never-activated", "never-ends"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty", "sent-early"),
     ("launch-unused", "never-shown", "parameter-unread"),
     ("speed-implausible", "word-unanswered", "period"),

@@ -38,6 +38,7 @@ from ros2lab.grading.running import running
 from ros2lab.scratch import scratch_folder
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
 from ros2lab.trial.story import told_of
+from ros2lab.trial.unmade import unmade_faults
 from ros2lab.trial.witnessed import environ_in, witnessed
 from ros2lab.workspace import Workspace
 
@@ -95,7 +96,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
         wrong, never, called = witnessed(notes, look)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
-    found = [*seen_faults(seen)]
+    found = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
     # A condition that is never true may be intended, but may also explain other findings.
     story = [
         *(told_of(seen, run, called) for run in seen.alone),

@@ -9,6 +9,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.evidence import Heard, Run
 from ros2lab.rhythm import median_gap
 from ros2lab.trial.ends import word_that_ended
+from ros2lab.trial.unmade import unmade_notes
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
@@ -29,8 +30,8 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     if run.ended:
         word = word_that_ended(run)
         parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
-    parts += _unserved(seen, seen.main(name))
-    return f"{name} {'; '.join(parts) or 'used no topics'}."
+    parts = [*parts, *_unserved(seen, seen.main(name))] or ["published and subscribed to nothing"]
+    return f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
 
 
 def _unserved(seen: Seen, file: str) -> list[str]:
