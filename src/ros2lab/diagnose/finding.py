@@ -153,6 +153,12 @@ def stops_node(finding: Finding) -> bool:
     return _STAGE_OF[finding.code] < _STAGE_OF["message-compared"]
 
 
+def keeps_from_working(finding: Finding) -> bool:
+    """Return whether code with this finding does not do what it is for when it runs."""
+    of_code = range(_STAGE_OF["node-syntax"], _STAGE_OF["callback-waits"] + 1)
+    return _STAGE_OF[finding.code] in of_code or finding.code == "sent-early"
+
+
 def is_about_life(finding: Finding) -> bool:
     """Return whether a finding is about when, or from where, something is called."""
     return _STAGE_OF[finding.code] == _STAGE_OF["callback-waits"]

@@ -36,6 +36,7 @@ from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.running import running
 from ros2lab.scratch import scratch_folder
+from ros2lab.trial.retold import without_retold
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
 from ros2lab.trial.story import told_of
 from ros2lab.trial.unmade import unmade_faults
@@ -61,7 +62,9 @@ class Trial:
     story: list[str]
 
 
-def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Trial:
+def try_out(
+    root: Path, show: Callable[[str], None] = lambda _step: None, read: Sequence[Finding] = ()
+) -> Trial:
     """Run each installed program of a workspace alone, then all of them together.
 
     A program in a launch file runs with the names, remappings and parameters given there.
@@ -69,6 +72,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
     Args:
         root: the workspace.
         show: called with a sentence about each step.
+        read: what reading the files has found, which is not found again.
 
     Raises:
         WorkspaceError: if nothing was built, or its `setup.bash` cannot be sourced.
@@ -96,7 +100,8 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
         wrong, never, called = witnessed(notes, look)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
-    found = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
+    shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
+    found = [*without_retold(shown, read, look)]
     # A condition that is never true may be intended, but may also explain other findings.
     story = [
         *(told_of(seen, run, called) for run in seen.alone),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.nodes.service_faults import service_ends
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Heard, Run
 from ros2lab.rhythm import median_gap
 from ros2lab.trial.ends import word_that_ended
@@ -26,6 +27,8 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     """
     name, heard = run.programs[0], seen.heard(run)
     parts = [_published(topic, stretches, run.quiet.get(topic)) for topic, stretches in heard.items()]
+    silent = [topic for topic in run.publishes if topic not in heard and not topic.endswith(OF_MANAGED)]
+    parts += [f"has a publisher on {topic}, but published nothing there" for topic in silent]
     parts += [f"subscribed to {topic}{_missed(seen, topic, called)}" for topic in run.subscribes]
     if run.ended:
         word = word_that_ended(run)

@@ -65,8 +65,9 @@ def diagnose(
     else:
         print(_nowhere(workspace), file=sys.stderr)
         raise typer.Exit(USAGE_ERROR)
+    story = ""
     if is_run and (watched := root or here) is not None:
-        findings, looked_at = _seen_beside(findings, watched)
+        findings, looked_at, story = _seen_beside(findings, watched)
     if up_to is None and is_told_in_steps:
         up_to = Step.CAUSE
     shown = findings if up_to is None else told(findings, up_to)
@@ -74,6 +75,8 @@ def diagnose(
         print(json.dumps([*map(_documented, shown)], indent=2))
     else:
         _show(shown, looked_at)
+        if shown and story and up_to is None:
+            print(f"What the nodes did: {story}")
         if shown and up_to and (step := next_step(findings[0], up_to)):
             print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
@@ -130,15 +133,18 @@ def _of_folder(root: Path) -> tuple[list[Finding], bool, str]:
     return findings, is_step_by_step(root), looked_at
 
 
-def _seen_beside(findings: Sequence[Finding], root: Path) -> tuple[list[Finding], str]:
-    """Run what a workspace has installed; return what is found by reading or then, each once, and what was seen."""
+def _seen_beside(findings: Sequence[Finding], root: Path) -> tuple[list[Finding], str, str]:
+    """Run what a workspace has installed.
+
+    Returns:
+        What is found by reading or then, each once; what was looked at; and what the nodes did.
+    """
     from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
 
-    found, looked_at = _run(root)
+    found, looked_at, story = _run(root, findings)
     read = {(finding.code, _about(finding)) for finding in findings if finding.place}
-    return ranked(
-        [*findings, *(finding for finding in found if (finding.code, _about(finding)) not in read)]
-    ), looked_at
+    others = (finding for finding in found if (finding.code, _about(finding)) not in read)
+    return ranked([*findings, *others]), looked_at, story
 
 
 def _about(finding: Finding) -> str:
@@ -153,8 +159,9 @@ def _documented(finding: Finding) -> dict[str, str]:
     return {name: getattr(finding, name) for name in ("code", "cause", "place", "fix")}
 
 
-def _run(root: Path) -> tuple[list[Finding], str]:
-    """Run what a workspace has installed; return what is found, and what was seen."""
+def _run(root: Path, read: Sequence[Finding]) -> tuple[list[Finding], str, str]:
+    """Run what a workspace has installed; return what is found, what was looked at, and what the nodes did."""
+    from ros2lab.grading.reports.shown import visible  # noqa: PLC0415
     from ros2lab.trial import try_out  # noqa: PLC0415
     from ros2lab.workspace import WorkspaceError  # noqa: PLC0415
 
@@ -162,12 +169,13 @@ def _run(root: Path) -> tuple[list[Finding], str]:
         print(f"{step} ...", file=sys.stderr, flush=True)
 
     try:
-        trial = try_out(root.absolute(), show)
+        trial = try_out(root.absolute(), show, read)
     except WorkspaceError as error:
         # What reading has found is told all the same.
         print(error, file=sys.stderr)
-        return [], f"Nothing could be run: {error}"
-    return trial.findings, f"It ran what is built for a few seconds. {' '.join(trial.story)}"
+        return [], f"Nothing could be run: {error}", ""
+    story = " ".join(trial.story)
+    return trial.findings, f"It ran what is built for a few seconds. {story}", visible(story, LONGEST)
 
 
 def _show(findings: Sequence[Finding], looked_at: str) -> None:
