@@ -93,7 +93,7 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "driver",
         "    rclpy.spin(node)\n",
         "    node.destroy()\n",
-        "write destroy_node instead of destroy",
+        "write `node.destroy_node()`",
     ),
     "the class for its object": (
         "driver",

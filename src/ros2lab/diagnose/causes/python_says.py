@@ -47,8 +47,7 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
         cause = f"{name} is {kind_in_words(held)}, but `{spot.text}` needs the value inside it."
         return Finding("python-error", cause, place, f"write {held_in(name, held)} instead of {name}")
     where = f"in `{spot.text}`" if spot.text else "at this line"
-    what = (known.__doc__ or kind).splitlines()[0].rstrip(".").lower()
-    return Finding(SAID, f"Python stops {where} ({what}): {message}", place, _PRINT)
+    return Finding(SAID, f"Python stops {where} with {kind}: {message}".removesuffix(": "), place, _PRINT)
 
 
 def _taken_out(message: str, spot: Spot) -> tuple[str, str] | None:

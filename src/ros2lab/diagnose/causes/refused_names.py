@@ -68,10 +68,19 @@ def _better(text: str, what: str, *, is_begin: bool = True) -> str:
     """Return a text that is allowed in a name."""
     if what == "node name":
         better = re.sub(r"[^A-Za-z0-9_]+", "_", text)
-        return re.sub(r"^(?=\d)", "n", better) if is_begin else better
+        return _with_letter(better) if is_begin else better
     better = re.sub(r"[_/]*/[_/]*", "/", re.sub(r"[^A-Za-z0-9_~{}/]+", "_", text.strip()))
     better = re.sub(r"(?<=[^/])/$", "", re.sub(r"__+", "_", better))
-    return re.sub(r"(^|/)(?=\d)" if is_begin else r"(/)(?=\d)", r"\1n", better)
+    first, *others = better.split("/")
+    return "/".join([_with_letter(first) if is_begin else first, *map(_with_letter, others)])
+
+
+def _with_letter(part: str) -> str:
+    """Return a part of a name that begins with a letter: one that begins with digits ends with them instead."""
+    match = re.fullmatch(r"(\d[A-Za-z0-9]*)_([A-Za-z]\w*)|(\d+)([A-Za-z]\w*)", part)
+    if match:
+        return f"{match[2]}_{match[1]}" if match[1] else f"{match[4]}{match[3]}"
+    return f"n{part}" if part[:1].isdigit() else part
 
 
 def _texts(spots: list[Spot], look: Look) -> Iterator[tuple[PythonSource, ast.Constant]]:

@@ -27,6 +27,7 @@ _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "title": str.title,
 }
 # Literals, which nobody calls or subscripts on purpose.
+_LONGEST = 60  # characters of a value that is shown whole
 _LITERALS = (ast.Tuple, ast.List, ast.Dict, ast.Constant, ast.JoinedStr, ast.Set)
 _NEXT: dict[type[ast.AST], str] = {ast.Call: "a call of", ast.Subscript: "a part of"}
 
@@ -116,7 +117,12 @@ def tuple_by_comma(source: PythonSource, made: ast.expr) -> Finding:
     """Say that the comma after a value turns it into a tuple."""
     line = made.end_lineno or made.lineno
     text = source.text.splitlines()[line - 1].partition("#")[0].strip().removesuffix(",")
-    cause = f"The comma at the end turns `{ast.unparse(made).splitlines()[0][1:-2][:60]}` into a tuple."
+    targets = [
+        ast.unparse(n.targets[0]) for n in source.nodes if isinstance(n, ast.Assign) and n.value is made
+    ]
+    shown = ast.unparse(made.elts[0]) if isinstance(made, ast.Tuple) else ast.unparse(made)
+    what = f"`{shown}`" if len(shown) <= _LONGEST else targets[0] if targets else "the returned value"
+    cause = f"The comma at the end turns {what} into a tuple."
     fix = f"write `{text}`, with no comma at its end"
     fix = fix if made.lineno == line else "remove the comma at the end of this line"
     return Finding("comma-tuple", cause, source.at(line), fix)

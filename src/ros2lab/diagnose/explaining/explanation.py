@@ -222,7 +222,7 @@ def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[F
 # Codes for which the command itself may be wrong: then the corrected command is the fix.
 _OF_THE_COMMAND = frozenset(
     f"{SAID} {UNKNOWN} package-not-found executable-missing file-not-found topic-near-miss topic-type typed-wrong "
-    "parameter-name parameter-type".split()
+    "parameter-name parameter-type message-field".split()
 )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from ros2lab.diagnose.causes.python_says import of_error, of_function
+from ros2lab.diagnose.causes.shut_twice import shut_by
 from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.code.meant_names import meant, used_too_early
@@ -19,7 +20,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, of_parameter_file
-from ros2lab.diagnose.nodes.parameter_values import given_at, retyped
+from ros2lab.diagnose.nodes.parameter_values import given_at, retyped, type_in_words, value_in_words
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
@@ -67,7 +68,16 @@ def _in_words(
     meaning: Meaning, groups: Mapping[str, str], place: str, error: ErrorText, look: Look | None
 ) -> Finding:
     """Return the finding of a meaning, with the names in the message filled in."""
-    code, cause = meaning.codes[0], meaning.cause.format(**groups).replace(" ()", "")
+    code, shown = meaning.codes[0], groups
+    if code == "parameter-type" and groups.get("name"):
+        shown = {
+            **groups,
+            "wanted": type_in_words(groups["wanted"]),
+            "value": value_in_words(groups["value"], groups["kind"]),
+        }
+    cause = (
+        shut_by(spot_at(place, look), error) if code == "shutdown-twice" else ""
+    ) or meaning.cause.format(**shown).replace(" ()", "")
     if code == "launch-argument":
         groups = {**groups, "default": _default_of(groups["name"], look)}
     do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)

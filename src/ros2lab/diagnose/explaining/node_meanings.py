@@ -83,7 +83,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"property '(?P<name>\w+)' of '(?P<owner>\w+)' object has no setter|can't set attribute '?(?P<name2>\w*)",
         "node-property",
-        "Every node already has `{name}{name2}`, which cannot be set.",
+        "{name}{name2} is already a property of every node, and cannot be assigned.",
         "give yours another name, such as self.{name}{name2}_",
     ),
     meaning(
@@ -173,7 +173,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"Trying to set parameter '(?P<name>[\w.]+)' to '(?P<value>.*?)' of type '(?P<kind>\w+)', expecting type '(?P<wanted>\w+)'",
         "parameter-type",
-        "The parameter {name} is of type {wanted}, but is given {value}, of type {kind}.",
+        "The parameter {name} must be {wanted}, but is given {value}.",
         value_fix,
     ),
     meaning(
@@ -213,6 +213,12 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "string-data-type field-type",
         "The data field of a String was given something that is not a string.",
         "write str(...) around it",
+    ),
+    meaning(
+        r"The '(?P<name>\w+)' field must be a sub message of type '(?P<what>\w+)'",
+        "field-type int-in-float string-data-type",
+        "The field {name} needs a message of type {what}.",
+        "give it a value of that type",
     ),
     meaning(
         r"The '(?P<name>\w+)' field must be (?P<what>.*)",

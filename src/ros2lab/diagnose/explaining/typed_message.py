@@ -177,8 +177,19 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
     if not isinstance(value, dict):
         value, written = {first: value}, {first: written}
     text = _fields(value, written, fields)
-    is_same = _reads_alike(text, word)
+    is_same = _reads_alike(text, word) and _is_spaced(word)
     return word if is_same and ": " in word and not read_as(word, fields) else text
+
+
+def _is_spaced(word: str) -> bool:
+    """Return whether YAML itself reads a text as it is read here, with a space after each colon."""
+    import yaml
+
+    from portable_ros2 import bounded_yaml
+
+    with contextlib.suppress(yaml.YAMLError):
+        return bool(bounded_yaml.load(word, yaml.SafeLoader) == _loaded(word, yaml.SafeLoader))
+    return False
 
 
 def _reads_alike(text: str, other_text: str) -> bool:

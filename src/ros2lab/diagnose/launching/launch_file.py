@@ -22,6 +22,7 @@ from ros2lab.diagnose.launching.entity_words import entity_repair
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values
+from ros2lab.diagnose.launching.older_keywords import older_keywords
 from ros2lab.diagnose.launching.plain_values import plain_value_faults
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
@@ -154,6 +155,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
     yield from path_faults(source)
     worded = {finding.fix.partition("'")[2].partition("'")[0] for finding in kind_faults(source)}
     yield from _arguments(source, worded)
+    yield from older_keywords(source)
     yield from misplaced_values(source)
     yield from joined_words(source)
     for node in source.nodes:

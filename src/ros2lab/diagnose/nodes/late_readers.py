@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ast
-import copy
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TypeGuard
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.qos_written import with_policy
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from ros2lab.diagnose.nodes.topic_faults import End
 
 _LATCHED, _NEW_ONLY = "TRANSIENT_LOCAL", "VOLATILE"
-_KEEPS = f"durability=DurabilityPolicy.{_LATCHED}"
 
 
 def late_readers(topic: str, there: Sequence[End], partners: Partners) -> Iterator[Finding]:
@@ -45,7 +44,9 @@ def late_readers(topic: str, there: Sequence[End], partners: Partners) -> Iterat
             if partners.may_be_elsewhere(topic):
                 return
             cause = f"{kept[0].creation.source.shown} publishes on {topic!r} only once, when it starts, and keeps that message for subscribers that come later; this one asks only for new messages, so it receives nothing if it starts after that."
-            yield Finding("qos-mismatch", cause, listener.place, _fix(listener))
+            yield Finding(
+                "qos-mismatch", cause, listener.place, with_policy(listener, "durability", _LATCHED)
+            )
 
 
 def _sends_once(end: End) -> bool:
@@ -89,25 +90,3 @@ def _run_once(function: Function) -> set[int]:
 
 def _is_own_call(node: ast.AST) -> TypeGuard[ast.Call]:
     return isinstance(node, ast.Call) and is_self_attribute(node.func)
-
-
-def _fix(listener: End) -> str:
-    """Return the subscription as it is written with the durability of the publisher."""
-    call, given = listener.creation.call, (listener.creation.arguments or {}).get("qos_profile")
-    sources, source = listener.sources, listener.creation.source
-    written = sources.written(source, given)
-    if isinstance(written, ast.Call) and "durability" not in {keyword.arg for keyword in written.keywords}:
-        profile = f"{ast.unparse(written).removesuffix(')')}, {_KEEPS})"
-    else:
-        depth = sources.value(source, given)
-        profile = f"QoSProfile(depth={depth if isinstance(depth, int) else 1}, {_KEEPS})"
-    changed = copy.deepcopy(call)
-    for before, argument in zip(call.args, changed.args, strict=True):
-        if before is given:
-            changed.args[changed.args.index(argument)] = ast.parse(profile, mode="eval").body
-    for keyword, argument_word in zip(call.keywords, changed.keywords, strict=True):
-        if keyword.value is given:
-            argument_word.value = ast.parse(profile, mode="eval").body
-    names = [name for name in ("DurabilityPolicy", "QoSProfile") if name not in source.names]
-    more = f", with `from rclpy.qos import {', '.join(names)}` at the top" if names else ""
-    return f"write `{ast.unparse(changed)}`{more}"

@@ -25,6 +25,36 @@ def given_at(name: str, look: Any, typed: Collection[str]) -> str:
     return ""
 
 
+_KINDS = {
+    "INTEGER": "a whole number",
+    "DOUBLE": "a number with a decimal point",
+    "STRING": "a text",
+    "BOOL": "true or false",
+    "BYTE_ARRAY": "a list of bytes",
+    "INTEGER_ARRAY": "a list of whole numbers",
+    "DOUBLE_ARRAY": "a list of numbers with decimal points",
+    "STRING_ARRAY": "a list of texts",
+    "BOOL_ARRAY": "a list of true and false",
+}
+
+
+def type_in_words(kind: str) -> str:
+    """Return a type of parameters in words, such as `a whole number` for INTEGER."""
+    return _KINDS.get(kind, kind)
+
+
+def value_in_words(value: str, kind: str) -> str:
+    """Return a value with its type as far as the value does not show it."""
+    is_shown = kind in ("INTEGER", "DOUBLE", "BOOL")
+    return (
+        value
+        if is_shown
+        else f"the text {value!r}"
+        if kind == "STRING"
+        else f"{value}, {type_in_words(kind)}"
+    )
+
+
 def retyped(name: str, value: str, wanted: str, typed: Collection[str]) -> str:
     """Return how to retype a command that gave a parameter a value of another type; empty if none did."""
     given = re.compile(rf"(?<!\w){re.escape(name)}:=(?P<value>\S+)")

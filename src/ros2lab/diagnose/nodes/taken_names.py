@@ -95,8 +95,15 @@ def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
     for node in walk(owner.definition):
         match node:
             case ast.Attribute(attr=name, ctx=ast.Store()) if is_self_attribute(node) and name in properties:
-                cause = f"Every node already has `{name}`, which cannot be set, so choose another name."
-                found[name] = cause, f"write self.{name}_ or another name"
+                uses = [
+                    n
+                    for n in walk(owner.definition)
+                    if is_self_attribute(n) and n.attr == name and n is not node
+                ]
+                lines = sorted({n.lineno for n in uses} - {node.lineno})
+                also = f" and on line{'s' * (len(lines) > 1)} {', '.join(map(str, lines))}" if lines else ""
+                cause = f"{name} is already a property of every node, and cannot be assigned."
+                found.setdefault(name, (cause, f"write self.{name}_ instead of self.{name} here{also}"))
             case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=value) if is_self_attribute(
                 target
             ):

@@ -13,6 +13,7 @@ from ros2lab.diagnose.nodes.late_readers import late_readers
 from ros2lab.diagnose.nodes.node_faults import TOPIC_NAME
 from ros2lab.diagnose.nodes.own_answers import answers_itself, by_variable, called_always, kept_as
 from ros2lab.diagnose.nodes.partners import Partners, made_in
+from ros2lab.diagnose.nodes.qos_written import with_policy, with_profile_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
@@ -320,8 +321,15 @@ def _qualities(topic: str, there: list[End], partners: Partners) -> Iterator[Fin
                     "qos-mismatch",
                     f"The subscription to {topic!r} requires {policy} {strict}, but the publisher offers {weak}, so nothing arrives.",
                     listener.place,
-                    f"give both the same {policy}",
+                    _alike(offers[0], listener, policy),
                 )
+
+
+def _alike(publisher: End, listener: End, policy: str) -> str:
+    """Return what to write so that a subscription gets what it requires, or requires what it gets."""
+    if policy == "durability":
+        return f"{with_policy(publisher, policy, 'TRANSIENT_LOCAL')}, in {publisher.place}"
+    return with_profile_of(listener, publisher) or with_policy(listener, policy, "BEST_EFFORT")
 
 
 def _periods(topic: str, there: list[End]) -> Iterator[Finding]:

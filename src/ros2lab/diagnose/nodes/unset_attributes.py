@@ -154,12 +154,12 @@ def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
                 f"write {name} instead of self.{name}",
             )
         inside = (
-            f"inside {holder.name}()"
+            f"too far, so it is a function inside {holder.name}()"
             if isinstance(holder, (ast.FunctionDef, ast.AsyncFunctionDef))
-            else "outside the class"
+            else "too little, so it is a function outside the class"
         )
         return (
-            f": its indentation puts its definition {inside} ({line}).",
+            f": it is indented {inside} ({line}).",
             f"indent def {name} and its body like the other methods of {owner.definition.name}",
         )
     for local in owner.methods.values():

@@ -114,8 +114,8 @@ def dead_pattern(package: SourcePackage, setup: SetupScript, path: Path) -> Find
     last = last if "*" in last and fnmatchcase(path.name, last) else f"*{ending}"
     new = _called(pattern.call.func, f"{PurePosixPath(relative).parent}/{last}")
     written = ast.unparse(pattern.call)
-    why = "on Linux a path is written with /" if "\\" in pattern.text else f"the file is {relative}"
-    cause = f"`{written}` in setup.py matches no file, so {relative} is not installed: {why}."
+    why = ": on Linux a path is written with /" if "\\" in pattern.text else ""
+    cause = f"`{written}` in setup.py does not match {relative}, so that file is not installed{why}."
     fix = f"write {new} instead of {written}, and build again"
     return Finding("not-in-data-files", cause, at(setup.source.shown, pattern.call.lineno), fix, (path.name,))
 

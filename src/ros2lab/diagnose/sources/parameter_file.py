@@ -236,15 +236,19 @@ def _expect_alike(key: yaml.Node, value: yaml.SequenceNode) -> None:
         *others, last = sorted(kind.lower() for kind in kinds)
         is_text = "STRING" in kinds
         are_numbers = kinds == {"INTEGER", "DOUBLE"}
-        alike = (
-            "in quotes"
-            if is_text
-            else "with a point, such as 1.0"
-            if are_numbers
-            else "as values of one type"
-        )
+        alike = "in quotes" if is_text else "as values of one type"
+        fix = f"write all of them {alike}"
+        if are_numbers:
+            numbers = [_with_point(item.value) for item in value.value]
+            fix = f"write every number with a decimal point: {key.value}: [{', '.join(numbers)}]"
         reason = f"the list {key.value} mixes values of different types: {', '.join(others)} and {last}"
-        raise _value_error(key, reason, f"write all of them {alike}")
+        raise _value_error(key, reason, fix)
+
+
+def _with_point(text: str) -> str:
+    """Return a number as YAML reads a double."""
+    value = _value(text)
+    return f"{value}.0" if isinstance(value, int) else text
 
 
 class _RclError(yaml.MarkedYAMLError):
