@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.endless_loops import (
@@ -196,34 +196,49 @@ def _sent_early(sources: NodeSources) -> Iterator[Finding]:
     waits = re.compile(r"subscription_count|sleep\(|wait|input\(", re.IGNORECASE)
     if any(waits.search(source.text) for source in sources.sources.values()):
         return
-    files = [node for source in sources.sources.values() for node in source.nodes]
-    used = Counter(node.attr for node in files if isinstance(node, ast.Attribute))
     bases = {base for derived in sources.classes.values() for base in derived.bases}
     for owner in sources.nodes:
         made = owner.methods.get("__init__")
-        if made is None or sources.is_managed(owner) or owner.name in bases:
-            continue
-        once = [method for method in _called_by(sources, owner, made) if used[method.name] == 1]
-        calls = _own_calls(made)
-        repeated = _repeated(made)
-        early = {id(node) for node in own_nodes(made)} - repeated
-        for method in once:
-            is_once = id(calls[method.name]) not in repeated
-            early |= {id(node) for node in own_nodes(method)} - _repeated(method) if is_once else set()
-        sent = [n for n in walk(owner.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
-        sent = sent if _are_not_kept(sources, owner, sent) else []
-        kept = {getattr(getattr(n.func, "value", None), "attr", "") for n in sent}
-        others = [n for n in files if isinstance(n, ast.Call) and _is_publish(n.func) and n not in sent]
-        is_elsewhere = any(getattr(getattr(n.func, "value", None), "attr", "") in kept for n in others)
-        spins = any(getattr(node, "attr", "") in SPINNING for node in own_nodes(made))
-        if sent and not is_elsewhere and not spins and all(id(node) in early for node in sent):
+        if made is not None and not sources.is_managed(owner) and owner.name not in bases:
+            sent = _sent_while_made(sources, owner, made)
             fix = "publish in a method, and call it with a timer: create_timer(1.0, self.that_method)"
-            yield _early(owner.source, sent[0], "in the constructor", fix)
+            yield from (_early(owner.source, call, "in the constructor", fix) for call in sent[:1])
     for creation in sources.creations:
         if creation.method != "create_publisher" or creation.owner or not creation.function:
             continue
         if policies_of(sources, creation).get("durability") == "VOLATILE":
             yield from _sent_at_once(sources, creation.source, creation.function, creation.call)
+
+
+def _sent_while_made(sources: NodeSources, owner: NodeClass, made: Function) -> list[ast.Call]:
+    """Return the messages of a node class if all of them are sent once, in its constructor; else none."""
+    if any(getattr(node, "attr", "") in SPINNING for node in own_nodes(made)):
+        return []
+    sent = [n for n in walk(owner.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
+    kept = set(map(_publisher_of, sent))
+    files = [node for source in sources.sources.values() for node in source.nodes]
+    others = [n for n in files if isinstance(n, ast.Call) and _is_publish(n.func) and n not in sent]
+    early = _once_while_made(sources, owner, made, files)
+    is_early = all(id(call) in early for call in sent) and kept.isdisjoint(map(_publisher_of, others))
+    return sent if is_early and _are_not_kept(sources, owner, sent) else []
+
+
+def _publisher_of(call: ast.Call) -> str:
+    """Return the attribute whose `publish` is called."""
+    return getattr(getattr(call.func, "value", None), "attr", "")
+
+
+def _once_while_made(
+    sources: NodeSources, owner: NodeClass, made: Function, files: Iterable[ast.AST]
+) -> set[int]:
+    """Return what runs once, by `id`: a constructor, and the methods that nothing else calls, without their loops."""
+    used = Counter(node.attr for node in files if isinstance(node, ast.Attribute))
+    calls, repeated = _own_calls(made), _repeated(made)
+    early = {id(node) for node in own_nodes(made)} - repeated
+    for method in _called_by(sources, owner, made):
+        if used[method.name] == 1 and id(calls[method.name]) not in repeated:
+            early |= {id(node) for node in own_nodes(method)} - _repeated(method)
+    return early
 
 
 def _repeated(function: Function) -> set[int]:
