@@ -110,7 +110,11 @@ BRIDGE = {"config/bridge.yaml": "- ros_topic_name: /number\n"}
             package("a", {"talk": pub(FIRST, "number"), "hear": sub(FIRST, "number")}),
             package("b", {"talk": pub(SECOND, "number")}),
         ],
-        [package("a", {"talk": pub(FIRST, "number")}), package("b", {"hear": sub(SECOND, "number")})],
+        [
+            package("a", {"talk": pub(FIRST, "number")}),
+            package("b", {"hear": sub(SECOND, "number")}),
+            package("c", {"hear": sub(SECOND, "number")}),
+        ],
         [package("a", {"talk": pub(FIRST, "number"), "hear": sub(SECOND, "number")}, CPP)],
         [package("a", {"talk": pub(FIRST, "number"), "hear": sub(SECOND, "number")}, BRIDGE)],
         [package("a", {"talk": pub(FIRST, "wheel_l/speed"), "hear": sub(FIRST, "wheel_r/speed")})],
@@ -136,6 +140,10 @@ TOGETHER = {
     [
         ([package("a", {"talk": pub(FIRST, "number"), "hear": sub(SECOND, "number")})], "topic-type"),
         ([package("a", {"talk": pub(FIRST, "robot_news")})], "topic-type"),
+        (
+            [package("a", {"talk": pub(FIRST, "number")}), package("b", {"hear": sub(SECOND, "number")})],
+            "topic-type",
+        ),
         (
             [
                 package("a", {"talk": pub(FIRST, "number")}),

@@ -37,7 +37,7 @@ def late_readers(topic: str, there: Sequence[End], partners: Partners) -> Iterat
         is_other = all(
             listener.creation.owner is not end.creation.owner
             and listener.type == end.type
-            and partners.are_together(listener, end)
+            and partners.are_together(listener, end, there)
             for end in kept
         )
         if is_other and not listener.is_publisher and listener.qos.get("durability") == _NEW_ONLY:

@@ -37,10 +37,18 @@ class Partners:
         """Return whether a file that is not read names a topic or a service, so that it may have the other end."""
         return self._files.name(name)
 
-    def are_together(self, end: _End, other: _End) -> bool:
-        """Return whether two ends are meant to run at the same time: two exercises may use one name."""
+    def are_together(self, end: _End, other: _End, there: Collection[_End] = ()) -> bool:
+        """Return whether two ends are meant to run at the same time: two exercises may use one name.
+
+        Args:
+            end: the one.
+            other: the other.
+            there: all ends with their name; where there are no more than two, they are meant for each other.
+        """
         pair = (end.sources, other.sources)
-        return pair[0] is pair[1] or any(all(sources in group for sources in pair) for group in self._groups)
+        is_pair = len(there) == 2 and all(found is end or found is other for found in there)
+        is_joined = any(all(sources in group for sources in pair) for group in self._groups)
+        return pair[0] is pair[1] or is_pair or is_joined
 
 
 def made_in(end: _End) -> object:

@@ -280,7 +280,7 @@ def _types(topic: str, there: list[End], unnamed: list[End], partners: Partners)
     alone = [end for end in there if end.type and not any(_may_connect(end, other) for other in there)]
     for end in alone:
         facing = [other for other in there if other.is_publisher is not end.is_publisher]
-        others = [other for other in facing if partners.are_together(end, other)]
+        others = [other for other in facing if partners.are_together(end, other, there)]
         right = wanted if wanted and (others or not facing) else _right_type(end, others, there, alone)
         if not right or end.type == right or _has_partner(topic, [end], unnamed, partners):
             continue
@@ -313,7 +313,7 @@ def _qualities(topic: str, there: list[End], partners: Partners) -> Iterator[Fin
         offers = [end for end in there if _may_connect(listener, end)]
         for policy, strict, weak in policies if listener.type and offers else ():
             is_refused = listener.qos.get(policy) == strict and all(
-                end.type and end.qos.get(policy) == weak and partners.are_together(listener, end)
+                end.type and end.qos.get(policy) == weak and partners.are_together(listener, end, there)
                 for end in offers
             )
             if is_refused and not partners.may_be_elsewhere(topic):
