@@ -9,7 +9,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses
+from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses, uses_of
 
 _MAKERS = frozenset(
     ("map", "zip", "filter", "enumerate", "reversed", "iter", "open", "csv.reader", "csv.DictReader")
@@ -23,7 +23,7 @@ def one_time_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield iterators that are iterated over a second time, when nothing is left in them."""
     if any(source.fault for source in sources.sources.values()):
         return
-    uses = Uses(sources)
+    uses = uses_of(sources)
     for owner in sources.classes.values():
         yield from _kept(uses, owner)
     for source in sources.sources.values():

@@ -30,7 +30,7 @@ from ros2lab.diagnose.sources.python_source import (
 )
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import Uses
+from ros2lab.diagnose.sources.uses import uses_of
 
 _TRANSITIONS = frozenset(
     f"on_{transition}"
@@ -367,7 +367,7 @@ def _waits_for_another(
     """Yield loops that wait for an attribute that only another callback sets, which cannot run meanwhile."""
     if owner is None or uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
-    uses = Uses(sources)
+    uses = uses_of(sources)
     for function in functions:
         for loop in (node for node in own_nodes(function) if isinstance(node, ast.While)):
             asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}

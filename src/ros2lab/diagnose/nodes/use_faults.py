@@ -16,14 +16,14 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.diagnose.sources.spelling import snake_case
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses, named
+from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses, named, uses_of
 
 
 def use_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield what the files of a package define or compute and do not use, or use when it is out of date."""
     if any(source.fault for source in sources.sources.values()):
         return  # a file that cannot be read may use anything
-    uses = Uses(sources)
+    uses = uses_of(sources)
     yield from _never_made(uses)
     yield from _in_another_program(sources)
     for source in sources.sources.values():

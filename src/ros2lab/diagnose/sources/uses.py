@@ -6,7 +6,7 @@ import ast
 import re
 from collections import Counter
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
@@ -169,3 +169,9 @@ def filled(function: Function) -> Iterator[tuple[str, ast.expr]]:
             text = ast.unparse(target)
             if not text.startswith("self."):
                 yield text, node.value
+
+
+@lru_cache(maxsize=16)
+def uses_of(sources: NodeSources) -> Uses:
+    """Return what a package's files read, call and change; found once for all rules."""
+    return Uses(sources)
