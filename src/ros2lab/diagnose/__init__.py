@@ -75,7 +75,8 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     # Where launch itself fails, trust everything that a type checker says about the statement.
     stopped = [finding.place for finding in look.findings if finding.code == SAID and finding.place]
     named = [line for place in stopped for line in statement_around(place, look)]
-    checked = [*guarded(type_faults, look, look.findings, named), *guarded(called_at_once, look)]
+    checked = [*guarded(called_at_once, look)]
+    checked += guarded(type_faults, look, [*look.findings, *checked], named)
     places = {finding.place for finding in (*look.findings, *checked)}
     checked += guarded(compared_types, look, places)
     checked += [lacking for file in look.launch_files for lacking in file.lacks]

@@ -15,7 +15,9 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, returns_value
+from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.uses import is_log
 
 _NOTHING = re.compile(r"None|Never|NoReturn")
@@ -30,17 +32,19 @@ class _Given:
         outer: the outer call.
         call: the call that is its argument.
         name: the name of the keyword argument; empty if it is positional.
-        is_void: whether it calls a function of the workspace without a return, which the type checker ignores.
+        function: the function of the workspace that it calls; None if it calls another.
+        is_void: whether it calls a function of the workspace and so gets nothing that can be called later.
     """
 
     outer: ast.Call
     call: ast.Call
     name: str
+    function: Function | None
     is_void: bool
 
 
 def called_at_once(look: Look) -> Iterator[Finding]:
-    """Yield each call that returns None but is passed where a function is needed that is called later.
+    """Yield each call that returns no function but is passed where one is needed that is called later.
 
     The type checker says what a parameter accepts and what a library function returns.
     """
@@ -100,9 +104,9 @@ def _given_calls(sources: NodeSources, source: PythonSource) -> Iterator[_Given]
         for name, value in values:
             if isinstance(value, ast.Call) and not _is_class(sources, source, value):
                 function = _own_function(sources, source, owner, value)
-                is_void = isinstance(function, ast.FunctionDef) and not returns_value(function)
+                is_void = function is not None and gives_no_function(function, value)
                 if function is None or is_void:
-                    yield _Given(node, value, name, is_void)
+                    yield _Given(node, value, name, function, is_void)
 
 
 def _is_class(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool:
@@ -132,8 +136,20 @@ def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
     void = [g for g in given if g.is_void or _has(revealed, "revealed-type", g.call, _NOTHING)]
     others = [b"".join(Edit(given_call.call, "object()").applied(lines)) for given_call in void]
     for given_call, rows in zip(void, checked(source, others) if others else (), strict=True):
-        if _has(rows, "invalid-argument-type", given_call.call, _FUNCTION):
+        is_refused = _has(rows, "invalid-argument-type", given_call.call, _FUNCTION)
+        if is_refused or _is_callback(source, given_call):
             yield _finding(source, given_call)
+
+
+def _is_callback(source: PythonSource, given: _Given) -> bool:
+    """Return whether a parameter is a callback by its name, as those of action servers, which have no types."""
+    signature = signature_of(source, given.outer)
+    index = next((n for n, value in enumerate(given.outer.args) if value is given.call), -1)
+    if signature is None or (index < 0 and not given.name):
+        return given.name.endswith("callback")
+    positional = [parameter for parameter in signature.parameters if parameter.is_positional]
+    name = given.name or (positional[index].name if index < len(positional) else "")
+    return name.endswith("callback")
 
 
 def _has(rows: list[Row], rule: str, node: ast.expr, said: re.Pattern[str]) -> bool:
@@ -143,10 +159,10 @@ def _has(rows: list[Row], rule: str, node: ast.expr, said: re.Pattern[str]) -> b
 def _finding(source: PythonSource, given: _Given) -> Finding:
     call, outer = given.call, ast.unparse(given.outer.func)
     text = ast.unparse(call)
-    written = f"lambda: {text}" if call.args or call.keywords else ast.unparse(call.func)
+    clause, written = as_function(given.function, call, ())
     return Finding(
         "callback-called",
-        f"`{text}` is called right here, so {outer}(), which needs a function to call later, is given its return value, None.",
+        f"`{text}` is called right here, {clause}, but {outer}() needs a function to call later.",
         source.at(call),
         f"write `{f'{given.name}=' if given.name else ''}{written}`",
     )

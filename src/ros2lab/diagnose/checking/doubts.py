@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable
 
 from ros2lab.diagnose.checking.call_forms import argument_at, call_at
 from ros2lab.diagnose.checking.checked_copies import RULES, checked
-from ros2lab.diagnose.checking.trials import Edit, type_of
+from ros2lab.diagnose.checking.trials import Edit, revealed_by, type_of
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -29,6 +29,8 @@ def is_doubtful(row: re.Match[str], said: re.Match[str], source: PythonSource, o
         own: the files of its package.
     """
     line, column = int(row["line"]), int(row["column"]) - 1
+    if _is_told_by_member(row, source):
+        return True
     match row["rule"]:
         case "missing-attribute" if said[0].startswith("Module"):
             return _is_of_others(said["owner"], own)
@@ -41,6 +43,33 @@ def is_doubtful(row: re.Match[str], said: re.Match[str], source: PythonSource, o
         case "invalid-argument-type":
             return _is_only_annotated(row, said, Spot(source, line), own)
     return _uses_unnamed_self(source, line)
+
+
+def _is_told_by_member(row: re.Match[str], source: PythonSource) -> bool:
+    """Return whether an objection is about a value of several types, and tells only which of them does not fit.
+
+    So it does of `counts['n'] += 1` where other elements are strings, and of a call of one of several functions.
+    The value may be of another type whenever the line runs.
+    """
+    spot, column = Spot(source, int(row["line"])), int(row["column"]) - 1
+    if row["rule"] == "unsupported-operator":
+        starts = (n for n in source.nodes if isinstance(n, ast.AugAssign) and n.lineno == spot.line)
+        added = next((n for n in starts if n.col_offset == column), None)
+        if added is None:
+            return False
+        # An assignment with a plain operator, which reads what it changes.
+        read = f"{ast.unparse(added.target)} = reveal_type({ast.unparse(added.target)})"
+        return _is_of_several(revealed_by(source, Edit(added, read)))
+    call = call_at(spot, column, row["rule"])
+    return call is not None and _is_of_several(type_of(source, call.func))
+
+
+def _is_of_several(kind: str) -> bool:
+    """Return whether a type is a union, and not only has one in its brackets."""
+    inner = re.compile(r"\([^()]*\)|\[[^\[\]]*\]")
+    while (bare := inner.sub("", kind)) != kind:
+        kind = bare
+    return " | " in kind.partition(" -> ")[0]
 
 
 def _is_of_others(module: str, own: NodeSources) -> bool:

@@ -247,10 +247,14 @@ class Trial:
 
 def type_of(source: PythonSource, expression: ast.expr) -> str:
     """Return the type of an expression, as the type checker writes it; empty if it is not known."""
+    return revealed_by(source, Edit(expression, f"reveal_type({ast.unparse(expression)})"))
+
+
+def revealed_by(source: PythonSource, edit: Edit) -> str:
+    """Return the type that an edit with `reveal_type` asks for; empty if it is not known."""
     lines = source.text.encode().splitlines(keepends=True)
-    asked = b"".join(Edit(expression, f"reveal_type({ast.unparse(expression)})").applied(lines))
-    (rows,) = checked(source, [asked])
-    there = [row for row in rows if row.rule == "revealed-type" and row.line == expression.lineno]
+    (rows,) = checked(source, [b"".join(edit.applied(lines))])
+    there = [row for row in rows if row.rule == "revealed-type" and row.line == edit.node.lineno]
     return _revealed([""], there[:1]).get("", "")
 
 

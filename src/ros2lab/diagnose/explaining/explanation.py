@@ -269,7 +269,8 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
     # Wrong types raise built-in exceptions; a library's own exceptions explain themselves.
     is_pythons = not error.reports or hasattr(builtins, error.reports[-1].kind)
     said = error.reports[-1].message if error.reports else ""
-    asked = (*called_at_once(look), *type_faults(look, known, named, said)) if named and is_pythons else ()
+    early = [*called_at_once(look)] if named and is_pythons else []
+    asked = [*early, *type_faults(look, [*known, *early], named, said)] if named and is_pythons else []
     found = [finding for finding in asked if finding.place in named]
     innermost = error.reports[-1].frames[-1:] if error.reports else ()
     if not found and not own_frames(innermost):

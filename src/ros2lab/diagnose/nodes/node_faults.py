@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
@@ -23,12 +23,18 @@ from ros2lab.diagnose.sources.node_source import (
     NodeSources,
     is_self_attribute,
 )
+from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, returns_value, walk
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
 # What asks for, or sets, the attributes of an object by their names as strings.
 _BY_TEXT = frozenset(("getattr", "setattr", "hasattr", "delattr", "vars", "attrgetter", "methodcaller"))
+# What ROS calls the callbacks with.
+_PASSED: Mapping[str, Sequence[str]] = {
+    "create_subscription": ("msg",),
+    "create_service": ("request", "response"),
+}
 _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tuple", "bytes"))
 
 
@@ -228,12 +234,13 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         return
     if isinstance(given, ast.Call):
         inner = sources.function_of(creation, given.func)
-        if inner is not None and not returns_value(inner):
+        if inner is not None and gives_no_function(inner, given):
+            clause, written = as_function(inner, given, _PASSED.get(creation.method, ()))
             yield Finding(
                 "callback-called",
-                f"`{ast.unparse(given)}` calls the function right here, so ROS is given its return value, which is None.",
+                f"`{ast.unparse(given)}` calls the function right here, {clause}, but ROS needs the function itself, to call it later.",
                 place,
-                f"write {ast.unparse(given.func)} without parentheses",
+                f"write {written} without parentheses" if written.isidentifier() or "lambda" not in written else f"write `{written}`",
             )
         return
     if isinstance(given, ast.Lambda):

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import ast
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    own_nodes,
+    parameters,
+    read_source,
+    returns_value,
+)
 
 _Kind = TypeVar("_Kind", ast.FunctionDef, ast.ClassDef)
+# Expressions whose values nothing can call.
+_VALUES = (ast.Constant, ast.JoinedStr, ast.Compare, ast.List, ast.Tuple, ast.Dict, ast.Set)
 
 
 def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, ast.FunctionDef] | None:
@@ -113,6 +123,65 @@ def returned(function: ast.FunctionDef) -> list[ast.AST]:
         for n in own_nodes(function)
         if isinstance(n, kinds) or (isinstance(n, ast.Return) and n.value is not None)
     ]
+
+
+def gives_no_function(function: Function, call: ast.Call) -> bool:
+    """Return whether a call of a function of these files fails, or returns what nothing can call later."""
+    if function.decorator_list:
+        return False
+    if isinstance(function, ast.AsyncFunctionDef) or not returns_value(function):
+        return True
+    values = [node.value for node in own_nodes(function) if isinstance(node, ast.Return)]
+    is_generator = len(values) < len(returned(function))
+    return is_generator or all(value is None or _is_no_function(function, value) for value in values)
+
+
+def _is_no_function(function: Function, value: ast.expr) -> bool:
+    """Return whether a function returns a value that cannot be called: a text, a number, a message, an argument."""
+    match value:
+        case ast.Call(func=called):
+            return ast.unparse(called).rpartition(".")[2][:1].isupper()
+        case ast.Name(id=name) if any(p.arg == name for p in parameters(function)):
+            return True
+        case ast.Name():
+            made = [n for n in own_nodes(function) if isinstance(n, ast.Assign)]
+            given = [n.value for n in made if value.id in map(ast.unparse, n.targets)]
+            return bool(given) and all(isinstance(v, (ast.Call, *_VALUES)) and _is_no_function(function, v) for v in given)
+    return isinstance(value, _VALUES)
+
+
+def lacking(function: Function, call: ast.Call) -> list[str]:
+    """Return the parameters without defaults to which a call gives no value."""
+    if any(isinstance(value, ast.Starred) for value in call.args) or None in {k.arg for k in call.keywords}:
+        return []
+    needed = needed_by(function)[len(call.args) :]
+    return [name for name in needed if name not in {keyword.arg for keyword in call.keywords}]
+
+
+def as_function(function: Function | None, call: ast.Call, passed: Sequence[str]) -> tuple[str, str]:
+    """Return why a call that stands for a function is wrong, in a clause, and what to write instead of it.
+
+    Args:
+        function: the called function; None if it is not of these files.
+        call: the call.
+        passed: names for the values with which the function is called later.
+    """
+    missing = lacking(function, call) if function else []
+    clause = "so its return value, None, is passed on"
+    if missing:
+        clause = f"and without {' and '.join(missing)}"
+    elif function and (returns_value(function) or isinstance(function, ast.AsyncFunctionDef)):
+        clause = "so what it returns is passed on"
+    is_ready = not (call.args or call.keywords) or (function and len(needed_by(function)) == len(passed) > 0)
+    written = ast.unparse(call.func)
+    return clause, written if is_ready else f"lambda{' ' * bool(passed)}{', '.join(passed)}: {ast.unparse(call)}"
+
+
+def needed_by(function: Function) -> list[str]:
+    """Return the parameters without defaults of a function, without `self`."""
+    names = [parameter.arg for parameter in parameters(function)]
+    names = names[: len(names) - len(function.args.defaults)]
+    return names[1:] if names[:1] in (["self"], ["cls"]) else names
 
 
 def may_fall_through(function: ast.FunctionDef) -> bool:
