@@ -143,6 +143,9 @@ def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
 
 def _is_callback(source: PythonSource, given: _Given) -> bool:
     """Return whether a parameter is a callback by its name, as those of action servers, which have no types."""
+    outer = ast.unparse(given.outer.func).rpartition(".")[2]
+    if outer.startswith("add_") and outer.endswith("_callback"):  # as a future has it
+        return True
     signature = signature_of(source, given.outer)
     index = next((n for n, value in enumerate(given.outer.args) if value is given.call), -1)
     if signature is None or (index < 0 and not given.name):

@@ -132,21 +132,26 @@ def gives_no_function(function: Function, call: ast.Call) -> bool:
     if isinstance(function, ast.AsyncFunctionDef) or not returns_value(function):
         return True
     values = [node.value for node in own_nodes(function) if isinstance(node, ast.Return)]
-    is_generator = len(values) < len(returned(function))
-    return is_generator or all(value is None or _is_no_function(function, value) for value in values)
+    if len(values) < len(returned(function)):
+        return True  # it yields
+    given = [value for value in values if value is not None]
+    if lacking(function, call):
+        return all(_is_data(function, value) for value in given)
+    return all(isinstance(value, _VALUES) for value in given)
 
 
-def _is_no_function(function: Function, value: ast.expr) -> bool:
-    """Return whether a function returns a value that cannot be called: a text, a number, a message, an argument."""
+def _is_data(function: Function, value: ast.expr) -> bool:
+    """Return whether a function returns data, as a callback does: a message, a parameter, a text, a number."""
     match value:
         case ast.Call(func=called):
             return ast.unparse(called).rpartition(".")[2][:1].isupper()
-        case ast.Name(id=name) if any(p.arg == name for p in parameters(function)):
-            return True
-        case ast.Name():
-            made = [n for n in own_nodes(function) if isinstance(n, ast.Assign)]
-            given = [n.value for n in made if value.id in map(ast.unparse, n.targets)]
-            return bool(given) and all(isinstance(v, (ast.Call, *_VALUES)) and _is_no_function(function, v) for v in given)
+        case ast.Attribute(attr=name):
+            return name.isupper()
+        case ast.Name(id=name):
+            made = [n.value for n in own_nodes(function) if isinstance(n, ast.Assign) and name in map(ast.unparse, n.targets)]
+            made = [n for n in made if not isinstance(n, ast.Name)]
+            is_given = any(parameter.arg == name for parameter in parameters(function))
+            return (is_given or bool(made)) and all(_is_data(function, inner) for inner in made)
     return isinstance(value, _VALUES)
 
 
