@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
+from ros2lab.diagnose.nodes.super_order import SuperOrder
 from ros2lab.diagnose.nodes.taken_names import hidden_method, hiding_methods, taken_attributes
 from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces
@@ -68,7 +69,6 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
                 f"write def __init__({ast.unparse(misspelt.args)}):",
             )
         return
-    init_line = None
     for node in walk(constructor):
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
             continue
@@ -85,7 +85,6 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
             )
             return
         if node.func.attr == "__init__":
-            init_line = node.lineno
             if (
                 not is_super
                 and owner.source.resolve(node.func.value)
@@ -105,26 +104,18 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
                     owner.source.at(node),
                     f"write {super_call(sources, owner)}",
                 )
-    if init_line is None:
+    order = SuperOrder(sources, owner, members_of("rclpy.node", "Node")[0])
+    if not order.calls_init():
         yield Finding(
             "super-missing",
             f"The constructor of {owner.definition.name} never calls super().__init__(), so there is no node when it is used.",
             owner.source.at(constructor),
             f"write {super_call(sources, owner)} as the first line of __init__",
         )
-        return
-    inherited = members_of("rclpy.node", "Node")[0]
-    for node in own_nodes(constructor):
-        if not is_self_attribute(node) or not isinstance(node.ctx, ast.Load) or node.lineno >= init_line:
-            continue
-        if node.attr in inherited and node.attr not in owner.attributes:
-            yield Finding(
-                "super-late",
-                f"`{ast.unparse(node)}` is used before super().__init__() is called.",
-                owner.source.at(node),
-                f"move the call of super().__init__() from line {init_line} up to above line {node.lineno}",
-            )
-            return
+    elif early := order.first_early():
+        use, fix = early
+        cause = f"`{ast.unparse(use)}` is used before super().__init__() is called."
+        yield Finding("super-late", cause, owner.source.at(use), fix)
 
 
 def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:

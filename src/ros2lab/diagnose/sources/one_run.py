@@ -47,7 +47,7 @@ def _comes_to(block: Sequence[ast.stmt], node: ast.AST) -> bool:
     for statement in block:
         if node in walk(statement):
             return _passes(statement, node)
-        if any(isinstance(n, _LEAVES) or (isinstance(n, ast.stmt) and _leaves(n)) for n in _own(statement)):
+        if any(isinstance(n, _LEAVES) or (isinstance(n, ast.stmt) and leaves(n)) for n in _own(statement)):
             return False
     return False
 
@@ -99,11 +99,11 @@ def _of_block(block: Sequence[ast.stmt], is_asked: _IsAsked) -> tuple[_Calls | N
     for statement in block:
         if goes_on is None:
             break
-        before = [*goes_on, *_asked_in(_heads(statement), is_asked)]
-        goes_on = before if not _branches(statement) and not _leaves(statement) else None
-        if _leaves(statement):
+        before = [*goes_on, *_asked_in(heads(statement), is_asked)]
+        goes_on = before if not branches(statement) and not leaves(statement) else None
+        if leaves(statement):
             ended = max(ended, before, key=len)
-        for branch in _branches(statement):
+        for branch in branches(statement):
             inner, left = _of_block(branch, is_asked)
             ended = max(ended, [*before, *left], key=len)
             if inner is not None:
@@ -111,7 +111,7 @@ def _of_block(block: Sequence[ast.stmt], is_asked: _IsAsked) -> tuple[_Calls | N
     return goes_on, ended
 
 
-def _branches(statement: ast.stmt) -> list[list[ast.stmt]]:
+def branches(statement: ast.stmt) -> list[list[ast.stmt]]:
     """Return the blocks of a statement of which a run takes only one; empty if it has none."""
     match statement:
         case ast.If() | ast.For() | ast.AsyncFor() | ast.While():
@@ -126,7 +126,7 @@ def _branches(statement: ast.stmt) -> list[list[ast.stmt]]:
     return []
 
 
-def _heads(statement: ast.stmt) -> Iterator[ast.expr]:
+def heads(statement: ast.stmt) -> Iterator[ast.expr]:
     """Yield the expressions that a statement evaluates itself, outside its blocks."""
     if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
         return
@@ -146,7 +146,7 @@ def _asked_in(expressions: Iterator[ast.expr] | list[ast.expr], is_asked: _IsAsk
             yield from _asked_in([node for node in inner if isinstance(node, ast.expr)], is_asked)
 
 
-def _leaves(statement: ast.stmt) -> bool:
+def leaves(statement: ast.stmt) -> bool:
     """Return whether the function ends at a statement."""
     value = statement.value if isinstance(statement, ast.Expr) else None
     is_exit = isinstance(value, ast.Call) and dotted(value.func) in _EXITS

@@ -1,0 +1,114 @@
+"""What a node's constructor uses before it has called super().__init__()."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator, Sequence
+
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.one_run import branches, heads, leaves
+from ros2lab.diagnose.sources.python_source import own_nodes, walk
+
+
+class SuperOrder:
+    """The order of a constructor's statements, in which each branch calls super().__init__() by itself.
+
+    Args:
+        sources: the files of the package.
+        owner: the class.
+        inherited: the attributes that a node has only after super().__init__().
+    """
+
+    def __init__(self, sources: NodeSources, owner: NodeClass, inherited: Collection[str]) -> None:
+        self._sources, self._owner, self._inherited = sources, owner, inherited
+        self.constructor = owner.methods["__init__"]
+        self._early: list[ast.Attribute] = []
+        self._follow(self.constructor.body, is_made=False)
+
+    def calls_init(self) -> bool:
+        """Return whether the constructor calls super().__init__() itself or by another function."""
+        return any(self._is_init(node) for node in walk(self.constructor))
+
+    def first_early(self) -> tuple[ast.Attribute, str] | None:
+        """Return the first use before super().__init__() on every way to it, and what to move; None if there is none."""
+        return next(((use, fix) for use in self._early if (fix := self._moved(use))), None)
+
+    def _is_init(self, node: ast.AST, depth: int = 0) -> bool:
+        """Return whether a node is a call of `__init__`, or of a function of the package that calls it."""
+        if not isinstance(node, ast.Call):
+            return False
+        if getattr(node.func, "attr", "") == "__init__":
+            return True
+        if is_self_attribute(node.func):
+            called = self._sources.method(self._owner, node.func.attr)
+        else:
+            found = self._sources.functions.get(self._sources.resolve(self._owner.source, node.func) or "")
+            called = found[1] if found else None
+        return called is not None and depth < 3 and any(self._is_init(n, depth + 1) for n in own_nodes(called))
+
+    def _follow(self, block: Sequence[ast.stmt], *, is_made: bool) -> bool | None:
+        """Collect the early uses of a block, and return whether the node may be made after it; None if a run ends in it."""
+        for statement in block:
+            nodes = [node for head in heads(statement) for node in walk(head)]
+            if not is_made and any(map(self._is_init, nodes)):
+                is_made = True
+            self._early += [] if is_made else self._uses(nodes)
+            if leaves(statement):
+                return None
+            if not (inner := branches(statement)):
+                continue
+            # What a `try` or a loop has done before may have made the node.
+            is_open = isinstance(statement, (ast.Try, ast.For, ast.AsyncFor, ast.While))
+            before = is_made or (is_open and any(map(self._is_init, walk(statement))))
+            ends = [
+                self._follow(branch, is_made=is_made if number == 0 and isinstance(statement, ast.Try) else before)
+                for number, branch in enumerate(inner)
+            ]
+            if all(end is None for end in ends):
+                return None
+            is_made = any(ends)
+        return is_made
+
+    def _uses(self, nodes: Sequence[ast.AST]) -> Iterator[ast.Attribute]:
+        hidden = {id(n) for node in nodes if isinstance(node, ast.Lambda) for n in walk(node)}
+        for node in nodes:
+            if is_self_attribute(node) and isinstance(node.ctx, ast.Load) and id(node) not in hidden:
+                if node.attr in self._inherited and node.attr not in self._owner.attributes:
+                    yield node
+
+    def _moved(self, use: ast.Attribute) -> str:
+        """Return what to move so that super().__init__() comes before a use; empty if no call of it comes later."""
+        for block, index in reversed([*_blocks_around(self.constructor.body, use)]):
+            for later in block[index + 1 :]:
+                calls = [n for n in walk(later) if self._is_init(n)]
+                if not calls:
+                    continue
+                first, call = block[index], calls[0]
+                between = {ast.unparse(n) for s in block[index : block.index(later)] for n in walk(s) if _is_stored(n)}
+                is_needed = any(ast.unparse(n) in between for n in walk(call) if isinstance(n, (ast.Name, ast.Attribute)))
+                if isinstance(later, ast.Expr) and later.value is call and not is_needed:
+                    return f"move the call of super().__init__() from line {call.lineno} up to above line {first.lineno}"
+                lines = f"line {first.lineno}"
+                if first.end_lineno != first.lineno:
+                    lines = f"lines {first.lineno} to {first.end_lineno}"
+                return f"move {lines} down to below line {later.end_lineno}"
+        return ""
+
+
+def _is_stored(node: ast.AST) -> bool:
+    return isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
+
+
+def _blocks_around(block: Sequence[ast.stmt], node: ast.AST) -> Iterator[tuple[Sequence[ast.stmt], int]]:
+    """Yield the blocks around a node, the outermost first, each with the place of the statement around it."""
+    for index, statement in enumerate(block):
+        if any(inner is node for inner in walk(statement)):
+            yield block, index
+            for branch in _blocks(statement):
+                yield from _blocks_around(branch, node)
+
+
+def _blocks(statement: ast.stmt) -> list[list[ast.stmt]]:
+    parts = [statement, *getattr(statement, "handlers", []), *getattr(statement, "cases", [])]
+    found = [getattr(part, name, []) for part in parts for name in ("body", "orelse", "finalbody")]
+    return [block for block in found if block]
