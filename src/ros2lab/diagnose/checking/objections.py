@@ -18,13 +18,13 @@ from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.construction import is_of_construction
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, children, read_source, read_text
 
 # Types about which there is no doubt: no unions and no containers.
 _PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|")
-_CATCHES = frozenset(("AttributeError", "TypeError", "Exception", "ImportError"))
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ def _may_not_fail(source: PythonSource | None, line: int, groups: dict[str, str]
     if source is None:
         return True
     return not (
-        _is_guarded(source, line)
+        may_be_caught(source, line, AttributeError, TypeError, ImportError)
         or _is_of_any_class(source, line, groups["owner"])
         or _is_set_from_outside(source, *owner_and_name(groups))
     )
@@ -177,21 +177,6 @@ def _is_sure(said: dict[str, str]) -> bool:
     # The class that a mixin is used with is not known, and functions may have attributes.
     is_clear = not owner.startswith(("Self@", "def ")) and not re.search(r"Unknown| \| |\[|^object$", owner)
     return is_clear or _PLAIN.fullmatch(owner) is not None
-
-
-def _is_guarded(source: PythonSource, line: int) -> bool:
-    """Return whether a line may fail because its exceptions are caught."""
-    for node in source.nodes:
-        if isinstance(node, ast.Try) and node.lineno <= line <= (node.body[-1].end_lineno or 0):
-            for handler in node.handlers:
-                names = (
-                    {getattr(n, "id", "") for n in (handler.type, *children(handler.type))}
-                    if handler.type
-                    else _CATCHES
-                )
-                if names & _CATCHES:
-                    return True
-    return False
 
 
 def _is_set_from_outside(source: PythonSource, owner: str, name: str) -> bool:

@@ -68,8 +68,19 @@ def _is_function(source: PythonSource, value: ast.Name | ast.Attribute) -> bool:
         return last in interfaces.members_of("rclpy.node", "Node")[0]
     made = [call for text, call in source.made if owner is not None and text == ast.unparse(owner)]
     made += [owner] if isinstance(owner, ast.Call) else []
+    if made and all(_makes_node(source, call) for call in made):
+        return last in interfaces.members_of("rclpy.node", "Node")[0]
     names = [getattr(call.func, "attr", "") for call in made]
     return bool(names) and all(name in CREATORS or name == "get_logger" for name in names)
+
+
+def _makes_node(source: PythonSource, call: ast.Call) -> bool:
+    """Return whether a call makes a node: of a class of the file that is one, or by rclpy."""
+    whole = source.resolve(call.func) or ""
+    if whole in ("rclpy.create_node", "rclpy.node.Node"):
+        return True
+    own = (n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == ast.unparse(call.func))
+    return any(source.resolve(base) == "rclpy.node.Node" for definition in own for base in definition.bases)
 
 
 def _called(source: PythonSource, function: ast.expr) -> str:

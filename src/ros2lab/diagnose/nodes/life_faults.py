@@ -17,6 +17,7 @@ from ros2lab.diagnose.nodes.endless_loops import (
 )
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
+from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import is_always_reached
@@ -166,8 +167,15 @@ def _ended_again(sources: NodeSources, source: PythonSource) -> Iterator[ast.Cal
                 between = range(min(spins), node.lineno)
                 begins = (n for n in nodes if isinstance(n, ast.Call) and n.lineno in between)
                 is_anew = any(source.resolve(n.func) == "rclpy.init" for n in begins)
-                if is_always_reached(function, node) and not node.args and not is_anew:
+                is_plain = is_always_reached(function, node) and not node.args and not is_anew
+                if is_plain and not _is_caught(source, function, node):
                     yield node
+
+
+def _is_caught(source: PythonSource, function: Function, node: ast.Call) -> bool:
+    """Return whether what surrounds a call of rclpy catches the error that it raises after a shutdown."""
+    is_caught = may_be_caught(source, node.lineno, RuntimeError)
+    return is_caught or may_be_caught_by_caller(source, function, RuntimeError)
 
 
 def _needs_asyncio(
@@ -284,6 +292,9 @@ def _sent_at_once(
     turns = [n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno in between]
     own = sources.functions.keys() | sources.classes.keys()
     takes_time = any(sources.resolve(source, turn.func) in own for turn in turns)
+    before = (n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno < made.lineno)
+    if any(getattr(n.func, "attr", "") == "spin" for n in before):
+        return  # it spins until rclpy is shut down, and then no waiting helps
     if not takes_time and not any(getattr(n.func, "attr", "").startswith("spin") for n in turns):
         node = ast.unparse(made.func.value) if isinstance(made.func, ast.Attribute) else "node"
         fix = f"write `while {name}.get_subscription_count() == 0: rclpy.spin_once({node}, timeout_sec=0.1)` above this line, and `rclpy.spin_once({node}, timeout_sec=1.0)` below it"
