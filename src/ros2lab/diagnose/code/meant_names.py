@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
+from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.first_values import compared, first_value
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
@@ -46,8 +47,10 @@ def meant(
         _as_assignment,
         _as_after_dot,
         _as_self,
+        as_at_hand,
         _as_member,
         _as_alias,
+        as_exception,
         as_foreign,
         _as_import,
         _as_path,

@@ -9,8 +9,9 @@ import re
 from collections.abc import Iterator
 from difflib import SequenceMatcher
 
+from ros2lab.diagnose.code.at_hand import is_own_node
 from ros2lab.diagnose.code.bound_names import bound_by, bound_in
-from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of
+from ros2lab.diagnose.code.unknown_names import Unknown, also_on, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import own_nodes, walk
 from ros2lab.diagnose.sources.spelling import edits, has_other_words, same_letters
@@ -48,11 +49,7 @@ def as_another(unknown: Unknown, *, is_class_meant: bool = False) -> tuple[str, 
         new = re.sub(rf"\b{near}\b", name, unknown.line(bound), count=1)
         cause = f"{cause_of(unknown)} Line {number} calls it {near}."
         return cause, f"write {as_code(new) or f'{name} instead of {near}'} on line {number}"
-    inside = {id(inner) for inner in walk(unknown.scopes[0])}
-    loads = (use for use in unknown.uses if isinstance(use.ctx, ast.Load) and id(use) in inside)
-    others = sorted({use.lineno for use in loads} - {getattr(unknown.node, "lineno", 0)})
-    more = f", and {near} on line {' and '.join(map(str, others))} as well" if others else ""
-    fix = unknown.with_text(unknown.node, near)
+    fix, more = unknown.with_text(unknown.node, near), also_on(unknown, near)
     if same_letters(name, near) and (near in dir(builtins) or keyword.iskeyword(near)):
         return f"Python has no {name}; in Python it is {near}.", fix + more
     return f"{cause_of(unknown)} Did you mean {near}?", fix + more
@@ -102,7 +99,10 @@ def _fits(unknown: Unknown, candidate: str, *, is_class_meant: bool) -> bool:
         return unknown.attributes <= {*dir(getattr(builtins, candidate))}
     is_free = not (unknown.is_called or unknown.attributes)
     target = unknown.source.names.get(candidate, "")
-    is_class = candidate[:1].isupper() and candidate in unknown.source.names
+    is_own = candidate in unknown.own_classes
+    is_class = candidate[:1].isupper() and (candidate in unknown.source.names or is_own)
+    if unknown.name[:1].islower() and unknown.attributes and is_own_node(unknown, candidate):
+        return False  # a class is no object
     if unknown.name[:1].islower() and is_class and not unknown.is_called:
         return is_class_meant and not (is_free and candidate in unknown.own_classes)
     if (

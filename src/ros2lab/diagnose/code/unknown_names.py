@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ros2lab.diagnose.sources.python_source import PythonSource, children
+from ros2lab.diagnose.sources.python_source import PythonSource, children, walk
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _LONGEST = 110  # characters of a line that is shown in full
@@ -143,3 +143,11 @@ def as_code(line: str) -> str:
 def cause_of(unknown: Unknown) -> str:
     """Return the sentence that says no more than that a name is not defined."""
     return f"{unknown.name} is used here but never imported or defined."
+
+
+def also_on(unknown: Unknown, meant: str) -> str:
+    """Say on which other lines of the function the name is to be replaced; empty if on none."""
+    inside = {id(inner) for inner in walk(unknown.scopes[0])}
+    loads = (use for use in unknown.uses if isinstance(use.ctx, ast.Load) and id(use) in inside)
+    others = sorted({use.lineno for use in loads} - {getattr(unknown.node, "lineno", 0)})
+    return f", and {meant} on line {' and '.join(map(str, others))} as well" if others else ""

@@ -1,0 +1,112 @@
+"""The object at hand that a name which nothing defines is meant for: a node, what it has made, or an exception."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from ros2lab.diagnose.code.unknown_names import FUNCTIONS, Unknown, also_on, cause_of
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.node_source import is_self_attribute
+from ros2lab.diagnose.sources.python_source import own_nodes, parameters, walk
+from ros2lab.diagnose.sources.spelling import edits
+
+_NEAR = 2  # letters that differ
+_SPUN = ("rclpy.spin", "rclpy.spin_once", "rclpy.spin_until_future_complete")
+# What the methods of a node make, by the modules and names of their classes.
+_MADE = {
+    "create_publisher": ("rclpy.publisher", "Publisher"),
+    "create_client": ("rclpy.client", "Client"),
+    "create_timer": ("rclpy.timer", "Timer"),
+    "create_subscription": ("rclpy.subscription", "Subscription"),
+    "create_node": ("rclpy.node", "Node"),
+}
+
+
+def as_at_hand(unknown: Unknown) -> tuple[str, str] | None:
+    """Read the name as the only variable around it that holds what its uses ask for: `talker.destroy_node()`."""
+    is_node = any(_is_spun(unknown, use) for use in unknown.uses)
+    if not (unknown.attributes or is_node) or f"self.{unknown.name}" in unknown.source.stored:
+        return None
+    for scope in unknown.scopes:
+        names = [*dict.fromkeys(_held(unknown, scope, is_node=is_node))]
+        if names:
+            if names[0] not in unknown.loaded and edits(names[0], unknown.name) <= _NEAR:
+                return None  # it may be misspelt where it is assigned
+            cause = f"{cause_of(unknown)} Did you mean {names[0]}?"
+            fix = unknown.with_text(unknown.node, names[0]) + also_on(unknown, names[0])
+            return (cause, fix) if len(names) == 1 else None
+    return None
+
+
+def as_exception(unknown: Unknown) -> tuple[str, str] | None:
+    """Read `e` in an `except` that gives the exception no name."""
+    node = unknown.node
+    while not isinstance(node, (ast.Module, *FUNCTIONS, ast.ExceptHandler)):
+        node = unknown.above(node)
+    word = unknown.name.lower()
+    is_exception = any(whole.startswith(word) for whole in ("error", "exception", "exc", "err"))
+    if not isinstance(node, ast.ExceptHandler) or node.name or not is_exception:
+        return None
+    kind = ast.unparse(node.type) if node.type else "Exception"
+    cause = f"{cause_of(unknown)} The `except` on line {node.lineno} gives the exception no name."
+    return cause, f"write `except {kind} as {unknown.name}:` on line {node.lineno}"
+
+
+def is_own_node(unknown: Unknown, name: str) -> bool:
+    """Return whether a name is that of a node class of the file, or of Node itself."""
+    if unknown.source.names.get(name) == "rclpy.node.Node":
+        return True
+    definition = unknown.own_classes.get(name)
+    return definition is not None and any(
+        unknown.source.resolve(base) == "rclpy.node.Node" for base in definition.bases
+    )
+
+
+def _held(unknown: Unknown, scope: ast.AST, *, is_node: bool) -> Iterator[str]:
+    """Yield the variables of a scope, and the attributes of `self`, that have all that is asked for."""
+    line = getattr(unknown.node, "lineno", 0)
+    for node in own_nodes(scope):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call) if node.lineno < line:
+                if _fits(unknown, call, is_node=is_node):
+                    yield name
+    owner = unknown.above(scope)
+    is_method = isinstance(owner, ast.ClassDef) and isinstance(scope, FUNCTIONS)
+    if not (is_method and isinstance(scope, FUNCTIONS) and [p.arg for p in parameters(scope)][:1] == ["self"]):
+        return
+    assert isinstance(owner, ast.ClassDef)
+    if is_own_node(unknown, owner.name) and unknown.attributes <= _members(unknown, owner.name):
+        yield "self"
+    for node in walk(owner):
+        match node:
+            case ast.Assign(
+                targets=[ast.Attribute(value=ast.Name(id="self"), attr=name)], value=ast.Call() as call
+            ) if _fits(unknown, call, is_node=is_node):
+                yield f"self.{name}"
+
+
+def _fits(unknown: Unknown, call: ast.Call, *, is_node: bool) -> bool:
+    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    members = _members(unknown, name)
+    is_made = is_own_node(unknown, name) or name == "create_node"
+    return (is_made or not is_node) and bool(members) and unknown.attributes <= members
+
+
+def _members(unknown: Unknown, name: str) -> set[str]:
+    """Return what an object has that a class of the file, Node or a method of a node makes; empty if not known."""
+    if name in _MADE:
+        return {*interfaces.members_of(*_MADE[name])[0]}
+    if not is_own_node(unknown, name):
+        return set()
+    definition = unknown.own_classes.get(name)
+    own = walk(definition) if definition else ()
+    found = {getattr(n, "attr", getattr(n, "name", "")) for n in own if is_self_attribute(n) or isinstance(n, FUNCTIONS)}
+    return found | {*interfaces.members_of("rclpy.node", "Node")[0]}
+
+
+def _is_spun(unknown: Unknown, use: ast.Name) -> bool:
+    around = unknown.above(use)
+    if not (isinstance(around, ast.Call) and around.args[:1] == [use]):
+        return False
+    return unknown.source.resolve(around.func) in _SPUN or getattr(around.func, "attr", "") == "add_node"
