@@ -18,6 +18,7 @@ from ros2lab.diagnose.checking.members import in_place_of
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
+from ros2lab.diagnose.checking.ros_calls import of_callback, of_class_method
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
 from ros2lab.diagnose.checking.wrong_owners import of_another_owner
 from ros2lab.diagnose.code.moved_keywords import moved_keyword
@@ -77,6 +78,10 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
+    if rule == "missing-argument" and (
+        told := of_callback(call, name.replace(", ", " and "), spot, look) or of_class_method(call, spot)
+    ):
+        return Finding(code, told[0], place, told[1])
     if rule == "unknown-argument" and (moved := moved_keyword(spot.source, call, name)):
         return Finding(code, f"{cause} It is one of {moved[0]}().", place, moved[1])
     made = ast.unparse(call.func)

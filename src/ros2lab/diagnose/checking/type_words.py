@@ -13,6 +13,9 @@ from ros2lab.diagnose.sources.signatures import heads_of
 from ros2lab.diagnose.sources.spelling import same_letters, with_article
 
 
+_NODE = "rclpy.node.Node"
+
+
 def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
     """Return cause, place and fix of a class that is used where an instance is needed."""
     assert spot.source is not None
@@ -22,7 +25,7 @@ def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
     )
     place = spot.source.at(spot.line)
     used = _class_used(name, spot)
-    if used is not None and (made := _made_of(used.id, spot)):
+    if used is not None and (made := made_of(used.id, spot)):
         cause = f"{used.id} is the class itself; its instance here is {made}."
         return cause, place, written_with(spot.source, used, made)
     where = f", as in node = {name}()" if name else ""
@@ -39,16 +42,21 @@ def _class_used(name: str, spot: Spot) -> ast.Name | None:
     return found[0] if len(found) == 1 else None
 
 
-def _made_of(name: str, spot: Spot) -> str:
+def made_of(name: str, spot: Spot) -> str:
     """Return the variable that holds an instance of a class or has its name in small letters; empty if none."""
     scope = spot.function or (spot.source.tree if spot.source else None)
     alike = (
         [known for known in bound_in(scope) if known != name and same_letters(known, name)] if scope else []
     )
+    source = spot.source
+    if source is None:
+        return ""
+    classes = [n for n in source.tree.body if isinstance(n, ast.ClassDef)]
+    nodes = {n.name for n in classes if any(source.resolve(base) == _NODE for base in n.bases)}
     for node in own_nodes(scope) if scope else ():
         match node:
             case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))):
-                if called == name:
+                if called == name or (source.names.get(name) == _NODE and called in nodes):
                     return made
     return alike[0] if alike else ""
 

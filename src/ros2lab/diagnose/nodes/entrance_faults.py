@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Collection, Iterator
 
+from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
@@ -296,6 +297,8 @@ def _left_out(entrance: Entrance) -> Iterator[Finding]:
         if spin.name != "rclpy.spin" or not spin.call.args:
             continue
         given = spin.call.args[0]
+        if isinstance(given, ast.Name) and given.id in unbound_names(spin.source, spin.function):
+            continue  # the node may be meant
         for node, name, owner in _made_nodes(entrance, spin):
             if name == ast.unparse(given) or not _needs_spin(entrance, owner) or _is_used(spin, name):
                 continue
