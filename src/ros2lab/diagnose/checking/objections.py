@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.construction import is_of_construction
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource, children, read_source, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 
 # Types about which there is no doubt: no unions and no containers.
 _PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|")

@@ -50,7 +50,9 @@ def _instead(spot: Spot, statement: ast.Expr, node: str) -> str:
 
 def _spins(source: PythonSource | None, function: Function | None, statement: ast.stmt) -> bool:
     calls = [n for n in walk(function) if isinstance(n, ast.Call)] if source and function else []
-    return any(source.resolve(n.func) == "rclpy.spin" and n.lineno > statement.lineno for n in calls if source)
+    return any(
+        source.resolve(n.func) == "rclpy.spin" and n.lineno > statement.lineno for n in calls if source
+    )
 
 
 def _statement(call: ast.Call, spot: Spot) -> ast.Expr | None:

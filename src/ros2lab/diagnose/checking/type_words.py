@@ -12,7 +12,6 @@ from ros2lab.diagnose.sources.python_source import own_nodes
 from ros2lab.diagnose.sources.signatures import heads_of
 from ros2lab.diagnose.sources.spelling import same_letters, with_article
 
-
 _NODE = "rclpy.node.Node"
 
 

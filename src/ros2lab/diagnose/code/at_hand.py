@@ -73,7 +73,9 @@ def _held(unknown: Unknown, scope: ast.AST, *, is_node: bool) -> Iterator[str]:
                     yield name
     owner = unknown.above(scope)
     is_method = isinstance(owner, ast.ClassDef) and isinstance(scope, FUNCTIONS)
-    if not (is_method and isinstance(scope, FUNCTIONS) and [p.arg for p in parameters(scope)][:1] == ["self"]):
+    if not (
+        is_method and isinstance(scope, FUNCTIONS) and [p.arg for p in parameters(scope)][:1] == ["self"]
+    ):
         return
     assert isinstance(owner, ast.ClassDef)
     if is_own_node(unknown, owner.name) and unknown.attributes <= _members(unknown, owner.name):
@@ -101,7 +103,11 @@ def _members(unknown: Unknown, name: str) -> set[str]:
         return set()
     definition = unknown.own_classes.get(name)
     own = walk(definition) if definition else ()
-    found = {getattr(n, "attr", getattr(n, "name", "")) for n in own if is_self_attribute(n) or isinstance(n, FUNCTIONS)}
+    found = {
+        getattr(n, "attr", getattr(n, "name", ""))
+        for n in own
+        if is_self_attribute(n) or isinstance(n, FUNCTIONS)
+    }
     return found | {*interfaces.members_of("rclpy.node", "Node")[0]}
 
 

@@ -13,7 +13,7 @@ from ros2lab.diagnose.code.at_hand import is_own_node
 from ros2lab.diagnose.code.bound_names import bound_by, bound_in
 from ros2lab.diagnose.code.unknown_names import Unknown, also_on, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import own_nodes, walk
+from ros2lab.diagnose.sources.python_source import own_nodes
 from ros2lab.diagnose.sources.spelling import edits, has_other_words, same_letters
 
 # Words of other languages, and what Python calls them.

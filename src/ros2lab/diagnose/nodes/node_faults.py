@@ -231,7 +231,9 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
                 "callback-called",
                 f"`{ast.unparse(given)}` calls the function right here, {clause}, but ROS needs the function itself, to call it later.",
                 place,
-                f"write {written} without parentheses" if written.isidentifier() or "lambda" not in written else f"write `{written}`",
+                f"write {written} without parentheses"
+                if written.isidentifier() or "lambda" not in written
+                else f"write `{written}`",
             )
         return
     if isinstance(given, ast.Lambda):

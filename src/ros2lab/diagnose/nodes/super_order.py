@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import branches, heads, leaves
@@ -19,7 +19,7 @@ class SuperOrder:
         inherited: the attributes that a node has only after super().__init__().
     """
 
-    def __init__(self, sources: NodeSources, owner: NodeClass, inherited: Collection[str]) -> None:
+    def __init__(self, sources: NodeSources, owner: NodeClass, inherited: frozenset[str]) -> None:
         self._sources, self._owner, self._inherited = sources, owner, inherited
         self.constructor = owner.methods["__init__"]
         self._early: list[ast.Attribute] = []
@@ -44,7 +44,9 @@ class SuperOrder:
         else:
             found = self._sources.functions.get(self._sources.resolve(self._owner.source, node.func) or "")
             called = found[1] if found else None
-        return called is not None and depth < 3 and any(self._is_init(n, depth + 1) for n in own_nodes(called))
+        return (
+            called is not None and depth < 3 and any(self._is_init(n, depth + 1) for n in own_nodes(called))
+        )
 
     def _follow(self, block: Sequence[ast.stmt], *, is_made: bool) -> bool | None:
         """Collect the early uses of a block, and return whether the node may be made after it; None if a run ends in it."""
@@ -61,7 +63,9 @@ class SuperOrder:
             is_open = isinstance(statement, (ast.Try, ast.For, ast.AsyncFor, ast.While))
             before = is_made or (is_open and any(map(self._is_init, walk(statement))))
             ends = [
-                self._follow(branch, is_made=is_made if number == 0 and isinstance(statement, ast.Try) else before)
+                self._follow(
+                    branch, is_made=is_made if number == 0 and isinstance(statement, ast.Try) else before
+                )
                 for number, branch in enumerate(inner)
             ]
             if all(end is None for end in ends):
@@ -72,22 +76,32 @@ class SuperOrder:
     def _uses(self, nodes: Sequence[ast.AST]) -> Iterator[ast.Attribute]:
         hidden = {id(n) for node in nodes if isinstance(node, ast.Lambda) for n in walk(node)}
         for node in nodes:
-            if is_self_attribute(node) and isinstance(node.ctx, ast.Load) and id(node) not in hidden:
-                if node.attr in self._inherited and node.attr not in self._owner.attributes:
-                    yield node
+            if not is_self_attribute(node) or id(node) in hidden or not isinstance(node.ctx, ast.Load):
+                continue
+            if node.attr in self._inherited - self._owner.attributes:
+                yield node
 
     def _moved(self, use: ast.Attribute) -> str:
         """Return what to move so that super().__init__() comes before a use; empty if no call of it comes later."""
         for block, index in reversed([*_blocks_around(self.constructor.body, use)]):
             for later in block[index + 1 :]:
-                calls = [n for n in walk(later) if self._is_init(n)]
+                calls = [n for n in walk(later) if isinstance(n, ast.Call) and self._is_init(n)]
                 if not calls:
                     continue
                 first, call = block[index], calls[0]
-                between = {ast.unparse(n) for s in block[index : block.index(later)] for n in walk(s) if _is_stored(n)}
-                is_needed = any(ast.unparse(n) in between for n in walk(call) if isinstance(n, (ast.Name, ast.Attribute)))
+                between = {
+                    ast.unparse(n)
+                    for s in block[index : block.index(later)]
+                    for n in walk(s)
+                    if _is_stored(n)
+                }
+                is_needed = any(
+                    ast.unparse(n) in between for n in walk(call) if isinstance(n, (ast.Name, ast.Attribute))
+                )
                 if isinstance(later, ast.Expr) and later.value is call and not is_needed:
-                    return f"move the call of super().__init__() from line {call.lineno} up to above line {first.lineno}"
+                    is_direct = getattr(call.func, "attr", "") == "__init__"
+                    what = "the call of super().__init__()" if is_direct else f"`{ast.unparse(call)}`"
+                    return f"move {what} from line {call.lineno} up to above line {first.lineno}"
                 lines = f"line {first.lineno}"
                 if first.end_lineno != first.lineno:
                     lines = f"lines {first.lineno} to {first.end_lineno}"

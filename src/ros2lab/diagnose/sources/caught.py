@@ -39,7 +39,10 @@ def _caught_around(source: PythonSource, line: int) -> Iterator[str]:
             continue
         for item in node.items:
             call = item.context_expr
-            if isinstance(call, ast.Call) and (dotted(call.func) or "").rpartition(".")[2] in ("suppress", "raises"):
+            if isinstance(call, ast.Call) and (dotted(call.func) or "").rpartition(".")[2] in (
+                "suppress",
+                "raises",
+            ):
                 for given in call.args:
                     yield from _named(given)
 

@@ -148,7 +148,11 @@ def _is_data(function: Function, value: ast.expr) -> bool:
         case ast.Attribute(attr=name):
             return name.isupper()
         case ast.Name(id=name):
-            made = [n.value for n in own_nodes(function) if isinstance(n, ast.Assign) and name in map(ast.unparse, n.targets)]
+            made = [
+                n.value
+                for n in own_nodes(function)
+                if isinstance(n, ast.Assign) and name in map(ast.unparse, n.targets)
+            ]
             made = [n for n in made if not isinstance(n, ast.Name)]
             is_given = any(parameter.arg == name for parameter in parameters(function))
             return (is_given or bool(made)) and all(_is_data(function, inner) for inner in made)
@@ -179,7 +183,10 @@ def as_function(function: Function | None, call: ast.Call, passed: Sequence[str]
         clause = "so what it returns is passed on"
     is_ready = not (call.args or call.keywords) or (function and len(needed_by(function)) == len(passed) > 0)
     written = ast.unparse(call.func)
-    return clause, written if is_ready else f"lambda{' ' * bool(passed)}{', '.join(passed)}: {ast.unparse(call)}"
+    return (
+        clause,
+        written if is_ready else f"lambda{' ' * bool(passed)}{', '.join(passed)}: {ast.unparse(call)}",
+    )
 
 
 def needed_by(function: Function) -> list[str]:
