@@ -28,8 +28,7 @@ def may_be_caught_by_caller(source: PythonSource, function: Function, *errors: t
 def _caught_around(source: PythonSource, line: int) -> Iterator[str]:
     """Yield the names of the exceptions that are caught around a line; empty for all."""
     for node in source.nodes:
-        body = getattr(node, "body", None)
-        if not (isinstance(node, (ast.Try, ast.With, ast.AsyncWith)) and body):
+        if not isinstance(node, (ast.Try, ast.With, ast.AsyncWith)):
             continue
         if not node.body[0].lineno <= line <= (node.body[-1].end_lineno or 0):
             continue
