@@ -23,7 +23,7 @@ def test_a_method_that_lost_its_indentation(tmp_path: Path, files: Files) -> Non
     files.change("node", TICK, textwrap.dedent(TICK))
     (finding,) = of_workspace(files.write(tmp_path))
     assert finding.code == "attribute-missing"
-    assert "indentation" in finding.cause
+    assert "indented too little" in finding.cause
     assert finding.fix.startswith("indent def tick")
     files.change("node", textwrap.dedent(TICK), TICK)
     assert of_workspace(files.write(tmp_path)) == []

@@ -60,7 +60,7 @@ def test_an_exception_in_a_cell_is_explained_once(shell: InteractiveShell) -> No
         (output,) = shown(shell, f"{NODE}\nN()\n")
     finally:
         shown(shell, "rclpy.try_shutdown()")
-    assert "Every node already has `publishers`" in output.data["text/plain"]
+    assert "publishers is already a property of every node" in output.data["text/plain"]
     assert "line 6" in output.data["text/plain"]
     assert "<b>Cause:</b>" in output.data["text/html"]
 
