@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -95,6 +96,21 @@ def test_a_linked_build_is_stale_by_its_entry_points_alone(tmp_path: Path) -> No
     setup = root / "src/my_bot/setup.py"
     setup.write_text(setup.read_text().replace("talker:main", "talker:speak"))
     assert codes(of_workspace(root)) == ["install-stale"]
+
+
+@pytest.mark.parametrize("version", ["0.0.1", "0.1.1"])
+def test_a_build_of_another_version_counts(workspace: Path, version: str) -> None:
+    """The description of the version before stays beside it, with its entry points."""
+    setup = workspace / "src/robot_controller/setup.py"
+    other = re.sub(r"(version=.)[0-9.]+", rf"\g<1>{version}", setup.read_text())
+    line = other.index("status_publisher =") - 1
+    setup.write_text(f"{other[:line]}'again = robot_controller.status_publisher:main', {other[line:]}")
+    assert "install-stale" in codes(of_workspace(workspace))
+    assert Workspace(workspace).build(show=False).is_ok
+    assert len([*workspace.glob("install/robot_controller/lib/python3*/site-packages/*.egg-info")]) == 2
+    assert of_workspace(workspace) == []
+    setup.write_text(setup.read_text().replace("'again =", "'once_more ="))
+    assert "install-stale" in codes(of_workspace(workspace))
 
 
 def test_a_package_that_was_not_built_is_seen(workspace: Path) -> None:

@@ -79,7 +79,7 @@ def _named_otherwise(
 ) -> tuple[str, str] | None:
     """Return what is wrong with an entry point, in setup.py or in what was installed of it, and a hint."""
     prefix = prefix_of(workspace.path, source.name)
-    installed = installed_entry_points(prefix, source.name) if prefix else None
+    installed = installed_entry_points(prefix, source) if prefix else None
     points = _points(source, workspace)
     if name not in points:
         names = ", ".join(points) or "no executable"
@@ -116,5 +116,5 @@ def _points(source: SourcePackage, workspace: Workspace) -> dict[str, str]:
     listed = source.setup.entry_points if source.setup else []
     if listed is None:
         prefix = prefix_of(workspace.path, source.name)
-        return (installed_entry_points(prefix, source.name) if prefix else None) or {}
+        return (installed_entry_points(prefix, source) if prefix else None) or {}
     return {point.name: f"{point.module}:{point.function}" for point in listed}

@@ -261,7 +261,8 @@ class Look:
         """Return a package's Python files."""
         if package.folder not in self._sources:
             used = self._used if self.executables[package.name] is not None else set()
-            beyond = Beyond(self._modules, partial(is_made, package), partial(written_modules, package))
+            made, written = partial(is_made, package), partial(written_modules, package)
+            beyond = Beyond(self._modules, made, written, package.is_built_by_cmake)
             self._sources[package.folder] = NodeSources(package.sources, used, beyond)
         return self._sources[package.folder]
 

@@ -135,22 +135,29 @@ def _own_module(
     source: PythonSource, imported: Import, own_modules: Collection[str], beyond: Beyond
 ) -> Iterator[Finding]:
     module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
-    if module.endswith((".msg", ".srv", ".action")) and module not in own_modules:
-        kind = module.rpartition(".")[2]
-        yield Finding(
-            "module-missing",
-            f"{module} would hold this package's own messages, but a package of type ament_python cannot generate them from its .{kind} files.",
-            source.at(imported.line),
-            f"put the .{kind} files into a separate ament_cmake package, with rosidl_generate_interfaces in CMakeLists.txt, and import from that",
-        )
-        return
     is_folder = any(name.startswith(f"{module}.") for name in own_modules)  # one without __init__.py
-    if not is_folder and module not in own_modules and imported.target not in own_modules:
-        parent = module.rpartition(".")[0]
-        close = nearest(module, {*own_modules, *(f"{parent}.{name}" for name in beyond.written() if name)})
-        yield Finding(
-            "module-missing",
-            f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
-            source.at(imported.line),
-            f"write {close} instead of {module}" if close else "fix the name, or create the file",
-        )
+    if is_folder or module in own_modules or imported.target in own_modules:
+        return
+    if module.endswith((".msg", ".srv", ".action")):
+        yield _own_messages(source, imported, module, beyond)
+        return
+    parent = module.rpartition(".")[0]
+    close = nearest(module, {*own_modules, *(f"{parent}.{name}" for name in beyond.written() if name)})
+    yield Finding(
+        "module-missing",
+        f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
+        source.at(imported.line),
+        f"write {close} instead of {module}" if close else "fix the name, or create the file",
+    )
+
+
+def _own_messages(source: PythonSource, imported: Import, module: str, beyond: Beyond) -> Finding:
+    """Say why the build does not make the messages that a file imports of its own package."""
+    kind = module.rpartition(".")[2]
+    cause = f"{module} would hold this package's own messages, but a package of type ament_python cannot generate them from its .{kind} files."
+    fix = f"put the .{kind} files into a separate ament_cmake package, with rosidl_generate_interfaces in CMakeLists.txt, and import from that"
+    if beyond.is_cmake:
+        file = f"{kind}/{imported.target.rpartition('.')[2] if imported.is_from else 'Name'}.{kind}"
+        cause = f"{module} would hold this package's own messages, but CMakeLists.txt has no rosidl_generate_interfaces, so the build generates none."
+        fix = f'write `find_package(rosidl_default_generators REQUIRED)` and `rosidl_generate_interfaces(${{PROJECT_NAME}} "{file}")` above ament_package() in CMakeLists.txt, and `<buildtool_depend>rosidl_default_generators</buildtool_depend>`, `<exec_depend>rosidl_default_runtime</exec_depend>` and `<member_of_group>rosidl_interface_packages</member_of_group>` above <export> in package.xml'
+    return Finding("module-missing", cause, source.at(imported.line), fix)

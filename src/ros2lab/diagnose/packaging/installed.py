@@ -5,6 +5,7 @@ from __future__ import annotations
 import configparser
 import filecmp
 import os
+import re
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from shlex import quote
@@ -220,16 +221,32 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
         )
 
 
-def installed_entry_points(prefix: Path, name: str) -> dict[str, str] | None:
+def _last_built(prefix: Path, package: SourcePackage) -> Path | None:
+    """Return the metadata folder of the last build: setuptools leaves that of each earlier version beside it.
+
+    It has the version that setup.py names, or no version; where the version was changed since, it is the newest.
+    """
+    version = package.setup.keywords.get("version") if package.setup else None
+    copied, linked = _metadata(prefix, package.name), _linked_metadata(prefix, package.name)
+    fitting = [folder for folder in copied if re.search(rf"-{re.escape(str(version))}[-.]", folder.name)]
+    folders = [folder for folder in [*(fitting or copied), *linked] if folder.is_dir()]
+
+    def age(folder: Path) -> float:
+        return max(path.stat().st_mtime for path in (folder, *folder.iterdir()))
+
+    return max(folders, key=age, default=None)
+
+
+def installed_entry_points(prefix: Path, package: SourcePackage) -> dict[str, str] | None:
     """Return the `module:function` with which each executable was installed; None if not known."""
-    folders = [*_metadata(prefix, name), *_linked_metadata(prefix, name)]
-    files = [file for folder in folders if (file := folder / "entry_points.txt").is_file()]
-    if not files:
+    folder = _last_built(prefix, package)
+    file = folder / "entry_points.txt" if folder else None
+    if file is None or not file.is_file():
         return None
     parser = configparser.RawConfigParser(delimiters=("=",))
     parser.optionxform = str  # type: ignore[assignment, method-assign]
     try:
-        parser.read_string(files[0].read_text(encoding="utf-8"))
+        parser.read_string(file.read_text(encoding="utf-8"))
     except (configparser.Error, OSError, UnicodeDecodeError):
         return None
     points = parser["console_scripts"] if parser.has_section("console_scripts") else {}
@@ -239,7 +256,7 @@ def installed_entry_points(prefix: Path, name: str) -> dict[str, str] | None:
 def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
     """Return the entry points of setup.py that are missing or different in the installed metadata."""
     points = package.setup.entry_points if package.setup else None
-    installed = installed_entry_points(prefix, package.name)
+    installed = installed_entry_points(prefix, package)
     if points is None or installed is None:
         return []
     return [
