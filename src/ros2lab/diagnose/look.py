@@ -32,6 +32,7 @@ from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
 from ros2lab.diagnose.launching.launch_order import set_back
 from ros2lab.diagnose.launching.parameter_names import passed_over
+from ros2lab.diagnose.launching.remapped_names import unknown_names
 from ros2lab.diagnose.launching.started_faults import Started, are_alone, started_faults, started_in
 from ros2lab.diagnose.net import guarded
 from ros2lab.diagnose.nodes.bursts import burst_faults
@@ -225,7 +226,9 @@ class Look:
         for launch_file in self.launch_files:
             if launch_file.is_loaded:
                 yield from guarded(self._faults_of_started, launch_file)
-                yield from guarded(set_back, started_in(launch_file, self._with_sources))
+                nodes = started_in(launch_file, self._with_sources)
+                yield from guarded(unknown_names, launch_file, nodes)
+                yield from guarded(set_back, nodes)
 
     def _faults_of_started(self, launch_file: LaunchFile) -> Iterator[Finding]:
         return started_faults(launch_file, self._with_sources, is_alone=self._are_alone)

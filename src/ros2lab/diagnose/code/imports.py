@@ -132,7 +132,7 @@ def bound_names(source: PythonSource) -> frozenset[str]:
 
 
 def _own_module(
-    source: PythonSource, imported: Import, own_modules: Collection[str], beyond: Beyond
+    source: PythonSource, imported: Import, own_modules: Mapping[str, PythonSource], beyond: Beyond
 ) -> Iterator[Finding]:
     module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
     is_folder = any(name.startswith(f"{module}.") for name in own_modules)  # one without __init__.py
@@ -141,14 +141,32 @@ def _own_module(
     if module.endswith((".msg", ".srv", ".action")):
         yield _own_messages(source, imported, module, beyond)
         return
-    parent = module.rpartition(".")[0]
-    close = nearest(module, {*own_modules, *(f"{parent}.{name}" for name in beyond.written() if name)})
+    made = (f"{module.rpartition('.')[0]}.{name}" for name in beyond.written() if name)
+    name = imported.target.rpartition(".")[2] if imported.is_from else "*"
+    holding = [*made, *(home for home, file in own_modules.items() if _holds(file, name, own_modules))]
+    close = nearest(module, holding) or _only_definition(own_modules, name)
     yield Finding(
         "module-missing",
         f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
         source.at(imported.line),
         f"write {close} instead of {module}" if close else "fix the name, or create the file",
     )
+
+
+def _holds(file: PythonSource, name: str, modules: Collection[str]) -> bool:
+    """Return whether a name can be imported from a module of the package, as far as is known."""
+    names = bound_names(file)
+    return not names or name in ("*", *names) or f"{file.name}.{name}" in modules
+
+
+def _only_definition(modules: Mapping[str, PythonSource], name: str) -> str | None:
+    """Return the only module that defines a class or function; None if none does, or several do."""
+    homes = [
+        module
+        for module, file in modules.items()
+        if any(isinstance(n, (ast.ClassDef, ast.FunctionDef)) and n.name == name for n in file.tree.body)
+    ]
+    return homes[0] if len(homes) == 1 and homes[0] else None
 
 
 def _own_messages(source: PythonSource, imported: Import, module: str, beyond: Beyond) -> Finding:

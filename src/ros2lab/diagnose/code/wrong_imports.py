@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
-_Home = tuple[str, str]  # the module and the name in it
+_Home = tuple[str, str]  # the module, empty for a name that is one, and the name in it
 # The packages whose names are known to be those of the student's computer, too.
 _KNOWN = interfaces.PACKAGES | sys.stdlib_module_names | {"setuptools"}
 _MOST_OFFERED = 6  # names of a module that are offered
@@ -124,11 +124,19 @@ def _homes(
         near = nearest(name, known)
         if near and near.lower() == name.lower() and near not in taken:
             found[name] = meant, near
+        elif name in _KNOWN and not _is_called(source, name):
+            found[name] = "", name
         elif homes := _homes_of(name, module, source):
             found[name] = homes[0], name
         elif near:
             found[name] = meant, near
     return found
+
+
+def _is_called(source: PythonSource, name: str) -> bool:
+    """Return whether a file calls a name itself, which it cannot do with a module."""
+    calls = (node.func for node in source.nodes if isinstance(node, ast.Call))
+    return any(isinstance(called, ast.Name) and called.id == name for called in calls)
 
 
 def _homes_of(name: str, module: str, source: PythonSource) -> list[str]:
@@ -144,7 +152,9 @@ def _meant(module: str, wrong: Sequence[str], homes: Mapping[str, _Home], *, is_
     said = asked = ""
     for name in wrong:
         home, meant = homes.get(name, ("", ""))
-        if meant == name and home != module:
+        if meant and not home:
+            said += f"; {meant} is a module itself"
+        elif meant == name and home != module:
             said += f"; it is in {home}" if len(wrong) == 1 and is_module else f"; {name} is in {home}"
         elif meant:
             asked += f" Did you mean {meant}?"
@@ -171,7 +181,11 @@ def _fix(
             lost.append(alias.name)
             continue
         by_home.setdefault(home, []).append(f"{name} as {alias.asname}" if alias.asname else name)
-    written = [f"`from {home} import {', '.join(names)}`" for home, names in by_home.items()]
+    # A module that is in no other is imported by itself.
+    written = [
+        f"`from {home} import {', '.join(names)}`" if home else f"`import {', '.join(names)}`"
+        for home, names in by_home.items()
+    ]
     if not homes:
         return _without(source, lost, written, names)
     used = [

@@ -115,10 +115,18 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
                 check=True,
             )
             told.seek(0)
-            said = told.read().decode(errors="replace")
+            said = _as_installed(told.read().decode(errors="replace"), prefix, packages)
             with contextlib.suppress(ValueError, RecursionError):  # a launch file may print anything
                 return said if isinstance(json.loads(said), dict) else "{}"
     return "{}"
+
+
+def _as_installed(said: str, prefix: Path, packages: Sequence[SourcePackage]) -> str:
+    """Return what is said with the paths that the files of the packages have once they are installed."""
+    install = (packages[0].root or packages[0].folder.parent) / "install" if packages else Path("install")
+    names = "|".join(re.escape(package.name) for package in packages)
+    said = re.sub(rf"{re.escape(str(prefix))}(?=/share/({names})\b)", rf"{install}/\1", said)
+    return said.replace(str(prefix), str(install))
 
 
 def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourcePackage]) -> LaunchFile:

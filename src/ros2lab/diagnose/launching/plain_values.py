@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
+from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
 from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.static_value import evaluate
 
@@ -160,16 +162,33 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
                     free = [
                         call for call in _node_calls(source) if keyword not in {k.arg for k in call.keywords}
                     ]
+                    if len(free) > 1:
+                        free = [call for call in free if _may_take(source, call, value)]
                     lines = " or ".join(str(call.lineno) for call in free)
                     where = (
                         f"remove it, or give {name} to the Node that reads it"
-                        if keyword == "arguments"
+                        if keyword == "arguments" or not 0 < len(free) <= _MOST_NODES
                         else f"add {written} to the Node on line {lines}"
-                        if free
-                        else f"add {name} to {keyword} of a Node"
                     )
                     cause = f"{name} is worked out here, but never used, so it changes nothing."
                     yield Finding("launch-unused", cause, source.at(node), where)
+
+
+_MOST_NODES = 3  # that are offered to take a value
+
+
+def _may_take(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
+    """Return whether a node may be meant to get a value: one of a parameter file that has a section for it."""
+    texts = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    names = [PurePosixPath(text).name for text in texts if text.endswith((".yaml", ".yml"))]
+    homes = source.path.parents if source.path else ()
+    home = next((folder for folder in homes if (folder / "package.xml").is_file()), None)
+    file = next((path for name in names for path in home.rglob(name)), None) if home else None
+    if file is None or "ros__parameters" not in (text := read_text(file)):
+        return True
+    given = {k.arg: evaluate(k.value, {}, {}) for k in call.keywords if k.arg in ("name", "executable")}
+    sections = re.findall(r"(?:^|/)([\w*]+)[\"']?:\s*(?:#.*)?$", text, re.MULTILINE)
+    return "**" in sections or not {*sections}.isdisjoint(map(str, given.values()))
 
 
 def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, str]:

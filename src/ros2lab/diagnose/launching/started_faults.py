@@ -10,17 +10,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.nodes.parameter_faults import is_for, sections_of
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
-from ros2lab.diagnose.sources.node_source import CREATORS, NodeSources
+from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 
 @dataclass(frozen=True)
@@ -180,27 +178,6 @@ def started_faults(
         yield from _without_clock(nodes) if is_alone else ()
         yield from _started_twice(nodes)
         yield from _apart(nodes)
-    yield from _remappings(file, nodes)
-
-
-def _remappings(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield remappings whose first name none of the nodes has that are given it; all their names are known."""
-    known = {id(node.launched): _own_names(node) for node in nodes}
-    for node in nodes:
-        for topic, new in node.launched.remappings:
-            # A remapping given to several nodes is meant for those that use the name.
-            given = [launched for launched in file.nodes if (topic, new) in launched.remappings]
-            takers = [other for other in nodes if any(other.launched is launched for launched in given)]
-            names = [known[id(other.launched)] for other in takers]
-            if len(takers) < len(given) or not all(names):
-                continue
-            if any(_is_among(topic, own, other) for own, other in zip(names, takers, strict=True)):
-                continue
-            own = {name for taken in names for name in taken}
-            if len(given) > 1 and not nearest(topic.lstrip("/"), own, 0.6):
-                continue  # such as the transforms, which a launch file may rename for all nodes alike
-            beside = {name for other in nodes if other is not node for name in known[id(other.launched)]}
-            yield _remapped(node, topic, new, own, beside)
 
 
 def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
@@ -222,51 +199,6 @@ def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool
     made = sources.classes.get(sources.resolve(source, call.func) or "")
     is_class = made is not None and sources.lineage(made)[1]
     return is_class or sources.makes_node(source, None, None, call)
-
-
-def _own_names(node: Started) -> set[str]:
-    """Return the names of a node's topics and services; empty if it may have others."""
-    files = node.sources.around(node.module)
-    if files and any(CREATORS.keys() & node_class.methods.keys() for node_class in files.classes.values()):
-        return set()  # what its own way of creating them makes is not known
-    for source in files.sources.values() if files else ():
-        called = {id(call.func) for call in source.nodes if isinstance(call, ast.Call)}
-        for inner in source.nodes:
-            if (
-                isinstance(inner, ast.Attribute)
-                and inner.attr.startswith("create_")
-                and id(inner) not in called
-            ):
-                return set()
-        if any(imported.target.startswith("rclpy.action") for imported in source.imports):
-            return set()
-    return _names([files]) if files else set()
-
-
-def _is_among(topic: str, names: set[str], node: Started) -> bool:
-    """Return whether a remapping's first name is one of a node's names, or may be a hidden one."""
-    is_every_nodes = f"/{topic.lstrip('/')}" in every_node.HIDDEN_TOPICS or topic.startswith(("~", "_"))
-    is_below_node = node.name in topic.split("/") or ":" in topic
-    is_named = topic.lstrip("/") in {name.lstrip("~/") for name in names}
-    is_resolved = node.resolved_alone(topic) in {node.resolved_alone(name) for name in names}
-    return is_every_nodes or is_below_node or is_named or is_resolved
-
-
-def _remapped(node: Started, topic: str, new: Any, own: set[str], beside: set[str]) -> Finding:
-    """Return a finding about a remapping whose first name is none of a node's names, beside those of the others."""
-    there = ", ".join(repr(name) for name in sorted(own))
-    cause = f"The launch file remaps {topic!r}, but {node.launched.executable} does not use it: the first name must be the one in the code, which uses {there}."
-    is_turned = isinstance(new, str) and new.lstrip("/") in own
-    wanted = nearest(topic.lstrip("/"), own, 0.6) or (min(own) if len(own) == 1 else "")
-    fix = f"write one of these as the first name of the remapping: {there}"
-    fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
-    fix = fix if is_near_miss(topic.lstrip("/"), wanted) else f"{fix}, or remove it if no name is to change"
-    if is_turned:
-        turned = f"write ({new!r}, {topic!r}) instead of ({topic!r}, {new!r})"
-        is_met, is_met_turned = new.lstrip("/") in beside, topic.lstrip("/") in beside
-        fix = f"remove it if {new!r} is right; otherwise {turned}" if is_met == is_met_turned else turned
-        fix = "remove it" if is_met and not is_met_turned else fix
-    return Finding("remap-unknown", cause, node.launched.place, fix)
 
 
 def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
@@ -316,21 +248,6 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
         if number:
             fix = "write use_sim_time: false, unless a simulator is running"
             yield Finding("period", cause, f"{home.shown(path)}:{number}", fix)
-
-
-def _names(files: Sequence[NodeSources]) -> set[str]:
-    """Return the names of all topics and services, without leading slashes; empty if any is not known."""
-    given = [
-        (creation.source, value, sources)
-        for sources in files
-        for creation in sources.creations
-        if creation.method != "create_timer"
-        for value in [
-            next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
-        ]
-    ]
-    names = [sources.value(source, value) for source, value, sources in given]
-    return {name.lstrip("/") for name in names} if all(isinstance(name, str) for name in names) else set()
 
 
 def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:

@@ -15,6 +15,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 # Modules that read the command line; sys does so only by its argv.
 _READERS = frozenset(("argparse", "optparse", "getopt", "click", "typer", "fire", "docopt", "absl"))
 _OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level"))
+_LONGEST = 60  # signs of words that are shown together
 _NAMES = {"__node": "name", "__name": "name", "__ns": "namespace"}
 
 
@@ -34,7 +35,10 @@ def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Itera
     files = [sources.sources[name] for name in sources.together(module)]
     if any(source.fault or _reads_words(source) for source in files):
         return
-    short = " ".join(words)[:60]
+    inside = f"{package.root}/" if package.root else ""
+    said = [word.replace(inside, "") if inside else word for word in words]
+    short = " ".join(said)
+    short = f"{said[0]} ..." if len(short) > _LONGEST and len(said) > 1 else short
     cause = f"arguments passes `{short}` to {node.executable} on the command line, but it reads no command-line arguments, so they change nothing."
     yield Finding("words-unread", cause, node.place, _fix(words, declared_in(sources) or {}))
 

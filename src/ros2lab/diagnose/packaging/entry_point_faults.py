@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import copy
 import difflib
+import os
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -13,6 +15,7 @@ from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.entry_point_forms import (
+    can_be_named,
     function_of,
     of_its_parts,
     put_in_order,
@@ -51,11 +54,15 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         and (main := _first_main(package))
         and not _is_named_beside(package, main)
     ):
+        named = re.sub(r"[^\w.]+", "_", main)
+        shown = package.sources[main].shown
+        new = f"{shown.rpartition('/')[0]}/{named.rpartition('.')[2]}.py"
+        before = "" if can_be_named(main) else f"mv {quote(shown)} {quote(new)}, and "
         yield Finding(
             "entry-points-missing",
             f"setup.py has no entry point, so {main} cannot be run with `ros2 run`.",
             place,
-            f"add '{main.rpartition('.')[2]} = {main}:main' to 'console_scripts' in entry_points",
+            f"{before}add '{named.rpartition('.')[2]} = {named}:main' to 'console_scripts' in entry_points",
         )
     yield from _of_another(setup, package.sources)
     seen: dict[str, EntryPoint] = {}
@@ -183,7 +190,10 @@ def _function_fault(
             f"write def {point.function}({ast.unparse(given)}){returns}:",
         )
     elif not source.fault and not _has(source, point.function):
-        yield _missing_function(source, package.sources, point, place)
+        if "." in point.function and (meant := of_its_parts(package, point)):
+            yield put_in_order(package, point, meant, place)
+            return
+        yield _missing_function(package, source, point, place)
 
 
 def _is_only_a_node(source: PythonSource, made: ast.ClassDef) -> bool:
@@ -212,7 +222,7 @@ def _below_guard(source: PythonSource) -> ast.If | None:
 def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iterator[Finding]:
     """Yield an executable that calls the module of another one although a suitable file is called by none."""
     points = setup.entry_points or []
-    uncalled = sources.keys() - {point.module for point in points}
+    uncalled = {name for name in sources if can_be_named(name)} - {point.module for point in points}
     for number, point in enumerate(points):
         twin = next((other for other in points if other is not point and other.module == point.module), None)
         if twin is None or not (meant := _meant_module(points, number, [*uncalled], sources)):
@@ -261,12 +271,15 @@ def _likeness(executable: str, module: str) -> float:
     return difflib.SequenceMatcher(None, executable, module.rpartition(".")[2]).ratio()
 
 
-def _missing_function(
-    source: PythonSource, sources: Mapping[str, PythonSource], point: EntryPoint, place: str
-) -> Finding:
+def _missing_function(package: SourcePackage, source: PythonSource, point: EntryPoint, place: str) -> Finding:
     """Return a finding about an entry point whose module lacks the function that it names."""
+    sources, points = package.sources, package.setup.entry_points if package.setup else None
+    taken = {other.module for other in points or ()}  # another executable's program is not meant
     calls = f"The executable {point.name} calls {point.function}() in {source.shown}, but"
     homes = [name for name, file in sources.items() if not file.fault and _has(file, point.function)]
+    homes = [name for name in homes if name not in taken and can_be_named(name)]
+    own = {name.rpartition(".")[2]: name for name in homes}
+    home = own.get(point.name) or own.get(nearest(point.name, own) or "", homes[0] if len(homes) == 1 else "")
     if (below := _below_guard(source)) is not None:
         cause = f"{calls} that file runs its code only under `if __name__ == '__main__':`, which is not true under `ros2 run`."
         fix = f"write `def {point.function}(args=None):` instead of that line, and at the end of the file that line with `{point.function}()` below it"
@@ -276,12 +289,10 @@ def _missing_function(
         cause = f"{calls} `def {point.function}` on line {line} is indented, so it belongs to {holder} instead of the module."
         fix = f"remove the spaces before `def {point.function}`, and the same number before each line of its body"
         return Finding("entry-point-function", cause, source.at(line), fix)
-    if homes:
-        meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
-        cause = f"{calls} it is in {', '.join(homes)}."
-        return Finding(
-            "entry-point-function", cause, place, f"write '{point.name} = {meant}:{point.function}'"
-        )
+    if home:
+        cause = f"{calls} it is in {home}."
+        fix = f"write '{point.name} = {home}:{point.function}', and build again"
+        return Finding("entry-point-function", cause, place, fix)
     define = f"define {point.function}(args=None)"
     functions = [
         function.name
@@ -313,16 +324,25 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
     installed = [n for n in package.sources if n != package.name and n.rpartition(".")[0] in listed]
     known = [name for name in installed if name.rpartition(".")[2] == wanted.stem]
     if not known and (lies := _lies(package, wanted)):
-        shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
-        return Finding(
-            "entry-point-module",
-            f"The entry point {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} instead.",
-            place,
-            f"mv {quote(shown[0])} {quote(shown[1])}, then colcon build --packages-select {package.name}",
-            (shown[0],),
-        )
+        return _renamed(package, point, lies, wanted, place)
     close = _meant_file(package, point, known or installed)
+    if close and not can_be_named(close):
+        return _renamed(package, point, package.sources[close].path or wanted, wanted, place)
     return _no_such_module(package, point, place, close, known, is_own=is_own)
+
+
+def _renamed(package: SourcePackage, point: EntryPoint, lies: Path, wanted: Path, place: str) -> Finding:
+    """Say that the file of an entry point lies elsewhere, or under another name."""
+    shown = [package.shown(os.path.relpath(path, package.folder)) for path in (lies, wanted)]
+    folder = quote(shown[1].rpartition("/")[0])
+    make = "" if wanted.parent.is_dir() else f"mkdir -p {folder} && touch {folder}/__init__.py && "
+    return Finding(
+        "entry-point-module",
+        f"The entry point {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} instead.",
+        place,
+        f"{make}mv {quote(shown[0])} {quote(shown[1])}, then colcon build --packages-select {package.name}",
+        (shown[0],),
+    )
 
 
 def _meant_file(package: SourcePackage, point: EntryPoint, modules: Sequence[str]) -> str | None:
@@ -340,7 +360,8 @@ def _lies(package: SourcePackage, wanted: Path) -> Path | None:
     """Return the file that has a module's name, or nearly so, in a folder that is not installed; None if none has."""
     same = [source.path for name, source in package.sources.items() if name.rpartition(".")[2] == wanted.stem]
     near = like(wanted) or _unnamed(package, wanted)
-    paths = [package.folder / wanted.name, *same, *([wanted.parent / near] if near else [])]
+    away = [package.folder / place for place in package.places_of(wanted.name)]
+    paths = [*same, *([wanted.parent / near] if near else []), *away]
     return next((path for path in paths if path and path.exists()), None)
 
 

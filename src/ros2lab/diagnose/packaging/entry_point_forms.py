@@ -16,6 +16,11 @@ from ros2lab.diagnose.sources.setup_script import EntryPoint
 from ros2lab.diagnose.sources.spelling import nearest
 
 
+def can_be_named(module: str) -> bool:
+    """Return whether an entry point can name a module: not if its file has a hyphen or a space in its name."""
+    return re.fullmatch(r"[\w.]+", module) is not None
+
+
 def wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
     """Explain an entry point that is not of the form `name = package.module:function`."""
     name, _, rest = point.text.partition("=")

@@ -256,11 +256,11 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
 def like(path: Any) -> str:
     """Return the name of a file in the same folder with a similar name; empty if there is none."""
     there = [file.name for file in path.parent.iterdir() if file.is_file()] if path.parent.is_dir() else []
-    stem = path.name.partition(".")[0].lower()
-    plain = stem.replace("_", "").replace("-", "")
-    same = [
-        name for name in there if name.partition(".")[0].lower().replace("_", "").replace("-", "") == plain
-    ]
+
+    def plain(name: str) -> str:
+        return re.sub(r"[ _-]", "", name.partition(".")[0].lower())
+
+    same = [name for name in there if plain(name) == plain(path.name)]
     same = [name for name in same if name != path.name and not name.endswith((".pyc", ".md"))]
     return same[0] if same else ""
 
