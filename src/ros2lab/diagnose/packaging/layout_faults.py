@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from shlex import quote
 
@@ -27,14 +28,17 @@ def layout_faults(
     """
     seen = {package.name for package in packages}
     wanted = {name for package in packages for name in _needs(package)}
-    for skipped in passed_over:
+    told: set[str] = set()
+    for skipped in sorted(passed_over, key=lambda skipped: len(skipped.package.folder.parts)):
         # A package may be hidden on purpose, but not one that is needed, or the only one.
         name = skipped.package.name
         is_missed = name not in seen and (not packages or name in wanted or prefix_of(root, name))
         # One of ROS 1 may lie among the data of another, such as the model of a robot.
         is_built = skipped.package.has("setup.py") or (skipped.package.build_type or "").startswith("ament")
-        if is_missed or (skipped.is_nested and name not in seen and is_built):
-            yield hidden(skipped)
+        if name not in told and (is_missed or (skipped.is_nested and name not in seen and is_built)):
+            told.add(name)
+            copies = [other for other in passed_over if other.package.name == name and other is not skipped]
+            yield hidden(skipped, [other.package.shown("").rstrip("/") for other in copies])
     if not packages and not passed_over:
         yield from outside(root)
     for package in packages:
@@ -61,8 +65,8 @@ def _needs(package: SourcePackage) -> set[str]:
     return {dependency.name for dependency in package.manifest.exec_depends} if package.manifest else set()
 
 
-def hidden(skipped: PassedOver) -> Finding:
-    """Say why colcon does not see a package."""
+def hidden(skipped: PassedOver, copies: Sequence[str] = ()) -> Finding:
+    """Say why colcon does not see a package; of several copies only one is to be moved."""
     name, folder = skipped.package.name, skipped.package.shown("").rstrip("/")
     by = shown_path(skipped.by, skipped.package.root)
     root = skipped.package.root
@@ -75,11 +79,16 @@ def hidden(skipped: PassedOver) -> Finding:
             f"mv {quote(where)} {quote(where + '.away')}, and build again",
         )
     if skipped.is_nested:
+        outer = SourcePackage(skipped.by, root).name
+        others = f"; leave its other copies where they are ({', '.join(copies)})" if copies else ""
+        beside = skipped.by.parent
+        is_free = not (beside / skipped.package.folder.name).exists()
+        target = shown_path(beside, root) + "/" if is_free else shown_path(_free(beside / name), root)
         return Finding(
             "package-passed-over",
-            f"The package {name} is inside the package {skipped.by.name}, and colcon does not look inside packages.",
+            f"The package {name} is inside the package {outer}, and colcon does not look inside packages.",
             folder,
-            f"mv {quote(folder)} {quote(shown_path(skipped.by.parent, skipped.package.root) + '/')}, and build again",
+            f"mv {quote(folder)} {quote(target)}, and build again{others}",
         )
     return Finding(
         "package-passed-over",
@@ -87,6 +96,12 @@ def hidden(skipped: PassedOver) -> Finding:
         by,
         f"rm {quote(by)}, and build again",
     )
+
+
+def _free(path: Path) -> Path:
+    """Return a path that does not exist yet: this one, or it with a number."""
+    numbered = (path.with_name(f"{path.name}_{number}") for number in itertools.count(2))
+    return path if not path.exists() else next(other for other in numbered if not other.exists())
 
 
 def outside(root: Path, name: str = "") -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from shlex import quote
 from typing import Any
 
+from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import repaired
@@ -271,19 +272,26 @@ def _dependency_faults(
                 f"remove the line with {name}",
                 (name,),
             )
-        elif wanted := next(
+        elif wanted := _of_ros_2(name) or next(
             (candidate for candidate in sorted(known) if _is_slip(package, name, candidate)), None
         ):
             yield Finding(
                 "dependency-unknown",
                 f"package.xml declares {name}, but there is no such package; the name is {wanted}.",
                 place,
-                f"write {wanted} instead of {name}",
+                f"remove this line: {wanted} is declared as well"
+                if wanted in declared
+                else f"write {wanted} instead of {name}",
                 (name,),
             )
     yield from _undeclared(
         package, {*declared} | package.conditional, known - {*plain}, set(workspace_names) - {*plain}
     )
+
+
+def _of_ros_2(name: str) -> str:
+    """Return the package of ROS 2 for one of ROS 1, whose name often gets a 2, as in rviz2; empty if there is none."""
+    return ROS_1.get(name) or (f"{name}2" if f"{name}2" in PACKAGES else "")
 
 
 def _is_slip(package: SourcePackage, name: str, candidate: str) -> bool:

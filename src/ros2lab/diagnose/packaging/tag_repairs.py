@@ -57,6 +57,7 @@ def _changes(lines: list[str], keywords: Mapping[str, Any]) -> Iterator[_Change]
     end = next((n for n, line in enumerate(lines, 1) if "</export>" in line and n >= begin), 0)
     every = [(n, match) for n, line in enumerate(lines, 1) for match in _ELEMENT.finditer(line)]
     spots = [(n, match) for n, match in every if not begin <= n <= end]
+    own = next((match["content"].strip() for _, match in spots if match["tag"] == "name"), "")
     for number, match in spots:
         if match["tag"] in IN_EXPORT:
             yield _into_export(lines, number, match[0], begin)
@@ -67,6 +68,9 @@ def _changes(lines: list[str], keywords: Mapping[str, Any]) -> Iterator[_Change]
         others = [n for n, other in spots if other["tag"] == match["tag"] and n < number]
         if others or match["tag"] in _DEPENDS or match["tag"] not in TAGS:
             why = f": line {others[0]} has a <{match['tag']}> too" if others else ""
+            if match["tag"] in _DEPENDS:  # of which there may be several
+                is_itself = match["content"].strip() == own
+                why = ": a package does not depend on itself" if is_itself else ""
             yield number, f"remove this line{why}", "\n".join([*lines[: number - 1], *lines[number:]])
     yield from _added(lines, {match["tag"]: number for number, match in spots}, keywords)
 

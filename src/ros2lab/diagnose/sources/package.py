@@ -141,8 +141,13 @@ class SourcePackage:
         """The Python files in the folders that it installs, by the names under which they are imported."""
         found = {}
         for base, folder in self._import_folders():
-            for path in sorted(folder.rglob("*.py")):
+            paths = sorted(folder.rglob("*.py"))
+            marks = (path for path in [*paths, *folder.rglob("package.xml")] if path.parent != folder)
+            inner = {path.parent for path in marks if _begins_package(path)}
+            for path in paths:
                 relative = path.relative_to(folder)
+                if not inner.isdisjoint(path.parents):
+                    continue
                 if any(part in _NOT_LOOKED_INTO or part.startswith(".") for part in relative.parts):
                     continue
                 parts = [base, *relative.with_suffix("").parts]
@@ -295,6 +300,14 @@ def takes_for_package(folder: Path, root: Path, files: Collection[str] = ()) -> 
         return "setup.py"
     is_cmake = "CMakeLists.txt" in files and "project" in read_text(folder / "CMakeLists.txt").lower()
     return "CMakeLists.txt" if is_cmake else "package.xml" if "package.xml" in files else ""
+
+
+def _begins_package(path: Path) -> bool:
+    """Return whether a file makes its folder a package of its own; one with modules belongs to the outer one."""
+    is_script = path.name == "setup.py" and re.search(
+        r"^(?:setuptools\.)?setup\(", read_text(path), re.MULTILINE
+    )
+    return (path.name == "package.xml" or bool(is_script)) and not (path.parent / "__init__.py").is_file()
 
 
 def _where_they_hold(manifest: Any) -> Any:
