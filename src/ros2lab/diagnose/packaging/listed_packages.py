@@ -124,7 +124,9 @@ def needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]
     modules = [point.module for point in setup.entry_points or ()]
     for source in package.sources.values():
         for imported in source.imports:
-            modules.append(imported.target.rpartition(".")[0] if imported.is_from else imported.target)
+            modules.append(imported.target)
+            if imported.is_from:  # what is imported may be a module, too
+                modules.append(imported.target.rpartition(".")[0])
     for named in modules:
         name, _, module = named.rpartition(".")
         folder = folder_of(package, name)

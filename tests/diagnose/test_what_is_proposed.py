@@ -1,0 +1,336 @@
+"""What a fix proposes can be imported, named and moved, and files of an inner package are not the outer's."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import pytest
+from workspace_files import DRIVER, MANIFEST, NAMES, SETUP, Files
+
+from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.look import Look
+
+MOVED = DRIVER.replace("DRIVER", "mover")
+GROUPS = "        'console_scripts': [\n"
+FIRST = "import rclpy\n"
+OWN_MESSAGES = """\
+cmake_minimum_required(VERSION 3.8)
+project(my_bot)
+find_package(ament_cmake REQUIRED)
+find_package(rosidl_default_generators REQUIRED)
+rosidl_generate_interfaces(${PROJECT_NAME} "srv/Ask.srv")
+install(PROGRAMS my_bot/talker.py DESTINATION lib/${PROJECT_NAME})
+ament_package()
+"""
+
+
+def right() -> Files:
+    return Files.right(NAMES[1])
+
+
+def found(files: Files, folder: Path, code: str) -> list[str]:
+    """Return the fixes of the findings of a code."""
+    return [finding.fix for finding in of_workspace(files.write(folder)) if finding.code == code]
+
+
+def imports(statement: str, **others: str) -> Files:
+    """Return a workspace whose first node has one more import, beside other modules."""
+    files = right().change("node", FIRST, f"{FIRST}{statement}\n")
+    for name, text in others.items():
+        files.put(f"PACKAGE/{name}.py", text)
+    return files
+
+
+@pytest.mark.parametrize(
+    ("files", "fix"),
+    [
+        (imports("from my_bot.limit import FAST", limits="FAST = 1.0"), "write my_bot.limits instead of"),
+        (imports("from my_bot.limit import FAST", limits="SLOW = 0.1"), "fix the name, or create the file"),
+        (
+            imports("from .limit import Limit", limits="SLOW = 0.1", kept="class Limit: ..."),
+            "write my_bot.kept",
+        ),
+        (
+            imports("from my_bot.pilot import Pilot", auto="from other import Pilot"),
+            "fix the name, or create",
+        ),
+        (imports("from .limit import fast", limits="from numpy import *"), "write my_bot.limits instead of"),
+    ],
+)
+def test_a_module_is_proposed_that_has_what_is_imported(tmp_path: Path, files: Files, fix: str) -> None:
+    (proposed,) = found(files, tmp_path, "module-missing")
+    assert proposed.startswith(fix)
+
+
+@pytest.mark.parametrize(
+    ("statement", "fix"),
+    [
+        ("from rclpy.node import Node, sys", "write `from rclpy.node import Node` and `import sys`"),
+        (
+            "from std_msgs.msg import String, math",
+            "write `from std_msgs.msg import String` and `import math`",
+        ),
+        ("from geometry_msgs.msg import json as reader", "write `import json as reader`"),
+    ],
+)
+def test_a_module_is_imported_by_itself(tmp_path: Path, statement: str, fix: str) -> None:
+    (proposed,) = found(imports(statement), tmp_path, "import-wrong")
+    assert proposed.startswith(fix)
+
+
+@pytest.mark.parametrize(
+    ("file", "point", "command"),
+    [
+        (
+            "my_bot/drive _fast.py",
+            "drive_fast = my_bot.drive_fast:main",
+            "mv 'src/my_bot/my_bot/drive _fast.py'",
+        ),
+        (
+            "my_bot/drive fast.py",
+            "drive_fast = my_bot.drive_fast:main",
+            "mv 'src/my_bot/my_bot/drive fast.py'",
+        ),
+        ("my_bot/drive fasst.py", "drive = my_bot.drive_fast:main", "mv 'src/my_bot/my_bot/drive fasst.py'"),
+        ("scripts/drive_fast.py", "drive = my_bot.drive_fast:main", "mv src/my_bot/scripts/drive_fast.py"),
+        (
+            "nodes/inner/drive_fast.py",
+            "drive = my_bot.drive_fast:main",
+            "mv src/my_bot/nodes/inner/drive_fast.py",
+        ),
+    ],
+)
+def test_the_file_of_an_entry_point_is_moved_where_it_is_looked_for(
+    tmp_path: Path, file: str, point: str, command: str
+) -> None:
+    files = right().put(file, MOVED).change("setup.py", GROUPS, f"{GROUPS}            '{point}',\n")
+    (fix,) = found(files, tmp_path, "entry-point-module")
+    assert fix.startswith(f"{command} src/my_bot/my_bot/drive_fast.py, then")
+    subprocess.run(shlex.split(fix.partition(", then")[0]), cwd=tmp_path, check=True)
+    assert Look(tmp_path).findings == []
+
+
+@pytest.mark.parametrize(
+    ("point", "others", "fix"),
+    [
+        ("show = my_bot.printer:main", {"printer": "print('hi')"}, "define main(args=None)"),
+        (
+            "show = my_bot.printer:main",
+            {"printer": "X = 1", "shows": DRIVER},
+            "write 'show = my_bot.shows:main'",
+        ),
+        ("show = my_bot:printer.main", {"printer": DRIVER}, "write 'show = my_bot.printer:main'"),
+    ],
+)
+def test_an_executable_does_not_get_the_program_of_another(
+    tmp_path: Path, point: str, others: dict[str, str], fix: str
+) -> None:
+    files = right().change("setup.py", GROUPS, f"{GROUPS}            '{point}',\n")
+    for name, text in others.items():
+        files.put(f"PACKAGE/{name}.py", text)
+    proposed = [f.fix for f in of_workspace(files.write(tmp_path)) if f.code.startswith("entry-point-")]
+    assert [text.startswith(fix) for text in proposed] == [True]
+
+
+@pytest.mark.parametrize(
+    ("file", "fix"),
+    [
+        (
+            "launch/robot .launch.py",
+            "mv 'src/my_bot/launch/robot .launch.py' src/my_bot/launch/robot.launch.py",
+        ),
+        (
+            "launch/two.launch .py",
+            "mv 'src/my_bot/launch/two.launch .py' src/my_bot/launch/two.launch.py, and build",
+        ),
+        (
+            "config/my robot.yml",
+            "mv 'src/my_bot/config/my robot.yml' src/my_bot/config/my_robot.yml, add ('share/",
+        ),
+    ],
+)
+def test_a_file_with_a_space_is_renamed_first(tmp_path: Path, file: str, fix: str) -> None:
+    files = right().change("setup.py", "glob('launch/*.launch.py')", "glob('launch/[a-z]*[a-z].launch.py')")
+    files.put(
+        file, files.texts[files.path("launch/robot.launch.py" if "launch" in file else "config/robot.yaml")]
+    )
+    (proposed,) = found(files, tmp_path, "not-in-data-files")
+    assert proposed.startswith(fix)
+
+
+def nested(where: str, *, name: str = "inner", files: Files | None = None) -> Files:
+    """Return a workspace with a package inside another one, which needs more than that declares."""
+    files = files or right()
+    manifest = MANIFEST.replace("PACKAGE", name).replace("geometry_msgs", "sensor_msgs")
+    files.put(f"{where}/package.xml", manifest)
+    files.put(f"{where}/setup.py", SETUP.replace("PACKAGE", name).replace("find_packages", "find_packages"))
+    files.put(f"{where}/{name}/__init__.py", "")
+    return files.put(
+        f"{where}/{name}/scan.py", "from sensor_msgs.msg import LaserScan\nprint(LaserScan, scanned)\n"
+    )
+
+
+@pytest.mark.parametrize("where", ["PACKAGE/lab-code", "PACKAGE/inner", "PACKAGE/a/b", "inner"])
+def test_the_files_of_an_inner_package_are_not_the_outer_ones(tmp_path: Path, where: str) -> None:
+    findings = of_workspace(nested(where).write(tmp_path))
+    assert [finding.code for finding in findings] == ["package-passed-over"]
+    assert "inside the package my_bot," in findings[0].cause
+
+
+def test_of_several_copies_one_is_moved(tmp_path: Path) -> None:
+    files = nested("PACKAGE/a/inner", files=nested("b/inner", files=nested("PACKAGE/c/d/inner")))
+    root = files.write(tmp_path)
+    (fix,) = [f.fix for f in of_workspace(root) if f.code == "package-passed-over"]
+    assert fix.startswith("mv src/my_bot/b/inner src/, and build again; leave its other copies")
+    subprocess.run(shlex.split(fix.partition(", and")[0]), cwd=root, check=True)
+    assert "package-passed-over" not in {finding.code for finding in of_workspace(root)}
+
+
+def test_a_package_is_not_moved_into_another_one(tmp_path: Path) -> None:
+    root = nested("PACKAGE/code/my_bot", name="inner").write(tmp_path)
+    (fix,) = [f.fix for f in of_workspace(root) if f.code == "package-passed-over"]
+    assert fix.startswith("mv src/my_bot/my_bot/code/my_bot src/inner, and")
+
+
+@pytest.mark.parametrize(
+    ("tag", "fix"),
+    [
+        ("<depend>rviz</depend>", "write rviz2 instead of rviz"),
+        ("<exec_depend>rospy</exec_depend>", "remove this line: rclpy is declared as well"),
+        ("<depend>tf</depend>", "write tf2_ros instead of tf"),
+    ],
+)
+def test_a_package_of_ros_1_has_another_name(tmp_path: Path, tag: str, fix: str) -> None:
+    files = right().change("package.xml", "  <export>", f"  {tag}\n  <export>")
+    assert found(files, tmp_path, "dependency-unknown") == [fix]
+
+
+def test_a_package_does_not_depend_on_itself(tmp_path: Path) -> None:
+    tags = "  <exec_depend>launch_ros</exec_depend>\n  <exec_depend>my_bot</exec_depend>\n  <export>"
+    files = right().change("package.xml", "  <export>", tags)
+    assert found(files, tmp_path, "manifest-invalid") == [
+        "remove this line: a package does not depend on itself"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("cmake", "is_right"),
+    [(OWN_MESSAGES, True), (re.sub("rosidl_generate.*\n", "", OWN_MESSAGES), False)],
+)
+@pytest.mark.parametrize("has_setup", [True, False])
+def test_a_package_of_cmake_may_make_its_own_messages(
+    tmp_path: Path, cmake: str, is_right: bool, has_setup: bool
+) -> None:
+    files = right().change("package.xml", "<build_type>ament_python", "<build_type>ament_cmake")
+    files.put("CMakeLists.txt", cmake).put("srv/Ask.srv", "int32 n\n---\nbool ok\n")
+    files.change("node", FIRST, f"{FIRST}from my_bot.srv import Ask\n")
+    if not has_setup:
+        files.remove("setup.py").remove("setup.cfg")
+    findings = [f for f in of_workspace(files.write(tmp_path)) if f.code == "module-missing"]
+    assert len(findings) == (not is_right)
+    assert all("ament_python" not in finding.cause for finding in findings)
+    assert all('"srv/Ask.srv"' in finding.fix for finding in findings)
+
+
+RENAMING = "executable='DRIVER', remappings=[{}]"
+
+
+@pytest.mark.parametrize(
+    ("pairs", "wanted"),
+    [
+        ("('speed_in', '/speed'), ('cmd', '/robot/cmd')", ["speed_limit", "/cmd_vel"]),
+        ("('cmd', '/robot/cmd'), ('speed_in', '/speed')", ["/cmd_vel", "speed_limit"]),
+        ("('/cmd_vel', '/robot/cmd'), ('velocity', '/speed')", ["speed_limit"]),
+        ("('anything', '/robot/status')", ["speed_limit"]),
+        ("('anything', '/robot/command')", ["/cmd_vel"]),
+    ],
+)
+def test_a_remapping_is_of_the_name_that_is_left_and_of_the_other_end(
+    tmp_path: Path, pairs: str, wanted: list[str]
+) -> None:
+    more = "        self.create_subscription(Twist, 'speed_limit', self.on_limit, 10)\n"
+    method = "    def on_limit(self, msg):\n        self.speed = msg.linear.x\n\n"
+    files = right().change("driver", "        self.timer", f"{more}        self.timer")
+    files.change("driver", "    def drive(", f"{method}    def drive(")
+    files.change("launch/robot.launch.py", "executable='DRIVER'", RENAMING.format(pairs))
+    look = Look(files.write(tmp_path), loads=True)
+    fixes = [finding.fix for finding in look.findings if finding.code == "remap-unknown"]
+    named = [re.findall(r"write '/?([^']+)' as the first name", fix) for fix in fixes]
+    assert named == [[name.lstrip("/")] for name in wanted]
+
+
+def test_a_parameter_file_is_for_the_nodes_that_it_names(tmp_path: Path) -> None:
+    line = "    config = os.path.join(get_package_share_directory('my_bot'), 'config', 'more.yaml')\n"
+    files = right().change(
+        "launch/robot.launch.py", "    return", f"{line.replace('config =', 'more =')}    return"
+    )
+    files.put("config/more.yaml", "wheels:\n  ros__parameters:\n    speed: 1.0\n")
+    look = Look(files.write(tmp_path), loads=True)
+    (fix,) = [finding.fix for finding in look.findings if finding.code == "launch-unused"]
+    number = next(
+        n
+        for n, text in enumerate(files.texts[files.path("launch/robot.launch.py")].splitlines(), 1)
+        if "wheels" in text
+    )
+    assert fix == f"add parameters=[more] to the Node on line {number}"
+
+
+def test_no_message_shows_where_launch_was_tried(tmp_path: Path) -> None:
+    path = "os.path.join(get_package_share_directory('my_bot'), 'config', 'robot.yaml')"
+    files = right().change(
+        "launch/robot.launch.py", "executable='DRIVER'", f"executable='DRIVER', arguments=[{path}, 'fast']"
+    )
+    look = Look(files.write(tmp_path), loads=True)
+    (finding,) = [finding for finding in look.findings if finding.code == "words-unread"]
+    assert "`install/my_bot/share/my_bot/config/robot.yaml fast`" in finding.cause
+    assert not any("scratch" in f"{finding.cause}{finding.fix}" for finding in look.findings)
+
+
+@pytest.mark.parametrize(
+    "statement", ["from my_bot.tools import units", "from my_bot.tools.units import HALF"]
+)
+def test_a_folder_of_modules_needs_its_file(tmp_path: Path, statement: str) -> None:
+    files = imports(statement).put("PACKAGE/tools/units.py", "HALF = 0.5\n")
+    assert found(files, tmp_path, "init-file-missing") == [
+        "touch src/my_bot/my_bot/tools/__init__.py, and build again"
+    ]
+
+
+SETTING_UP = "def setup(node):\n    node.get_logger().info('ready')\n"
+
+
+@pytest.mark.parametrize(
+    "files",
+    [
+        right().put("PACKAGE/setup.py", SETTING_UP),
+        right().put("PACKAGE/tools/__init__.py", "").put("PACKAGE/tools/setup.py", SETTING_UP),
+        imports("from my_bot.tools.units import HALF")
+        .put("PACKAGE/tools/units.py", "HALF = 0.5\n")
+        .put("PACKAGE/tools/__init__.py", ""),
+        imports("from my_bot.srv import helper")
+        .put("PACKAGE/srv/helper.py", "HALF = 0.5\n")
+        .put("PACKAGE/srv/__init__.py", ""),
+        imports("import sys"),
+        imports("from rclpy import logging"),
+        imports("from my_bot.limits import FAST", limits="from numpy import *"),
+        imports("from my_bot import listener", listener="from .ears import Listener\n"),
+        right()
+        .put("PACKAGE/shown.py", "from my_bot.ears import main\n")
+        .change("setup.py", GROUPS, f"{GROUPS}            'shown = my_bot.shown:main',\n"),
+        right().put("PACKAGE/drive fast.py", DRIVER),
+        right()
+        .put("PACKAGE/nodes/__init__.py", "from . import ear\n")
+        .put("PACKAGE/nodes/ear.py", MOVED)
+        .change("setup.py", GROUPS, f"{GROUPS}            'ear = my_bot.nodes:ear.main',\n"),
+        right().change("package.xml", "  <export>", "  <exec_depend>rviz2</exec_depend>\n  <export>"),
+        right().change(
+            "launch/robot.launch.py", "executable='DRIVER'", RENAMING.format("('cmd_vel', 'steering')")
+        ),
+        nested("resource/COPY").put("resource/COPY/COLCON_IGNORE", ""),
+    ],
+)
+def test_right_code_that_looks_alike(tmp_path: Path, files: Files) -> None:
+    assert Look(files.write(tmp_path), loads=True).findings == []
