@@ -180,6 +180,12 @@ def test_the_files_of_an_inner_package_are_not_the_outer_ones(tmp_path: Path, wh
     assert "inside the package my_bot," in findings[0].cause
 
 
+def test_an_inner_package_that_python_cannot_read_is_told(tmp_path: Path) -> None:
+    files = nested("PACKAGE/lab").put("PACKAGE/lab/inner/scan.py", "def main(:\n    pass\n")
+    findings = of_workspace(files.write(tmp_path))
+    assert [finding.code for finding in findings] == ["package-passed-over", "node-syntax"]
+
+
 def test_of_several_copies_one_is_moved(tmp_path: Path) -> None:
     files = nested("PACKAGE/a/inner", files=nested("b/inner", files=nested("PACKAGE/c/d/inner")))
     root = files.write(tmp_path)

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from shlex import quote
 
+from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.packaging.installed import edited, prefix_of
 from ros2lab.diagnose.packaging.own_test_faults import own_test_faults
@@ -39,6 +40,7 @@ def layout_faults(
             told.add(name)
             copies = [other for other in passed_over if other.package.name == name and other is not skipped]
             yield hidden(skipped, [other.package.shown("").rstrip("/") for other in copies])
+            yield from _unreadable(skipped.package) if skipped.is_nested else ()
     if not packages and not passed_over:
         yield from outside(root)
     for package in packages:
@@ -46,6 +48,15 @@ def layout_faults(
     yield from _built_elsewhere(root, packages)
     yield from _renamed(root, packages, seen | {skipped.package.name for skipped in passed_over})
     yield from _not_writable(root, packages)
+
+
+def _unreadable(package: SourcePackage) -> Iterator[Finding]:
+    """Yield what keeps Python from reading the files of a package, which stops it wherever the package lies."""
+    scripts = {"setup-syntax": [package.setup.source] if package.setup else []}
+    for code, sources in ({"node-syntax": [*package.sources.values()]} | scripts).items():
+        yield from (
+            syntax_finding(code, source) for source in sources if source.tree is not None and source.fault
+        )
 
 
 def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[str]) -> Iterator[Finding]:
