@@ -57,6 +57,10 @@ def imports(statement: str, **others: str) -> Files:
             imports("from my_bot.pilot import Pilot", auto="from other import Pilot"),
             "fix the name, or create",
         ),
+        (
+            imports("from .getchar import Getchar", get_char="class GetChar: ..."),
+            "write my_bot.get_char instead",
+        ),
         (imports("from .limit import fast", limits="from numpy import *"), "write my_bot.limits instead of"),
     ],
 )

@@ -16,7 +16,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.beyond import Beyond
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Import, PythonSource, read_source
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 ROS_1 = {
     "rospy": "rclpy",
@@ -154,9 +154,10 @@ def _own_module(
 
 
 def _holds(file: PythonSource, name: str, modules: Collection[str]) -> bool:
-    """Return whether a name can be imported from a module of the package, as far as is known."""
+    """Return whether a name, perhaps misspelt, can be imported from a module of the package, as far as is known."""
     names = bound_names(file)
-    return not names or name in ("*", *names) or f"{file.name}.{name}" in modules
+    is_there = not names or name in ("*", *names) or any(is_near_miss(name, other) for other in names)
+    return is_there or f"{file.name}.{name}" in modules
 
 
 def _only_definition(modules: Mapping[str, PythonSource], name: str) -> str | None:
