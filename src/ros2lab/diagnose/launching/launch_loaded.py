@@ -122,11 +122,12 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
 
 
 def _as_installed(said: str, prefix: Path, packages: Sequence[SourcePackage]) -> str:
-    """Return what is said with the paths that the files of the packages have once they are installed."""
+    """Return what is said with the paths that files have once the packages are installed."""
     install = (packages[0].root or packages[0].folder.parent) / "install" if packages else Path("install")
     names = "|".join(re.escape(package.name) for package in packages)
     said = re.sub(rf"{re.escape(str(prefix))}(?=/share/({names})\b)", rf"{install}/\1", said)
-    return said.replace(str(prefix), str(install))
+    # Where launch was started stands for the folder in which a student starts it.
+    return said.replace(str(prefix), str(install)).replace(str(prefix.parent), str(install.parent))
 
 
 def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourcePackage]) -> LaunchFile:
