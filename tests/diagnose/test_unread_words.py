@@ -34,7 +34,7 @@ def told(folder: Path, words: list[str], *changes: tuple[str, str]) -> list[Find
         (["__node:=other"], "write name='other'"),
         (["config/robot.yaml"], "write parameters=['config/robot.yaml']"),
         (["-p", "period:=0.5"], "write arguments=['--ros-args', '-p', 'period:=0.5']"),
-        (["0.5"], "write parameters=[{'period': ...}]"),
+        (["0.5"], "write parameters=[{'period': 0.5}]"),
     ],
 )  # fmt: skip
 def test_words_that_nobody_reads_are_told_with_their_right_place(

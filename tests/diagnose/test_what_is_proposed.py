@@ -344,3 +344,20 @@ SETTING_UP = "def setup(node):\n    node.get_logger().info('ready')\n"
 )
 def test_right_code_that_looks_alike(tmp_path: Path, files: Files) -> None:
     assert Look(files.write(tmp_path), loads=True).findings == []
+
+
+@pytest.mark.parametrize(
+    ("words", "fix"),
+    [
+        ("'map.pgm'", "remove arguments; if the node needs the value, declare a parameter for it there"),
+        ("'--period', '0.5'", "write parameters=[{'period': 0.5}] instead of arguments"),
+        ("'--speed', '0.5'", "remove arguments; if"),
+    ],
+)
+def test_words_are_turned_only_into_a_parameter_of_the_node(tmp_path: Path, words: str, fix: str) -> None:
+    files = right().change(
+        "launch/robot.launch.py", "executable='MODULE'", f"executable='MODULE', arguments=[{words}]"
+    )
+    look = Look(files.write(tmp_path), loads=True)
+    (proposed,) = [finding.fix for finding in look.findings if finding.code == "words-unread"]
+    assert proposed.startswith(fix)

@@ -59,8 +59,20 @@ def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
         return f"write parameters=[{values!r}] instead of arguments"
     if all(word.endswith((".yaml", ".yml")) for word in words):
         return f"write parameters={[*words]!r} instead of arguments"
-    known = next(iter(declared), "name")
-    return f"declare the value as a parameter in the node, and write parameters=[{{{known!r}: ...}}] instead of arguments"
+    values = _named(words, declared)
+    where = "if the node needs the value, declare a parameter for it there, and set that parameter here"
+    return f"write parameters=[{values!r}] instead of arguments" if values else f"remove arguments; {where}"
+
+
+def _named(words: tuple[str, ...], declared: Mapping[str, object]) -> dict[str, object]:
+    """Return the parameters that words are values of: by their options, or a number for the only parameter."""
+    options = [
+        (old.removeprefix("--"), _value(new)) for old, new in zip(words[::2], words[1::2], strict=False)
+    ]
+    if len(words) % 2 == 0 and all(old in declared for old, _ in options):
+        return dict(options)
+    is_number = len(words) == 1 and isinstance(_value(words[0]), (int, float))
+    return {next(iter(declared)): _value(words[0])} if is_number and len(declared) == 1 else {}
 
 
 def _value(text: str) -> object:
