@@ -86,25 +86,33 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         return Finding(code, f"{cause} It is one of {moved[0]}().", place, moved[1])
     made = ast.unparse(call.func)
     if code == "argument-missing" and made in _classes(spot.source) and made != short:
-        cause = f"{made} has no __init__ of its own, so {made}() takes the same arguments as {short}(), but is called without {name}."
-        example = (
-            f"'{re.sub(r'(?<!^)(?=[A-Z])', '_', made).lower()}'" if name == "node_name" else f"{name}=..."
-        )
-        fix = f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})"
+        cause, fix = _without_constructor(made, short, name)
     ways = {**as_it_was_meant(spot.source, call), **rewritten(call, rule, said)}
-    others = (
-        given_another(spot.source, call, at_fault, said["wanted"]) if at_fault and "wanted" in said else {}
-    )
+    is_short = rule == "invalid-argument-type" and _lacks_one(spot.source, call)
+    if is_short:
+        code = "argument-missing"
+        cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
+    wanted = said.get("wanted")
+    others = given_another(spot.source, call, at_fault, wanted) if at_fault and wanted is not None else {}
     good = first_that_stands(spot.source, call, [*ways, *others])
     good = good or first_that_stands(spot.source, call, [*others], settled=row["said"])
     ways |= others
-    if rule == "invalid-argument-type" and _lacks_one(spot.source, call):
-        code = "argument-missing"
-        cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
+    if is_short:
         good = good or first_that_stands(spot.source, call, list(ways), are_items_open=True)
     lines = missing_imports(spot.source, good)
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
     return Finding(code, cause, place, f"{ways[good]}{more}" if good else fix)
+
+
+def _without_constructor(made: str, base: str, name: str) -> tuple[str, str]:
+    """Return cause and fix of a class without a constructor that is called without what its base class needs."""
+    cause = f"{made} has no __init__ of its own, so {made}() takes the same arguments as {base}(), but is called without {name}."
+    words = re.sub(r"(?<!^)(?=[A-Z])", "_", made).lower()
+    example = f"'{words}'" if name == "node_name" else f"{name}=..."
+    return (
+        cause,
+        f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})",
+    )
 
 
 def _lacks_one(source: PythonSource, call: ast.Call) -> bool:

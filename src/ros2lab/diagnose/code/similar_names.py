@@ -97,18 +97,21 @@ def _fits(unknown: Unknown, candidate: str, *, is_class_meant: bool) -> bool:
         return not (unknown.is_called or unknown.attributes) if is_value else _reads(unknown, candidate)
     if candidate in dir(builtins):
         return unknown.attributes <= {*dir(getattr(builtins, candidate))}
+    return _fits_as_named(unknown, candidate, is_class_meant=is_class_meant)
+
+
+def _fits_as_named(unknown: Unknown, candidate: str, *, is_class_meant: bool) -> bool:
+    """Return whether a name of the file can be used so, by what it stands for: a class, a module or a value."""
     is_free = not (unknown.is_called or unknown.attributes)
     target = unknown.source.names.get(candidate, "")
     is_own = candidate in unknown.own_classes
-    is_class = candidate[:1].isupper() and (candidate in unknown.source.names or is_own)
+    is_class = candidate[:1].isupper() and (is_own or candidate in unknown.source.names)
     if unknown.name[:1].islower() and unknown.attributes and is_own_node(unknown, candidate):
         return False  # a class is no object
     if unknown.name[:1].islower() and is_class and not unknown.is_called:
-        return is_class_meant and not (is_free and candidate in unknown.own_classes)
-    if (
-        unknown.name[:1].isupper() and (unknown.is_called or unknown.is_type) and not target
-    ):  # a class is called, and no variable
-        return candidate[:1].isupper()
+        return is_class_meant and not (is_free and is_own)
+    if unknown.name[:1].isupper() and (unknown.is_called or unknown.is_type) and not target:
+        return candidate[:1].isupper()  # a class is called, and no variable
     names = interfaces.importable_names(target) if target and interfaces.is_module(target) else None
     return names is None or (not unknown.is_called and unknown.attributes <= names)
 

@@ -33,51 +33,62 @@ def launch_faults(
     declared = {name for package in packages.values() for name in package.declared}
     for node in launch_file.nodes:
         if isinstance(node.package, str) and node.package not in packages:
-            # A package with another name that is not installed here would have another executable.
-            wanted = next(
-                (
-                    name
-                    for name, package in packages.items()
-                    if is_near_miss(node.package, name) and _may_have(package, node, executables.get(name))
-                ),
-                None,
-            )
-            if (
-                wanted
-                and node.package not in declared
-                and interfaces.folder_of(node.package) is None
-                and node.package not in interfaces.PACKAGES
-            ):
-                yield Finding(
-                    "launch-package",
-                    f"The launch file starts a node of the package {node.package}, but the package is called {wanted}.",
-                    node.place,
-                    f"write {wanted} instead of {node.package}",
-                )
+            yield from _package_fault(node, node.package, packages, executables, declared)
         elif isinstance(node.package, str) and isinstance(node.executable, str):
-            there = executables.get(node.package)
-            if (
-                there is not None
-                and node.executable not in there
-                and (module := _uncalled(packages[node.package], node.executable))
-            ):
-                yield _no_entry_point(packages[node.package], node, node.executable, module)
-            elif there is not None and node.executable not in there:
-                meant = by_another_name(packages[node.package], node.executable)
-                near = meant[0].name if meant else nearest(node.executable, there, 0.6)
-                said = "" if meant else did_you_mean(node.executable, there)
-                yield Finding(
-                    "launch-executable",
-                    f"The launch file starts {node.executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}",
-                    node.place,
-                    f"write {near} instead of {node.executable}"
-                    if near
-                    else "write the executable's name as it is in entry_points in setup.py",
-                )
-            elif there is not None and node.output is None:
-                yield from _prints(packages[node.package], node)
+            yield from _executable_fault(
+                node, packages[node.package], node.executable, executables.get(node.package)
+            )
         yield from _parameter_files(node, packages)
         yield from unread_words(node, packages)
+
+
+def _package_fault(
+    node: Launched,
+    name: str,
+    packages: Mapping[str, SourcePackage],
+    executables: Mapping[str, Collection[str] | None],
+    declared: Collection[str],
+) -> Iterator[Finding]:
+    """Yield a package that is not in the workspace, where one with nearly its name has the executable."""
+    if name in declared or name in interfaces.PACKAGES or interfaces.folder_of(name) is not None:
+        return
+    # A package with another name that is not installed here would have another executable.
+    near = (
+        other
+        for other, package in packages.items()
+        if is_near_miss(name, other) and _may_have(package, node, executables.get(other))
+    )
+    if wanted := next(near, None):
+        yield Finding(
+            "launch-package",
+            f"The launch file starts a node of the package {name}, but the package is called {wanted}.",
+            node.place,
+            f"write {wanted} instead of {name}",
+        )
+
+
+def _executable_fault(
+    node: Launched, package: SourcePackage, executable: str, there: Collection[str] | None
+) -> Iterator[Finding]:
+    """Yield an executable that its package does not have, or what it prints and nobody sees."""
+    if there is None:
+        return
+    if executable in there:
+        yield from _prints(package, node) if node.output is None else ()
+    elif module := _uncalled(package, executable):
+        yield _no_entry_point(package, node, executable, module)
+    else:
+        meant = by_another_name(package, executable)
+        near = meant[0].name if meant else nearest(executable, there, 0.6)
+        said = "" if meant else did_you_mean(executable, there)
+        yield Finding(
+            "launch-executable",
+            f"The launch file starts {executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}",
+            node.place,
+            f"write {near} instead of {executable}"
+            if near
+            else "write the executable's name as it is in entry_points in setup.py",
+        )
 
 
 def _may_have(package: SourcePackage, node: Launched, there: Collection[str] | None) -> bool:

@@ -288,17 +288,29 @@ def _sent_at_once(
     at_once = {id(n) for n in own_nodes(function)} - later
     if not name or not sent or not all(id(n) in at_once for n in sent):
         return
-    between = range(made.lineno, sent[0].lineno)
-    turns = [n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno in between]
-    own = sources.functions.keys() | sources.classes.keys()
-    takes_time = any(sources.resolve(source, turn.func) in own for turn in turns)
+    if _spins_before(function, made) or _takes_time(
+        sources, source, function, range(made.lineno, sent[0].lineno)
+    ):
+        return
+    node = ast.unparse(made.func.value) if isinstance(made.func, ast.Attribute) else "node"
+    fix = f"write `while {name}.get_subscription_count() == 0: rclpy.spin_once({node}, timeout_sec=0.1)` above this line, and `rclpy.spin_once({node}, timeout_sec=1.0)` below it"
+    yield _early(source, sent[0], "as soon as its publisher has been created", fix)
+
+
+def _spins_before(function: Function, made: ast.Call) -> bool:
+    """Return whether a function spins until rclpy is shut down before it makes something: then no waiting helps."""
     before = (n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno < made.lineno)
-    if any(getattr(n.func, "attr", "") == "spin" for n in before):
-        return  # it spins until rclpy is shut down, and then no waiting helps
-    if not takes_time and not any(getattr(n.func, "attr", "").startswith("spin") for n in turns):
-        node = ast.unparse(made.func.value) if isinstance(made.func, ast.Attribute) else "node"
-        fix = f"write `while {name}.get_subscription_count() == 0: rclpy.spin_once({node}, timeout_sec=0.1)` above this line, and `rclpy.spin_once({node}, timeout_sec=1.0)` below it"
-        yield _early(source, sent[0], "as soon as its publisher has been created", fix)
+    return any(getattr(call.func, "attr", "") == "spin" for call in before)
+
+
+def _takes_time(sources: NodeSources, source: PythonSource, function: Function, lines: range) -> bool:
+    """Return whether some lines of a function spin, or call what may: a function or a class of one's own."""
+    own = sources.functions.keys() | sources.classes.keys()
+    calls = [n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno in lines]
+    return any(
+        getattr(call.func, "attr", "").startswith("spin") or sources.resolve(source, call.func) in own
+        for call in calls
+    )
 
 
 def _early(source: PythonSource, sent: ast.Call, when: str, fix: str) -> Finding:

@@ -299,21 +299,16 @@ def _parameter_fault(
         return
     if creation.method == "create_timer" and takes == 1 and "TimerInfo" in ast.dump(function.args):
         return
-    first = "self" if is_method else ""
-    rest = _CALLED_WITH[creation.method]
+    first, rest = "self" if is_method else "", _CALLED_WITH[creation.method]
     right = ", ".join(text for text in (first, _named_in_body(creation, function, rest)) if text)
-    has = ", ".join(names) or "nothing"
     called_with = "the message" if rest == "msg" else rest or "nothing"
-    cause = (
-        f"{function.name} takes ({has}), but the callback of {creation.method} is called with {called_with}."
-    )
+    cause = f"{function.name} takes ({', '.join(names) or 'nothing'}), but the callback of {creation.method} is called with {called_with}."
     place, fix = f"{creation.source.shown}:{function.lineno}", f"write def {function.name}({right}):"
-    other = next(
-        (o for o in _with_callback(sources, function) if o is not creation and _fits(o, accepts)), None
-    )
-    if other is not None:
-        place = creation.source.at(creation.call)
-        fix = f"remove this line, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
+    for other in _with_callback(sources, function):
+        if other is not creation and _fits(other, accepts):
+            place = creation.source.at(creation.call)
+            fix = f"remove this line, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
+            break
     yield Finding("callback-arguments", cause, place, fix)
 
 

@@ -119,25 +119,27 @@ def _needed(package: SourcePackage) -> list[Any]:
     return [dependency for kind in kinds for dependency in getattr(manifest, kind, ())]
 
 
+def _no_setup(package: SourcePackage) -> Finding:
+    """Return that a Python package has no setup.py, or one of nearly that name."""
+    if called := alike(package.folder, "setup.py"):
+        return Finding(
+            "setup-missing",
+            f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}.",
+            package.shown(called),
+            f"mv {quote(package.shown(called))} {quote(package.shown('setup.py'))}, and build again",
+        )
+    return Finding(
+        "setup-missing",
+        f"The package {package.name} is an ament_python package but has no setup.py, which says what to install.",
+        package.shown("setup.py"),
+        f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points",
+    )
+
+
 def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
     kind, has_cmake = package.build_type, package.has("CMakeLists.txt")
-    if not package.has("setup.py") and not package.has("CMakeLists.txt") and kind == "ament_python":
-        called = alike(package.folder, "setup.py")
-        yield (
-            Finding(
-                "setup-missing",
-                f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}.",
-                package.shown(called),
-                f"mv {quote(package.shown(called))} {quote(package.shown('setup.py'))}, and build again",
-            )
-            if called
-            else Finding(
-                "setup-missing",
-                f"The package {package.name} is an ament_python package but has no setup.py, which says what to install.",
-                package.shown("setup.py"),
-                f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points",
-            )
-        )
+    if not package.has("setup.py") and not has_cmake and kind == "ament_python":
+        yield _no_setup(package)
     exports = package.manifest.exports if package.manifest else []
     near = next((e.tagname for e in exports if is_near_miss(e.tagname, "build_type")), "")
     if kind is None and near:

@@ -223,33 +223,27 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
     if dead := dead_pattern(package, setup, path):
         return dead
     relative = path.relative_to(package.folder).as_posix()
-    if " " in path.name:
-        return _spaced(package, setup, path, folder)
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
     only = f" (which matches {' and '.join(patterns)})" if patterns else ""
+    cause = f"{relative} is not in data_files in setup.py{only}, so it is not installed and cannot be found."
+    fix = f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again"
+    if " " in path.name:
+        cause = (
+            f"{relative} is not in data_files in setup.py, so it is not installed; and its name has a space."
+        )
+        fix = _without_spaces(package, setup, path, folder)
     return Finding(
-        "not-in-data-files",
-        f"{relative} is not in data_files in setup.py{only}, so it is not installed and cannot be found.",
-        at(setup.source.shown, setup.line("data_files")),
-        f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
-        (path.name,),
+        "not-in-data-files", cause, at(setup.source.shown, setup.line("data_files")), fix, (path.name,)
     )
 
 
-def _spaced(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
-    """Return that a file is not installed whose name has a space, which is to be renamed first."""
-    relative = path.relative_to(package.folder).as_posix()
+def _without_spaces(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> str:
+    """Say how to rename a file whose name has a space, and to install it then."""
     better = path.with_name(re.sub(r" +(?=\.)|(?<=\.) +", "", path.name).strip().replace(" ", "_"))
-    new = better.relative_to(package.folder).as_posix()
+    relative, new = (file.relative_to(package.folder).as_posix() for file in (path, better))
     row = f", add ('share/{package.name}/{folder}', ['{new}']) to data_files"
     is_matched = any(fnmatchcase(new, pattern.text) for pattern in setup.patterns)
-    return Finding(
-        "not-in-data-files",
-        f"{relative} is not in data_files in setup.py, so it is not installed; and its name has a space.",
-        at(setup.source.shown, setup.line("data_files")),
-        f"mv {quote(package.shown(relative))} {quote(package.shown(new))}{'' if is_matched else row}, and build again",
-        (path.name,),
-    )
+    return f"mv {quote(package.shown(relative))} {quote(package.shown(new))}{'' if is_matched else row}, and build again"
 
 
 def _line_with(source: PythonSource, word: str, start: int | None) -> int | None:
