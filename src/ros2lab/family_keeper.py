@@ -22,25 +22,28 @@ NOT_FOUND = 127  # as a shell has it
 
 
 def main() -> None:
-    """Run `argv[1:]` and end as it does."""
+    """Run `argv[1:]` and end as it does.
+
+    Signals are waited for and have no handlers: SIGHUP comes once for each thread of a parent that is killed, and a
+    handler would be interrupted by the next.
+    """
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
-    ours = (ENDING, *PASSED_ON, *IGNORED)
-    signal.pthread_sigmask(signal.SIG_BLOCK, ours)  # until there is a program
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    awaited = (ENDING, *PASSED_ON, signal.SIGCHLD)
+    signal.pthread_sigmask(signal.SIG_BLOCK, (*awaited, *IGNORED))
     program = os.fork()
     if program == 0:
-        _become_the_program((*ours, *OF_PYTHON))
+        _become_the_program((*awaited, *IGNORED, *OF_PYTHON))
     _take_apart(program)
-    signal.signal(ENDING, lambda *_: _end_everything())
-    for number in PASSED_ON:
-        signal.signal(number, lambda number, _: _pass_on(number, program))
-    for number in IGNORED:
-        signal.signal(number, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
     while True:
-        pid, status = os.wait()
-        if pid == program:
+        number = signal.sigwaitinfo(awaited).si_signo
+        if number == ENDING:
             _kill_descendants()
-            _end_as(os.waitstatus_to_exitcode(status))
+            _end_as(-signal.SIGKILL)
+        elif number == signal.SIGCHLD:
+            _end_with(program)
+        else:
+            _pass_on(number, program)
 
 
 def _become_the_program(signals: tuple[int, ...]) -> None:
@@ -68,9 +71,13 @@ def _pass_on(number: int, program: int) -> None:
         os.killpg(program, number)
 
 
-def _end_everything() -> None:
-    _kill_descendants()
-    _end_as(-signal.SIGKILL)
+def _end_with(program: int) -> None:
+    """Wait for the children that have ended; end if the program is among them."""
+    with contextlib.suppress(ChildProcessError):
+        while (ended := os.waitpid(-1, os.WNOHANG))[0] != 0:
+            if ended[0] == program:
+                _kill_descendants()
+                _end_as(os.waitstatus_to_exitcode(ended[1]))
 
 
 def _end_as(code: int) -> None:
@@ -79,6 +86,7 @@ def _end_as(code: int) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if -code not in (signal.SIGKILL, signal.SIGSTOP):
             signal.signal(-code, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, (-code,))
         os.kill(os.getpid(), -code)
     os._exit(code & 0xFF)
 
@@ -86,7 +94,8 @@ def _end_as(code: int) -> None:
 def _kill_descendants() -> None:
     """Kill what came from here until nothing is left; what is orphaned meanwhile comes here."""
     others: set[int] = set()  # somebody else's by now, as by sudo
-    while children := [pid for pid in _children() if pid not in others]:
+    while True:
+        children = [pid for pid in _children() if pid not in others]
         for pid in children:
             try:
                 os.kill(pid, signal.SIGKILL)  # a dead one is there until it is waited for, so this finds it
@@ -94,11 +103,28 @@ def _kill_descendants() -> None:
                 others.add(pid)
             else:
                 os.waitpid(pid, 0)
+        if not children and (others or not _has_children()):
+            return
 
 
 def _children() -> list[int]:
-    with open(f"/proc/self/task/{os.getpid()}/children", encoding="ascii") as file:  # noqa: PTH123
-        return [int(pid) for pid in file.read().split()]
+    """Return the children's numbers; while some end, others may be missing (proc_pid_children(5))."""
+    file = os.open(f"/proc/self/task/{os.getpid()}/children", os.O_RDONLY)
+    try:
+        numbers = b""
+        while part := os.read(file, 65536):
+            numbers += part
+    finally:
+        os.close(file)
+    return [int(pid) for pid in numbers.split()]
+
+
+def _has_children() -> bool:
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return False
+    return True
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import time
@@ -11,6 +12,8 @@ import psutil
 import pytest
 
 from deadlines import DEADLINE
+from ros2lab.family_keeper import ENDING
+from ros2lab.process_family import keeping
 
 # Leaves its session and its parent, holds no pipe, ignores what asks it to end, and tells its number.
 DAEMON = """
@@ -145,6 +148,20 @@ def test_nothing_outlives_a_lab_that_is_killed(starter: str, tmp_path: Path) -> 
         process.kill()
     expect_gone(number)
     assert alive == []
+
+
+def test_the_end_is_not_undone_by_being_asked_again(tmp_path: Path) -> None:
+    """The kernel asks once for each thread of a parent that is killed, and the second time may come amid the first."""
+    (tmp_path / "daemon.py").write_text(GOES_ON)
+    number = tmp_path / "number"
+    command = keeping([sys.executable, str(tmp_path / "daemon.py"), str(number)])
+    with subprocess.Popen(command, text=True, stdout=subprocess.PIPE, start_new_session=True) as keeper:
+        assert keeper.stdout is not None
+        assert keeper.stdout.readline() == "ready\n"
+        while keeper.poll() is None:
+            keeper.send_signal(ENDING)
+    assert keeper.returncode == -signal.SIGKILL
+    expect_gone(number)
 
 
 def test_what_is_held_ends_as_well(tmp_path: Path) -> None:
