@@ -10,6 +10,7 @@ from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.code.argument_names import argument_name_faults
+from ros2lab.diagnose.code.expression_faults import expression_faults
 from ros2lab.diagnose.sources.spelling import is_near_miss
 
 NAME = NAMES[1]
@@ -164,3 +165,55 @@ def test_a_field_of_another_object_is_not_a_name_here(tmp_path: Path, call: str,
     text = f"class Mover:\n{MOVES.replace('CALL', call)}"
     found = [*argument_name_faults(sources_of(text, tmp_path))]
     assert [finding.code for finding in found] == ["argument-order"] * is_told
+
+
+TURN = "def turn(angle, rotation_angle):\n    print(angle, rotation_angle)\n\n\ndef more(angle, speed):\n    turn(CALL)\n"
+
+
+@pytest.mark.parametrize(
+    ("call", "is_told"),
+    [
+        ("-1 * angle * 3, angle", False),
+        ("0.5 * speed, angle", False),  # `angle` is a word of rotation_angle
+        ("rotation_angle(speed), angle", False),
+        ("wanted.rotation_angle, angle", True),
+    ],
+)
+def test_what_is_made_of_a_value_is_not_swapped_with_it(tmp_path: Path, call: str, is_told: bool) -> None:
+    found = [*argument_name_faults(sources_of(TURN.replace("CALL", call), tmp_path))]
+    assert [finding.code for finding in found] == ["argument-order"] * is_told
+
+
+KEYS = """
+class Keys:
+    def __init__(self):
+        self.speed = 0.5
+        self.turns = 0
+
+    def pressed(self, key):
+        linear = 0.0
+        OTHER
+        CHANGE
+        return linear
+"""
+IF = "if key == 'w':\n            linear = 0.4\n        elif key == 's':\n            linear =- 0.2"
+MATCH = "match key:\n            case 'w':\n                linear = 0.4\n            case _:\n                linear =- 0.2"
+
+
+@pytest.mark.parametrize(
+    ("other", "change", "is_told"),
+    [
+        ("", IF, False),
+        ("", MATCH, False),
+        ("linear = self.speed", "if key == 's':\n            linear =- self.speed", False),
+        ("", "if key == 's':\n            linear =- 0.2", True),
+        ("", "self.turns =+ 1", True),
+        ("if key == 'w':\n            linear = 0.4", "self.turns =+ 1", True),
+    ],
+)
+def test_a_sign_of_a_value_may_stand_by_itself(
+    tmp_path: Path, other: str, change: str, is_told: bool
+) -> None:
+    text = KEYS.replace("OTHER", other or "print(key)").replace("CHANGE", change)
+    found = [*expression_faults(sources_of(text, tmp_path))]
+    assert [finding.code for finding in found] == ["no-effect"] * is_told

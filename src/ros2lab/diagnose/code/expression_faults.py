@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from ros2lab.diagnose.code.idle_statements import idle_statements, properties
 from ros2lab.diagnose.code.main_guards import main_guard_faults
+from ros2lab.diagnose.code.misplaced_signs import sign_fault
 from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
@@ -47,7 +48,7 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _texts(source, node.test)
                 yield from _always(source, node.test)
             elif isinstance(node, ast.Assign):
-                yield from _sign(source, node)
+                yield from sign_fault(source, node)
             elif isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith(
                 ("create_", "add_done")
             ):
@@ -372,29 +373,6 @@ def _stored(body: list[ast.stmt]) -> set[str]:
         if isinstance(statement, ast.Assign)
         for target in statement.targets
     }
-
-
-def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
-    """Yield `=+ ` and `=- `, where `+=` was meant, of what has a value to change.
-
-    A sign that touches the number is the sign of a value, as in `x =+0.1` beside `x =-0.1`.
-    """
-    if not isinstance(node.value, ast.UnaryOp) or not isinstance(node.value.op, (ast.UAdd, ast.USub)):
-        return
-    sign, target = "+" if isinstance(node.value.op, ast.UAdd) else "-", ast.unparse(node.targets[0])
-    line = source.text.encode().splitlines()[node.value.lineno - 1]
-    before, after = line[: node.value.col_offset], line[node.value.col_offset :]
-    is_apart = before.endswith(b"=") and after.startswith(f"{sign} ".encode())
-    others = [value for value in source.stored.get(target, ()) if value is not node.value]
-    # Only one sign is a slip: values that differ in their signs are values.
-    is_value = any(isinstance(value, ast.UnaryOp) for value in others)
-    if is_apart and others and not is_value:
-        yield Finding(
-            "no-effect",
-            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time instead of changing it by that.",
-            source.at(node),
-            f"write {target} {sign}= {ast.unparse(node.value.operand)}",
-        )
 
 
 def keys_twice(source: PythonSource) -> Iterator[Finding]:

@@ -1,0 +1,53 @@
+"""A sign on the wrong side of `=`."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.one_run import branches
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
+
+
+def sign_fault(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
+    """Yield `=+ ` and `=- `, where `+=` was meant, of what has a value to change.
+
+    A sign that touches the number is the sign of a value, as in `x =+0.1` beside `x =-0.1`.
+    """
+    if not isinstance(node.value, ast.UnaryOp) or not isinstance(node.value.op, (ast.UAdd, ast.USub)):
+        return
+    sign, target = "+" if isinstance(node.value.op, ast.UAdd) else "-", ast.unparse(node.targets[0])
+    line = source.text.encode().splitlines()[node.value.lineno - 1]
+    before, after = line[: node.value.col_offset], line[node.value.col_offset :]
+    is_apart = before.endswith(b"=") and after.startswith(f"{sign} ".encode())
+    others = [value for value in source.stored.get(target, ()) if value is not node.value]
+    # Only one sign is a slip: values that differ in their signs, or by the case, are values.
+    is_value = any(isinstance(value, ast.UnaryOp) or _is_same(value, node.value.operand) for value in others)
+    if is_apart and others and not is_value and not _is_set_by_case(source, node, target):
+        yield Finding(
+            "no-effect",
+            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time instead of changing it by that.",
+            source.at(node),
+            f"write {target} {sign}= {ast.unparse(node.value.operand)}",
+        )
+
+
+def _is_same(one: ast.expr | None, other: ast.expr) -> bool:
+    return one is not None and ast.dump(one) == ast.dump(other)
+
+
+def _is_set_by_case(source: PythonSource, node: ast.Assign, target: str) -> bool:
+    """Return whether the branches beside an assignment assign to its target as well."""
+    for outer in source.nodes:
+        blocks = branches(outer) if isinstance(outer, ast.stmt) else []
+        within = [[inner for statement in block for inner in walk(statement)] for block in blocks]
+        others = [block for block in within if node not in block]
+        if len(others) < len(within) and any(_is_assigned(target, block) for block in others):
+            return True
+    return False
+
+
+def _is_assigned(target: str, nodes: Iterable[ast.AST]) -> bool:
+    targets = (to for node in nodes if isinstance(node, ast.Assign) for to in node.targets)
+    return any(ast.unparse(to) == target for to in targets)
