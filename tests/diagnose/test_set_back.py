@@ -62,3 +62,16 @@ def test_what_is_named_and_is_nowhere_is_told(tmp_path: Path, before: str, fix: 
 )
 def test_what_may_be_given_later_is_left_alone(tmp_path: Path, before: str) -> None:
     assert told("[config]", tmp_path, before) == []
+
+
+@pytest.mark.parametrize("before", ["from tools_of_mine import turn", "import tools_of_mine.more"])
+def test_a_module_of_the_workspace_may_be_found_once_it_is_installed(tmp_path: Path, before: str) -> None:
+    files = right_workspace().put("tools_of_mine/__init__.py", "def turn():\n    pass\n")
+    files.put("tools_of_mine/more.py", "")
+    files.change("launch/robot.launch.py", "    config = ", f"    {before}\n    config = ")
+    assert [one.code for one in of_workspace(files.write(tmp_path)) if one.code == "launch-package"] == []
+
+
+def test_a_module_is_no_package(tmp_path: Path) -> None:
+    (found,) = told("[config]", tmp_path, "get_package_share_directory('robot_node')")
+    assert found.code == "launch-package"

@@ -351,9 +351,10 @@ def _lacking(
         is_later: whether launch loads the file without it, so that only a slip is told.
     """
     (name, *_) = re.findall(r"'([^']+)'", told["lacks"]) or [""]
-    own = [package.name for package in packages]
-    top = name.partition(".")[0]
-    if not name or top in own:
+    own, top = [package.name for package in packages], name.partition(".")[0]
+    is_module = "No module" in told["lacks"]
+    modules = {module.partition(".")[0] for package in packages for module in package.sources}
+    if not name or top in own or (is_module and top in modules):
         return  # it may be found once the workspace is installed
     is_right = top in PACKAGES or any(top in package.declared for package in packages)
     known = () if is_right else (*own, *sorted(PACKAGES))
@@ -364,7 +365,7 @@ def _lacking(
     fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
     cause = f"{fails}: {name} is {'not installed here' if is_right else 'neither in this workspace nor installed'}."
     how = "install the package that provides it"
-    if is_right or "No module" not in told["lacks"]:
+    if is_right or not is_module:
         how = f"install it (sudo apt install ros-jazzy-{top.replace('_', '-')}), or put its source into src"
     fix = how if is_right else f"{how}; if {name} is misspelt, correct it"
     fix = f"write {near} instead of {name}" if near else fix
