@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -176,7 +177,8 @@ TURN = "def turn(angle, rotation_angle):\n    print(angle, rotation_angle)\n\n\n
         ("-1 * angle * 3, angle", False),
         ("0.5 * speed, angle", False),  # `angle` is a word of rotation_angle
         ("rotation_angle(speed), angle", False),
-        ("wanted.rotation_angle, angle", True),
+        ("speed, angle", False),
+        ("rotation_angle, angle", True),
     ],
 )
 def test_what_is_made_of_a_value_is_not_swapped_with_it(tmp_path: Path, call: str, is_told: bool) -> None:
@@ -206,7 +208,9 @@ MATCH = "match key:\n            case 'w':\n                linear = 0.4\n      
         ("", IF, False),
         ("", MATCH, False),
         ("linear = self.speed", "if key == 's':\n            linear =- self.speed", False),
-        ("", "if key == 's':\n            linear =- 0.2", True),
+        ("", "if key == 's':\n            linear =- 0.2", False),  # it begins anew each time
+        ("", "if key == 'r':\n            self.speed =- self.speed", False),
+        ("", "for letter in key:\n            linear =+ 0.2", True),
         ("", "self.turns =+ 1", True),
         ("if key == 'w':\n            linear = 0.4", "self.turns =+ 1", True),
     ],
@@ -217,3 +221,23 @@ def test_a_sign_of_a_value_may_stand_by_itself(
     text = KEYS.replace("OTHER", other or "print(key)").replace("CHANGE", change)
     found = [*expression_faults(sources_of(text, tmp_path))]
     assert [finding.code for finding in found] == ["no-effect"] * is_told
+
+
+@pytest.mark.parametrize("folder", ["a_copy", "z_copy"])
+@pytest.mark.parametrize(("executable", "is_told"), [(NAME.module, False), ("driver", True)])
+def test_an_executable_of_a_package_that_is_there_twice(
+    tmp_path: Path, folder: str, executable: str, is_told: bool
+) -> None:
+    files = Files.right(NAME)
+    files.put(
+        "launch/more.launch.py",
+        LAUNCH.replace("ACTIONS", OWN.replace(NAME.module, executable).replace(", MORE", "")),
+    )
+    root = files.write(tmp_path)
+    copy = root / "src" / folder
+    shutil.copytree(root / "src" / PACKAGE, copy)
+    shutil.rmtree(copy / "launch")
+    setup = (copy / "setup.py").read_text(encoding="utf-8")
+    (copy / "setup.py").write_text(setup.replace(f"'{NAME.module} = ", "'older = "), encoding="utf-8")
+    found = [finding.code for finding in of_workspace(root) if finding.code == "launch-executable"]
+    assert found == ["launch-executable"] * is_told

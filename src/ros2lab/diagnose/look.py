@@ -321,8 +321,11 @@ class Look:
 
     @cached_property
     def executables(self) -> Mapping[str, Collection[str] | None]:
-        """The executables of each package; None for a package whose executables are not known."""
-        found: dict[str, Collection[str] | None] = {}
+        """The executables of each package; None for a package whose executables are not known.
+
+        Of several packages with one name, which colcon refuses, any may be meant.
+        """
+        found: dict[str, list[str] | None] = {}
         for package in self.packages:
             points = package.setup.entry_points if package.setup else None
             scripts = package.setup.keywords.get("scripts") if package.setup else None
@@ -333,7 +336,9 @@ class Look:
             # What is copied into the folder of the executables is one, too.
             files = package.setup.data_files if package.setup else ()
             copied = [path for folder, paths in files if folder == f"lib/{package.name}" for path in paths]
-            found[package.name] = [*names, *(Path(path).name for path in copied)] if is_known else None
+            before = found.get(package.name, [])
+            all_names = dict.fromkeys([*(before or ()), *names, *(Path(path).name for path in copied)])
+            found[package.name] = [*all_names] if is_known and before is not None else None
         return found
 
 

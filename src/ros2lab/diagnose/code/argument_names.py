@@ -31,9 +31,16 @@ def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
         right = _in_order(takes, node.args)
         if right is not None and function is not None and id(function) not in both:
             new = ", ".join([*map(ast.unparse, right), *(ast.unparse(keyword) for keyword in node.keywords)])
-            cause = f"{function.name}() takes {', '.join(takes)} in this order, but `{ast.unparse(node)}` passes them in another."
+            given = {
+                _name_of(argument): parameter for argument, parameter in zip(node.args, takes, strict=False)
+            }
+            moved = {name: parameter for name, parameter in given.items() if name in {*takes} - {parameter}}
+            passed = " and ".join(f"{name} as {parameter}" for name, parameter in moved.items())
+            cause = f"{function.name}() takes {', '.join(takes)} in this order, so `{ast.unparse(node)}` passes {passed}."
+            fix = f"write `{ast.unparse(node.func)}({new})`"
+            is_sure = len(moved) == 2  # one name alone may be meant for the other place
             yield Finding(
-                "argument-order", cause, source.at(node), f"write `{ast.unparse(node.func)}({new})`"
+                "argument-order", cause, source.at(node), fix if is_sure else f"if that is not meant, {fix}"
             )
 
 
@@ -58,6 +65,11 @@ def _called(
 def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
     """Return arguments in the order of the parameters named like them; None if they are, or in doubt."""
     names = [_name_of(argument) for argument in given]
+    strangers = [
+        name for name, parameter in zip(names, takes, strict=False) if name in {*takes} - {parameter}
+    ]
+    if len(strangers) > 2:
+        return None  # where several change places, as the coordinates of two points do, it is seldom a slip
     for first, name in enumerate(names[: len(takes)]):
         second = takes.index(name) if name in takes else first
         if second in (first, *range(len(given), len(takes))) or names[second] == takes[second]:

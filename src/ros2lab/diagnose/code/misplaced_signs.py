@@ -11,7 +11,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, walk
 
 
 def sign_fault(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
-    """Yield `=+ ` and `=- `, where `+=` was meant, of what has a value to change.
+    """Yield `=+ ` and `=- `, where `+=` was meant, of what has a value that goes on.
 
     A sign that touches the number is the sign of a value, as in `x =+0.1` beside `x =-0.1`.
     """
@@ -23,8 +23,10 @@ def sign_fault(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
     is_apart = before.endswith(b"=") and after.startswith(f"{sign} ".encode())
     others = [value for value in source.stored.get(target, ()) if value is not node.value]
     # Only one sign is a slip: values that differ in their signs, or by the case, are values.
-    is_value = any(isinstance(value, ast.UnaryOp) or _is_same(value, node.value.operand) for value in others)
-    if is_apart and others and not is_value and not _is_set_by_case(source, node, target):
+    plain = [target, *(ast.unparse(value) for value in others if value is not None)]
+    is_value = ast.unparse(node.value.operand) in plain or any(isinstance(v, ast.UnaryOp) for v in others)
+    is_value = is_value or _is_set_by_case(source, node, target)
+    if is_apart and others and not is_value and _goes_on(source, node):
         yield Finding(
             "no-effect",
             f"`={sign}` sets {target} to {ast.unparse(node.value)} each time instead of changing it by that.",
@@ -33,8 +35,15 @@ def sign_fault(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
         )
 
 
-def _is_same(one: ast.expr | None, other: ast.expr) -> bool:
-    return one is not None and ast.dump(one) == ast.dump(other)
+def _goes_on(source: PythonSource, node: ast.Assign) -> bool:
+    """Return whether a target still has its value when the assignment runs again."""
+    target = node.targets[0]
+    shared = {
+        name for outer in source.nodes if isinstance(outer, (ast.Global, ast.Nonlocal)) for name in outer.names
+    }
+    loops = (outer for outer in source.nodes if isinstance(outer, (ast.For, ast.AsyncFor, ast.While)))
+    is_local = isinstance(target, ast.Name) and target.id not in shared
+    return not is_local or any(node in walk(loop) for loop in loops)
 
 
 def _is_set_by_case(source: PythonSource, node: ast.Assign, target: str) -> bool:

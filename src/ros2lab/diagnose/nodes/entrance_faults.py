@@ -201,7 +201,7 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
     if once and len(once) == len(entrance.spins):
         given = ast.unparse(once[-1].call.args[0]) if once[-1].call.args else "node"
         cause = f"spin_once() calls at most one callback, and {name} does not call it in a loop, so the program then ends."
-        fix = f"write rclpy.spin({given}) instead of {ast.unparse(once[-1].call)}"
+        fix = f"if it is to go on, write rclpy.spin({given}) instead of {ast.unparse(once[-1].call)}"
         yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
 
 
