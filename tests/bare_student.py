@@ -263,7 +263,7 @@ def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield home / "ros2lab"
         with locked(base / "student.lock"), contextlib.suppress(BlockingIOError):
             fcntl.flock(users, fcntl.LOCK_EX | fcntl.LOCK_NB)  # no other worker needs its 1 GB any more
-            shutil.rmtree(home)
+            subprocess.run(["rm", "-rf", home], check=True)  # far quicker than Python, for so many files
 
 
 @pytest.fixture
