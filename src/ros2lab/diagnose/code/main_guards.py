@@ -8,6 +8,7 @@ from pathlib import PurePath
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
+from ros2lab.diagnose.sources.spelling import same_letters
 from ros2lab.diagnose.sources.static_value import holds
 
 RUN, SPAWNED = (
@@ -15,6 +16,7 @@ RUN, SPAWNED = (
     "__mp_main__",
 )  # names of a file that is run, and of one that a process imports again
 _NAME = "__name__"
+_FIX = f"write `if {_NAME} == {RUN!r}:`"
 
 
 def main_guard_faults(source: PythonSource) -> Iterator[Finding]:
@@ -37,6 +39,14 @@ def is_guard(node: ast.If) -> bool:
     return is_quoted or any(isinstance(n, ast.Name) and n.id == _NAME for n in inner)
 
 
+def as_guard(statement: ast.stmt, word: str) -> str:
+    """Say to write a guard whose first name means `word`, and whose text may be misspelt as well; empty if it is none."""
+    match statement:
+        case ast.If(test=ast.Compare(comparators=[ast.Constant(value=str(text))])) if word == _NAME:
+            return _FIX if same_letters(text, RUN) else ""
+    return ""
+
+
 def untrue_guard(guard: ast.If, source: PythonSource) -> Finding:
     """Say that a guard is not true when its file is run."""
     file, called = PurePath(source.shown).name, next(iter(_called(guard)), "")
@@ -44,7 +54,7 @@ def untrue_guard(guard: ast.If, source: PythonSource) -> Finding:
     is_quoted = not any(isinstance(n, ast.Name) for n in ast.walk(guard.test))
     why = f"{_NAME!r} in quotes is only a text" if is_quoted else f"{_NAME} is then {RUN!r}"
     cause = f"`if {ast.unparse(guard.test)}:` is not true when the file is run, because {why}: {effect}."
-    return Finding("never-called", cause, source.at(guard), f"write `if {_NAME} == {RUN!r}:`")
+    return Finding("never-called", cause, source.at(guard), _FIX)
 
 
 def indented_guard(guard: ast.If, source: PythonSource) -> Finding:

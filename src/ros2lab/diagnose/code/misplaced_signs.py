@@ -39,7 +39,10 @@ def _goes_on(source: PythonSource, node: ast.Assign) -> bool:
     """Return whether a target still has its value when the assignment runs again."""
     target = node.targets[0]
     shared = {
-        name for outer in source.nodes if isinstance(outer, (ast.Global, ast.Nonlocal)) for name in outer.names
+        name
+        for outer in source.nodes
+        if isinstance(outer, (ast.Global, ast.Nonlocal))
+        for name in outer.names
     }
     loops = (outer for outer in source.nodes if isinstance(outer, (ast.For, ast.AsyncFor, ast.While)))
     is_local = isinstance(target, ast.Name) and target.id not in shared

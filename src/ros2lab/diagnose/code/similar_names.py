@@ -11,6 +11,7 @@ from difflib import SequenceMatcher
 
 from ros2lab.diagnose.code.at_hand import is_own_node
 from ros2lab.diagnose.code.bound_names import bound_by, bound_in
+from ros2lab.diagnose.code.main_guards import as_guard
 from ros2lab.diagnose.code.unknown_names import Unknown, also_on, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import own_nodes
@@ -49,7 +50,8 @@ def as_another(unknown: Unknown, *, is_class_meant: bool = False) -> tuple[str, 
         new = re.sub(rf"\b{near}\b", name, unknown.line(bound), count=1)
         cause = f"{cause_of(unknown)} Line {number} calls it {near}."
         return cause, f"write {as_code(new) or f'{name} instead of {near}'} on line {number}"
-    fix, more = unknown.with_text(unknown.node, near), also_on(unknown, near)
+    fix = as_guard(unknown.statement, near) or unknown.with_text(unknown.node, near)
+    more = also_on(unknown, near)
     if same_letters(name, near) and (near in dir(builtins) or keyword.iskeyword(near)):
         return f"Python has no {name}; in Python it is {near}.", fix + more
     return f"{cause_of(unknown)} Did you mean {near}?", fix + more
