@@ -138,23 +138,12 @@ def _fields(function: Function, name: str) -> list[ast.Attribute]:
 
 def _publisher(uses: Uses, owner: NodeClass | None, kind: str) -> str:
     """Return the only attribute of a class that holds a publisher of a type; empty if not just one."""
-    found = set()
-    for creation in uses.sources.creations:
-        type_ = (creation.arguments or {}).get("msg_type")
-        if (
-            creation.owner is owner
-            and creation.method == "create_publisher"
-            and creation.function is not None
-        ):
-            values = {
-                id(value): node
-                for node in walk(creation.function)
-                if isinstance(node, ast.Assign)
-                for value in [node.value]
-            }
-            made = values.get(id(creation.call))
-            if made is not None and creation.source.resolve(type_) == kind:
-                found.add(ast.unparse(made.targets[0]))
+    found = {
+        creation.kept
+        for creation in uses.sources.creations
+        if creation.owner is owner and creation.method == "create_publisher"
+        if creation.source.resolve((creation.arguments or {}).get("msg_type")) == kind
+    } - {""}
     return found.pop() if len(found) == 1 else ""
 
 

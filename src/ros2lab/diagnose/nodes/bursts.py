@@ -9,7 +9,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.known_values import definition
-from ros2lab.diagnose.sources.node_source import Creation, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
@@ -53,9 +53,9 @@ def burst_faults(sources: NodeSources) -> Iterator[Finding]:
 
 def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Function]]:
     """Return the functions that publish several messages in one call, each with how many it is."""
-    kept = _kept_as(creation)
+    kept = creation.kept
     found = []
-    for function in creation.owner.functions if creation.owner and kept else ():
+    for function in creation.owner.functions if creation.owner and kept.startswith("self.") else ():
         if function.name == "__init__":
             continue  # nobody has subscribed yet
         nodes = own_nodes(function)
@@ -87,18 +87,6 @@ def _is_fast(creation: Creation, call: ast.Call) -> bool:
         "round",
     )
     return is_made or is_log(call) or name in _FAST
-
-
-def _kept_as(creation: Creation) -> str:
-    """Return the attribute that a publisher is assigned to; empty if there is none."""
-    for node in own_nodes(creation.function) if creation.function else ():
-        if (
-            isinstance(node, ast.Assign)
-            and node.value is creation.call
-            and is_self_attribute(node.targets[0])
-        ):
-            return dotted(node.targets[0]) or ""
-    return ""
 
 
 def _times(sources: NodeSources, creation: Creation, function: Function, call: ast.Call) -> int:

@@ -178,12 +178,7 @@ def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
             or not call.call.args
         ):
             continue
-        kept = [
-            n.targets[0]
-            for n in own_nodes(node.function)
-            if isinstance(n, ast.Assign) and n.value is node.call
-        ]
-        name, length = ast.unparse(kept[0]) if kept else "node", ast.unparse(call.call.args[0])
+        name, length = node.source.name_of(node.call) or "node", ast.unparse(call.call.args[0])
         yield Finding(
             "spin-missing",
             f"This loop sleeps without spinning, so no callback of {name} is ever called.",

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, TypeGuard
+from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.qos_written import with_policy
-from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.one_run import run_once
 
 if TYPE_CHECKING:
     from ros2lab.diagnose.nodes.partners import Partners
@@ -52,20 +51,13 @@ def late_readers(topic: str, there: Sequence[End], partners: Partners) -> Iterat
 def _sends_once(end: End) -> bool:
     """Return whether a publisher publishes only in the function that creates it and what that calls once."""
     source, function = end.creation.source, end.creation.function
-    nodes = [n for n in source.nodes if isinstance(n, ast.Assign) and n.value is end.creation.call]
-    kept = ast.unparse(nodes[0].targets[0]) if nodes else ""
+    kept = end.creation.kept
     sends = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{kept}.publish"]
     if not kept or not sends or function is None or function.name not in ("__init__", "main"):
         return False
     if _is_handed_on(end, kept.rpartition(".")[2], sends):
         return False
-    once = _run_once(function)
-    called = {ast.unparse(n.func)[5:] for n in source.nodes if id(n) in once and _is_own_call(n)}
-    mentioned = [n for n in source.nodes if is_self_attribute(n) and n.attr in called]
-    funcs = {id(n.func) for n in source.nodes if id(n) in once and isinstance(n, ast.Call)}
-    for method in end.creation.owner.functions if end.creation.owner else ():
-        if method.name in called and all(id(n) in funcs for n in mentioned if n.attr == method.name):
-            once |= _run_once(method)
+    once = run_once(end.sources, end.creation.owner, function, source.nodes)
     return all(id(send) in once for send in sends)
 
 
@@ -79,14 +71,3 @@ def _is_handed_on(end: End, name: str, sends: Sequence[ast.Call]) -> bool:
         for source in end.sources.sources.values()
         for node in source.nodes
     )
-
-
-def _run_once(function: Function) -> set[int]:
-    """Return the nodes that run at most once with each call of a function."""
-    loops = [n for n in own_nodes(function) if isinstance(n, (ast.While, ast.For))]
-    repeated = {id(inner) for loop in loops for inner in walk(loop)}
-    return {id(node) for node in own_nodes(function)} - repeated
-
-
-def _is_own_call(node: ast.AST) -> TypeGuard[ast.Call]:
-    return isinstance(node, ast.Call) and is_self_attribute(node.func)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.endless_loops import (
@@ -20,7 +19,7 @@ from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import is_always_reached
+from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, own_calls, run_once
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -226,7 +225,7 @@ def _sent_while_made(sources: NodeSources, owner: NodeClass, made: Function) -> 
     kept = set(map(_publisher_of, sent))
     files = [node for source in sources.sources.values() for node in source.nodes]
     others = [n for n in files if isinstance(n, ast.Call) and _is_publish(n.func) and n not in sent]
-    early = _once_while_made(sources, owner, made, files)
+    early = run_once(sources, owner, made, files)
     is_early = all(id(call) in early for call in sent) and kept.isdisjoint(map(_publisher_of, others))
     return sent if is_early and _are_not_kept(sources, owner, sent) else []
 
@@ -234,34 +233,6 @@ def _sent_while_made(sources: NodeSources, owner: NodeClass, made: Function) -> 
 def _publisher_of(call: ast.Call) -> str:
     """Return the attribute whose `publish` is called."""
     return getattr(getattr(call.func, "value", None), "attr", "")
-
-
-def _once_while_made(
-    sources: NodeSources, owner: NodeClass, made: Function, files: Iterable[ast.AST]
-) -> set[int]:
-    """Return what runs once, by `id`: a constructor, and the methods that nothing else calls, without their loops."""
-    used = Counter(node.attr for node in files if isinstance(node, ast.Attribute))
-    calls, repeated = _own_calls(made), _repeated(made)
-    early = {id(node) for node in own_nodes(made)} - repeated
-    for method in _called_by(sources, owner, made):
-        if used[method.name] == 1 and id(calls[method.name]) not in repeated:
-            early |= {id(node) for node in own_nodes(method)} - _repeated(method)
-    return early
-
-
-def _repeated(function: Function) -> set[int]:
-    """Return the nodes of a function, by `id`, that stand in a loop."""
-    loops = (n for n in own_nodes(function) if isinstance(n, (ast.While, ast.For, ast.AsyncFor)))
-    return {id(inner) for loop in loops for inner in walk(loop)}
-
-
-def _own_calls(function: Function) -> dict[str, ast.Call]:
-    """Return the calls of a function on `self`, by the names of their methods."""
-    return {
-        node.func.attr: node
-        for node in own_nodes(function)
-        if isinstance(node, ast.Call) and is_self_attribute(node.func)
-    }
 
 
 def _are_not_kept(sources: NodeSources, owner: NodeClass, sent: list[ast.Call]) -> bool:
@@ -280,12 +251,9 @@ def _sent_at_once(
     sources: NodeSources, source: PythonSource, function: Function, made: ast.Call
 ) -> Iterator[Finding]:
     """Yield messages sent right after the publisher is created, without a wait or spin in between."""
-    kept = [n for n in own_nodes(function) if isinstance(n, ast.Assign) and n.value is made]
-    name = ast.unparse(kept[0].targets[0]) if kept else ""
+    name = source.name_of(made)
     sent = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.publish"]
-    blocks = (n for n in own_nodes(function) if isinstance(n, (ast.For, ast.While, ast.Lambda)))
-    later = {id(node) for block in blocks for node in walk(block)}
-    at_once = {id(n) for n in own_nodes(function)} - later
+    at_once = run_once(sources, None, function, ())
     if not name or not sent or not all(id(n) in at_once for n in sent):
         return
     if _spins_before(function, made) or _takes_time(
@@ -328,7 +296,7 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
     if words & {"cancel", "destroy", "destroy_timer"}:
         return
     first = functions[0]
-    calls = _own_calls(first)
+    calls = own_calls(first)
     for function in functions:
         if function is not first and not is_always_reached(first, calls[function.name]):
             continue
@@ -355,7 +323,7 @@ def _waits(
     # Where there is no other callback, a service may take its time, and a loop may be all that the node does.
     is_free = what == "the constructor" or uses_threads(sources, source) or (is_alone and is_service)
     for function in functions:
-        repeated = _repeated(function) if is_alone else set()
+        repeated = in_loops(function) if is_alone else set()
         for node in own_nodes(function):
             name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
             seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
@@ -433,9 +401,4 @@ def _stores(method: Function, name: str) -> bool:
 
 def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function) -> list[Function]:
     """List the methods that a method calls on itself, such as `self.run()`."""
-    names = [
-        node.func.attr
-        for node in own_nodes(function)
-        if isinstance(node, ast.Call) and is_self_attribute(node.func)
-    ]
-    return [method for name in names if (method := sources.method(owner, name)) is not None]
+    return [method for name in own_calls(function) if (method := sources.method(owner, name)) is not None]

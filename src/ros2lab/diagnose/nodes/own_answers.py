@@ -27,7 +27,11 @@ def answers_itself(topic: str, there: Sequence[End]) -> Iterator[Finding]:
             is_own = (
                 creation.owner is not None and end.creation.owner is creation.owner and _is_kept_alone(end)
             )
-            sent = calls.get(f"{kept_as(end)}.publish") if end.is_publisher and is_alike and is_own else None
+            sent = (
+                calls.get(f"{end.creation.kept}.publish")
+                if end.is_publisher and is_alike and is_own
+                else None
+            )
             if sent is not None:
                 cause = f"The callback of {topic} publishes on {topic}, so the node receives its own messages and answers them endlessly."
                 fix = "publish on another topic, or only under a condition that eventually becomes false"
@@ -82,7 +86,7 @@ def _is_stable(written: ast.expr, function: Function) -> bool:
 
 def _is_kept_alone(end: End) -> bool:
     """Return whether nothing else is assigned to what a publisher is kept as."""
-    owner, kept = end.creation.owner, kept_as(end)
+    owner, kept = end.creation.owner, end.creation.kept
     stores = [
         node
         for node in (walk(owner.definition) if owner else ())
@@ -91,12 +95,3 @@ def _is_kept_alone(end: End) -> bool:
         and ast.unparse(node) == kept
     ]
     return len(stores) == 1
-
-
-def kept_as(end: End) -> str | None:
-    """Return what an end is assigned to, such as `self.pub`; None if it is not assigned."""
-    for node in end.creation.source.nodes:
-        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is end.creation.call:
-            target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-            return ast.unparse(target)
-    return None

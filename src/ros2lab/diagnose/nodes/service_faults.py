@@ -70,11 +70,7 @@ class ServiceEnd:
     def is_kept_as(self, kept: ast.expr) -> bool:
         """Return whether it is assigned to a variable or an attribute of this name."""
         name = getattr(kept, "attr", getattr(kept, "id", ""))
-        for node in self.creation.source.nodes:
-            if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is self.creation.call:
-                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                return any(getattr(target, "attr", getattr(target, "id", "")) == name for target in targets)
-        return False
+        return bool(name) and self.creation.kept.rpartition(".")[2] == name
 
     def renamed(self, name: str) -> str:
         """Return the call that creates it with another name, as it is written."""

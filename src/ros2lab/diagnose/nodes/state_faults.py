@@ -314,15 +314,9 @@ def _never_published(state: State) -> Iterator[Finding]:
             or creation.function is None
         ):
             continue
-        values = [
-            node.targets[0]
-            for node in walk(creation.function)
-            if isinstance(node, ast.Assign) and node.value is creation.call
-        ]
-        name = ast.unparse(values[0]) if values else ""
-        if not values or not isinstance(values[0], (ast.Name, ast.Attribute)):
-            continue
-        if state.uses.named[name.rpartition(".")[2]]:
+        name = creation.kept
+        last = name.rpartition(".")[2]
+        if not last.isidentifier() or state.uses.named[last]:
             continue
         kept = name if name.startswith("self.") else f"self.{name}"
         fix = f"write {kept}.publish(msg) in the callback that has the message"

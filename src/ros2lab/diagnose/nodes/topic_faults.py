@@ -11,7 +11,7 @@ from ros2lab import assignments
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.late_readers import late_readers
 from ros2lab.diagnose.nodes.node_faults import TOPIC_NAME
-from ros2lab.diagnose.nodes.own_answers import answers_itself, by_variable, called_always, kept_as
+from ros2lab.diagnose.nodes.own_answers import answers_itself, by_variable, called_always
 from ros2lab.diagnose.nodes.partners import Partners, made_in
 from ros2lab.diagnose.nodes.qos_written import with_policy, with_profile_of
 from ros2lab.diagnose.sources import interfaces
@@ -361,20 +361,20 @@ def publishing_timers(end: End) -> Iterator[Creation]:
     for creation, function in _timers(end):
         # Only unconditional calls.
         calls = [s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
-        if f"{kept_as(end)}.publish" in [ast.unparse(call.func) for call in calls]:
+        if f"{end.creation.kept}.publish" in [ast.unparse(call.func) for call in calls]:
             yield creation
 
 
 def goes_on(end: End) -> bool:
     """Return whether a timer always publishes on a topic, itself or by the methods that it calls."""
-    sent = f"{kept_as(end)}.publish"
+    sent = f"{end.creation.kept}.publish"
     owner = end.creation.owner
     return any(sent in dict(called_always(end.sources, owner, function)) for _, function in _timers(end))
 
 
 def _timers(end: End) -> Iterator[tuple[Creation, Function]]:
     """Yield the timers of the node that publishes on a topic, with their callbacks."""
-    if not end.is_publisher or not kept_as(end):
+    if not end.is_publisher or not end.creation.kept:
         return
     for creation in end.sources.creations:
         is_timer = creation.method == "create_timer" and creation.owner is end.creation.owner

@@ -63,6 +63,11 @@ class Creation:
     function: Function | None
     source: PythonSource
 
+    @property
+    def kept(self) -> str:
+        """What it is assigned to, such as `self.pub`; empty if to nothing."""
+        return self.source.name_of(self.call)
+
 
 @dataclass(eq=False)
 class NodeClass:

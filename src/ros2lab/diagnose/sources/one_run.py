@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, children, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
@@ -41,6 +43,42 @@ def calls_in_one_run(function: Function, is_asked: _IsAsked) -> _Calls:
 def is_always_reached(function: Function, node: ast.AST) -> bool:
     """Return whether every run of a function comes to a node: no branch, loop or earlier `return` decides."""
     return _comes_to(function.body, node)
+
+
+def in_loops(function: ast.AST) -> set[int]:
+    """Return the nodes of a function, by `id`, that stand in a loop."""
+    loops = (n for n in own_nodes(function) if isinstance(n, (ast.While, ast.For, ast.AsyncFor)))
+    return {id(inner) for loop in loops for inner in walk(loop)}
+
+
+def run_once(
+    sources: NodeSources, owner: NodeClass | None, function: Function, files: Iterable[ast.AST]
+) -> set[int]:
+    """Return what runs once with a function, by `id`: itself, and the methods that nothing else names, without loops.
+
+    Args:
+        sources: the files of the package.
+        owner: the class of the function.
+        function: what runs once, such as a constructor.
+        files: the nodes in which the methods may be named.
+    """
+    repeated = in_loops(function)
+    once = {id(node) for node in own_nodes(function)} - repeated
+    named = Counter(node.attr for node in files if isinstance(node, ast.Attribute))
+    for name, call in own_calls(function).items():
+        method = sources.method(owner, name)
+        if method is not None and named[name] == 1 and id(call) not in repeated:
+            once |= {id(node) for node in own_nodes(method)} - in_loops(method)
+    return once
+
+
+def own_calls(function: Function) -> dict[str, ast.Call]:
+    """Return the calls of a function on `self`, by the names of their methods."""
+    return {
+        node.func.attr: node
+        for node in own_nodes(function)
+        if isinstance(node, ast.Call) and is_self_attribute(node.func)
+    }
 
 
 def _comes_to(block: Sequence[ast.stmt], node: ast.AST) -> bool:

@@ -160,6 +160,10 @@ class PythonSource:
             for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
         )
 
+    def name_of(self, call: ast.Call | None) -> str:
+        """Return what a call is assigned to, such as `self.timer`; empty if to nothing."""
+        return next((name for name, made in self.made if made is call), "")
+
     @cached_property
     def imports(self) -> tuple[Import, ...]:
         """The names that its import statements bind, anywhere in the file."""
