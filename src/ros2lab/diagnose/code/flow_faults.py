@@ -46,8 +46,6 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
     yield from deadlocks(sources)
     for creation, function in sources.callbacks():
         yield from _hidden(creation.source, function)
-        if creation.method in ("create_timer", "create_subscription"):
-            yield from _made_again(creation.source, function)
     yield from _named_alike(sources)
     for owner in sources.nodes:
         yield from _never_started(sources, owner)
@@ -352,21 +350,6 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
                 f"{function.name}() catches every error without reporting it, so failures there stay silent.",
                 source.at(node),
                 "write `except ValueError as error:`, or whichever error you expect, and self.get_logger().error(str(error)) below it",
-            )
-
-
-def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
-    calls = {getattr(node, "attr", "") for node in source.nodes}
-    if calls & {"cancel", "destroy", "destroy_timer", "destroy_subscription", "destroy_publisher"}:
-        return  # what calls it may be stopped, so that it is called once, or what it makes is made anew
-    for node in own_nodes(function):
-        method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
-        if method in ("create_publisher", "create_subscription") and is_always_reached(function, node):
-            yield Finding(
-                "made-again",
-                f"{function.name}() is called repeatedly and makes a new {method.removeprefix('create_')} each time, which is not yet connected when it is used.",
-                source.at(node),
-                f"move {method}(...) into __init__, and keep it as an attribute of self",
             )
 
 

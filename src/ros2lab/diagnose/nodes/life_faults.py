@@ -131,7 +131,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         if spins_on(sources, source):
             yield from _shut_down(sources, source, function)
         if id(function) in repeated:
-            yield from _more_timers(sources, source, functions)
+            yield from _made_again(sources, source, functions)
     yield from rate_faults(sources)
     yield from _sent_early(sources)
 
@@ -290,25 +290,40 @@ def _is_publish(function: ast.expr) -> bool:
     return isinstance(function, ast.Attribute) and function.attr == "publish"
 
 
-def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
-    """Yield timers that a callback creates each time, where none is cancelled and no condition guards it."""
+# What a callback that makes more of something each time does, by the method, and where to make it instead.
+_AGAIN = {
+    "create_timer": (
+        "timer-in-callback",
+        "starts another timer each time, while the earlier ones keep running",
+        "create the timer once, in __init__, or cancel the old one first",
+    ),
+    **{
+        f"create_{what}": (
+            "made-again",
+            f"makes a new {what} each time, which is not yet connected when it is used",
+            f"move create_{what}(...) into __init__, and keep it as an attribute of self",
+        )
+        for what in ("publisher", "subscription")
+    },
+}
+
+
+def _made_again(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
+    """Yield what a callback creates each time, where none is ended and no condition guards it."""
     words = {getattr(node, "attr", "") for file in sources.sources.values() for node in file.nodes}
-    if words & {"cancel", "destroy", "destroy_timer"}:
-        return
+    if words & {"cancel", "destroy", "destroy_timer", "destroy_subscription", "destroy_publisher"}:
+        return  # what calls it may be stopped, so that it is called once, or what it makes is made anew
     first = functions[0]
     calls = own_calls(first)
     for function in functions:
         if function is not first and not is_always_reached(first, calls[function.name]):
             continue
         for node in own_nodes(function):
-            is_made = isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer"
-            if is_made and is_always_reached(function, node):
-                yield Finding(
-                    "timer-in-callback",
-                    f"{functions[0].name} is called repeatedly and starts another timer each time, while the earlier ones keep running.",
-                    source.at(node),
-                    "create the timer once, in __init__, or cancel the old one first",
-                )
+            method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
+            if method in _AGAIN and is_always_reached(function, node):
+                code, does, fix = _AGAIN[method]
+                cause = f"{first.name}() is called repeatedly and {does}."
+                yield Finding(code, cause, source.at(node), fix)
 
 
 def _waits(
