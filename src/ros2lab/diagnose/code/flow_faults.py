@@ -16,7 +16,7 @@ from ros2lab.diagnose.sources.node_source import (
     NodeSources,
     is_self_attribute,
 )
-from ros2lab.diagnose.sources.one_run import is_always_reached, is_steady
+from ros2lab.diagnose.sources.one_run import is_steady
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 

@@ -31,9 +31,10 @@ _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
 # What asks for, or sets, the attributes of an object by their names as strings.
 _BY_TEXT = frozenset(("getattr", "setattr", "hasattr", "delattr", "vars", "attrgetter", "methodcaller"))
-# What ROS calls the callbacks with.
-_PASSED: Mapping[str, Sequence[str]] = {
+# What ROS calls the callbacks with; a subscription's may take the message's information, too.
+_CALLED_WITH: Mapping[str, Sequence[str]] = {
     "create_subscription": ("msg",),
+    "create_timer": (),
     "create_service": ("request", "response"),
 }
 _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tuple", "bytes"))
@@ -69,41 +70,18 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
                 f"write def __init__({ast.unparse(misspelt.args)}):",
             )
         return
-    for node in walk(constructor):
-        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
-            continue
-        is_super = (
-            isinstance(node.func.value, ast.Call) and getattr(node.func.value.func, "id", "") == "super"
-        )
-        is_bare = getattr(node.func.value, "id", "") == "super"
-        if is_bare or (is_super and node.func.attr != "__init__" and re.search(r"ini?t", node.func.attr)):
+    calls = [n for n in walk(constructor) if isinstance(n, ast.Call) and isinstance(n.func, ast.Attribute)]
+    for call in calls:
+        if _is_misspelt_super(call.func):
             yield Finding(
                 "super-misspelt",
-                f"`{ast.unparse(node.func)}` is not how the constructor of Node is called.",
-                owner.source.at(node),
+                f"`{ast.unparse(call.func)}` is not how the constructor of Node is called.",
+                owner.source.at(call),
                 f"write {super_call(sources, owner, given_to_super(constructor))}",
             )
             return
-        if node.func.attr == "__init__":
-            if (
-                not is_super
-                and owner.source.resolve(node.func.value)
-                and getattr(node.args[0] if node.args else None, "id", "") != "self"
-            ):
-                given = ", ".join(map(ast.unparse, node.args))
-                yield Finding(
-                    "argument-missing",
-                    f"`{ast.unparse(node.func)}` is called on the class, so self must be the first argument.",
-                    owner.source.at(node),
-                    f"write super().__init__({given})",
-                )
-            if is_super and not node.args and not node.keywords and {*owner.bases} <= NODE_CLASSES:
-                yield Finding(
-                    "argument-missing",
-                    "super().__init__() is called without the node's name.",
-                    owner.source.at(node),
-                    f"write {super_call(sources, owner)}",
-                )
+        if getattr(call.func, "attr", "") == "__init__":
+            yield from _init_call_faults(sources, owner, call)
     order = SuperOrder(sources, owner, members_of("rclpy.node", "Node")[0])
     if not order.calls_init():
         yield Finding(
@@ -116,6 +94,32 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
         use, fix = early
         cause = f"`{ast.unparse(use)}` is used before super().__init__() is called."
         yield Finding("super-late", cause, owner.source.at(use), fix)
+
+
+def _is_misspelt_super(called: ast.expr) -> bool:
+    """Return whether what is called was meant as `super().__init__`."""
+    match called:
+        case ast.Attribute(value=ast.Name(id="super")):
+            return True
+        case ast.Attribute(value=ast.Call(func=ast.Name(id="super")), attr=name):
+            return name != "__init__" and re.search(r"ini?t", name) is not None
+    return False
+
+
+def _init_call_faults(sources: NodeSources, owner: NodeClass, call: ast.Call) -> Iterator[Finding]:
+    """Yield calls of a base class's `__init__` without self or without the node's name."""
+    match call:
+        case ast.Call(func=ast.Attribute(value=ast.Call(func=ast.Name(id="super")))):
+            if not call.args and not call.keywords and {*owner.bases} <= NODE_CLASSES:
+                cause = "super().__init__() is called without the node's name."
+                fix = f"write {super_call(sources, owner)}"
+                yield Finding("argument-missing", cause, owner.source.at(call), fix)
+        case ast.Call(args=[ast.Name(id="self"), *_]):
+            pass
+        case ast.Call(func=ast.Attribute(value=base)) if owner.source.resolve(base):
+            cause = f"`{ast.unparse(call.func)}` is called on the class, so self must be the first argument."
+            fix = f"write super().__init__({', '.join(map(ast.unparse, call.args))})"
+            yield Finding("argument-missing", cause, owner.source.at(call), fix)
 
 
 def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
@@ -226,7 +230,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
     if isinstance(given, ast.Call):
         inner = sources.function_of(creation, given.func)
         if inner is not None and gives_no_function(inner, given):
-            clause, written = as_function(inner, given, _PASSED.get(creation.method, ()))
+            clause, written = as_function(inner, given, _CALLED_WITH.get(creation.method, ()))
             yield Finding(
                 "callback-called",
                 f"`{ast.unparse(given)}` calls the function right here, {clause}, but ROS needs the function itself, to call it later.",
@@ -264,19 +268,14 @@ def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
             return
 
 
-_CALLED_WITH = {"create_subscription": "msg", "create_timer": "", "create_service": "request, response"}
-
-
 def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
     """Yield lambdas that take a different number of arguments from what they are called with."""
-    takes, wanted = len(given.args.args), _CALLED_WITH.get(creation.method)
-    if wanted is None or given.args.vararg or given.args.defaults or takes == len(wanted.split()):
+    if _fits(creation, _accepts(given)):
         return
-    if creation.method == "create_subscription" and takes == 2:
-        return
-    what = "without arguments" if not wanted else f"with {wanted.replace(', ', ' and ')}"
-    right = f"lambda {wanted}".strip()
-    cause = f"The callback of {creation.method} is called {what}, but `{ast.unparse(given)}` takes {takes or 'none'}."
+    wanted = _CALLED_WITH[creation.method]
+    what = f"with {' and '.join(wanted)}" if wanted else "without arguments"
+    right = f"lambda {', '.join(wanted)}".strip()
+    cause = f"The callback of {creation.method} is called {what}, but `{ast.unparse(given)}` takes {len(given.args.args) or 'none'}."
     yield Finding(
         "callback-arguments", cause, creation.source.at(given), f"write {right}: {ast.unparse(given.body)}"
     )
@@ -292,30 +291,33 @@ def _parameter_fault(
     is_method = isinstance(given, ast.Attribute) and not is_static
     if is_method and (not names or "self" in unbound_names(creation.source, function)):
         return  # told of every method that lacks self
-    takes = len(names) - is_method
-    least = takes - len(function.args.defaults)
-    accepts = range(max(least, 0), 100 if function.args.vararg else takes + 1)
-    if creation.method not in _CALLED_WITH or (takes >= 0 and _fits(creation, accepts)):
+    accepts = _accepts(function, is_method=is_method)
+    if _fits(creation, accepts) or "TimerInfo" in ast.dump(function.args):
         return
-    if creation.method == "create_timer" and takes == 1 and "TimerInfo" in ast.dump(function.args):
-        return
-    first, rest = "self" if is_method else "", _CALLED_WITH[creation.method]
-    right = ", ".join(text for text in (first, _named_in_body(creation, function, rest)) if text)
+    rest = ", ".join(_CALLED_WITH[creation.method])
+    right = ", ".join(filter(None, ("self" * is_method, _named_in_body(creation, function, rest))))
     called_with = "the message" if rest == "msg" else rest or "nothing"
     cause = f"{function.name} takes ({', '.join(names) or 'nothing'}), but the callback of {creation.method} is called with {called_with}."
     place, fix = f"{creation.source.shown}:{function.lineno}", f"write def {function.name}({right}):"
     for other in _with_callback(sources, function):
-        if other is not creation and _fits(other, accepts):
+        if other is not creation and other.method in _CALLED_WITH and _fits(other, accepts):
             place = creation.source.at(creation.call)
             fix = f"remove this line, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
             break
     yield Finding("callback-arguments", cause, place, fix)
 
 
+def _accepts(function: Function | ast.Lambda, *, is_method: bool = False) -> range:
+    """Return how many arguments a callback takes, without the self that a method gets."""
+    most = len(parameters(function)) - is_method
+    return range(max(most - len(function.args.defaults), 0), 100 if function.args.vararg else most + 1)
+
+
 def _fits(creation: Creation, accepts: range) -> bool:
-    """Return whether a callback that accepts so many arguments can be called by what is made."""
-    called_with = {"create_subscription": (1, 2), "create_timer": (0,), "create_service": (2,)}
-    return any(number in accepts for number in called_with.get(creation.method, ()))
+    """Return whether a callback that accepts so many arguments can be called by what is made, if that is known."""
+    given = len(_CALLED_WITH.get(creation.method, ()))
+    is_known = creation.method in _CALLED_WITH
+    return not is_known or given in accepts or (creation.method == "create_subscription" and 2 in accepts)
 
 
 def _with_callback(sources: NodeSources, function: Function) -> Iterator[Creation]:
