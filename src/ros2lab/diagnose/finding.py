@@ -180,3 +180,8 @@ def shown_path(path: Path, root: Path | None) -> str:
     if root is not None and path.is_relative_to(root):
         return str(path.relative_to(root))
     return str(path)
+
+
+def lines_in_words(first: int, last: int) -> str:
+    """Return a range of lines in words: `line 3`, or `lines 3 to 5`."""
+    return f"line {first}" if first == last else f"lines {first} to {last}"

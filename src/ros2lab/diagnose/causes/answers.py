@@ -13,7 +13,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, parameters
 from ros2lab.diagnose.sources.static_value import dotted
 
 
@@ -186,11 +186,7 @@ def _refused(answering: _Answering, node: ast.Return) -> str:
     if value is None:
         return "nothing"
     text = ast.unparse(value)
-    stored = {
-        n.id
-        for n in own_nodes(answering.function)
-        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-    }
+    stored = names_bound(own_nodes(answering.function))
     is_answer = text == answering.answer and text not in stored
     if is_answer or isinstance(value, ast.Await) or "super()" in text:
         return ""

@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, read_text
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, given_to, parameters, read_text
 from ros2lab.diagnose.sources.spelling import nearest
 
 _OPTION = "automatically_declare_parameters_from_overrides"
@@ -280,7 +280,7 @@ def _others(use: _Use) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Cal
             method = getattr(call.func, "attr", "") if isinstance(call, ast.Call) else ""
             if not isinstance(call, ast.Call) or method not in _DECLARES or owner not in lineage:
                 continue
-            values = [*call.args, *(keyword.value for keyword in call.keywords)]
+            values = given_to(call)
             naming = values[:1] if method == "declare_parameter" else [n for v in values for n in ast.walk(v)]
             for node in naming:
                 given = names_given(use.sources, source, function, node) if isinstance(node, ast.expr) else {}

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Sequence
 
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.own_functions import returned
+from ros2lab.diagnose.sources.python_source import contains
 
 
 def may_be_left(spot: Spot) -> bool:
@@ -27,7 +29,7 @@ def left_out(lacks: str, has: str, name: str, spot: Spot) -> str:
     function = spot.function
     if function is None or function.name == "__init__":
         return (
-            f"write `if {has}:` above line {_head(spot, ())}, and indent everything that uses {name} below it"
+            f"write `if {has}:` above line {head(spot, ())}, and indent everything that uses {name} below it"
         )
     loops = [
         node
@@ -36,12 +38,11 @@ def left_out(lacks: str, has: str, name: str, spot: Spot) -> str:
     ]
     body = max(loops, key=lambda node: node.lineno).body if loops else function.body
     leave = "continue" if loops else "return"
-    return f"write these two lines above line {_head(spot, body)}: `if {lacks}:`, and indented below it `{leave}`"
-
-
-def _head(spot: Spot, body: list[ast.stmt] | tuple[()]) -> int:
-    """Return the first line of the statement in a body that contains the line."""
-    around = (
-        statement.lineno for statement in body if statement.lineno <= spot.line <= (statement.end_lineno or 0)
+    return (
+        f"write these two lines above line {head(spot, body)}: `if {lacks}:`, and indented below it `{leave}`"
     )
-    return next(around, spot.line)
+
+
+def head(spot: Spot, body: Sequence[ast.stmt]) -> int:
+    """Return the first line of the statement in a body that contains the line."""
+    return next((statement.lineno for statement in body if contains(statement, spot.line)), spot.line)

@@ -9,7 +9,14 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    contains,
+    names_bound,
+    own_nodes,
+    parameters,
+)
 
 _CODE = "rclpy-init-missing"
 
@@ -106,7 +113,7 @@ def _is_started(spot: Spot) -> bool:
 def _statement(spot: Spot) -> ast.stmt | None:
     """Return the statement at the top level of the file that contains a line."""
     body = spot.source.tree.body if spot.source else []
-    return next((n for n in body if n.lineno <= spot.line <= (n.end_lineno or n.lineno)), None)
+    return next((n for n in body if contains(n, spot.line)), None)
 
 
 def _late(init: ast.Call, spot: Spot) -> Finding:
@@ -155,9 +162,7 @@ def _movable(
         is_code = isinstance(inner, (ast.Assign, ast.Expr, ast.AugAssign))
         if inner is statement or (moved and is_code and _named(inner) & names):
             moved.append(inner)
-            names |= {
-                n.id for n in ast.walk(inner) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-            }
+            names |= names_bound(ast.walk(inner))
         elif moved and inner is not function and _named(inner) & names:
             return []
     used = [n.lineno for n in ast.walk(function) if isinstance(n, ast.Name) and n.id in names]

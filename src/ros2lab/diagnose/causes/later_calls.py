@@ -13,7 +13,7 @@ from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import place_of, spot_at
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import returned
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes
 
 _SAYS = re.compile(r"'(?P<kind>\w+)' object is not callable")
 _MAKERS = frozenset(("partial", "partialmethod", "getattr", "wraps"))  # what they return is called later
@@ -71,7 +71,7 @@ def _finding(source: PythonSource, call: ast.Call, given: ast.Call) -> Finding:
 
 def _may_be(sources: NodeSources, source: PythonSource, call: ast.Call, *, gives_none: bool) -> bool:
     """Return whether a call may return None, or a value: not one of a class, nor of what makes functions."""
-    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    name = last_name(call.func)
     if name in _MAKERS or name[:1].isupper():
         return False
     known = sources.functions.get(sources.resolve(source, call.func) or "")

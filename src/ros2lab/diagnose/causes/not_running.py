@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.python_source import own_nodes, walk
+from ros2lab.diagnose.sources.python_source import own_nodes
 
 _ENDS = ("shutdown", "try_shutdown")
 
@@ -33,12 +33,11 @@ def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         fix = "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin"
         return f"{what}: it was not initialized yet, or has already been shut down.", fix
     what = f"{what}: Ctrl-C has already shut it down"
-    for loop in walk(spot.function) if spot.function else ():
-        if isinstance(loop, ast.While) and loop.lineno <= spot.line <= (loop.end_lineno or 0):
-            test = ast.unparse(loop.test)
-            ok = "rclpy.ok()" if isinstance(loop.test, ast.Constant) else f"rclpy.ok() and {test}"
-            if "rclpy.ok()" not in test:
-                return f"{what}, but the loop goes on.", f"write `while {ok}:` on line {loop.lineno}"
+    for loop in spot.source.around(spot.line, ast.While) if spot.source else ():
+        test = ast.unparse(loop.test)
+        ok = "rclpy.ok()" if isinstance(loop.test, ast.Constant) else f"rclpy.ok() and {test}"
+        if "rclpy.ok()" not in test:
+            return f"{what}, but the loop goes on.", f"write `while {ok}:` on line {loop.lineno}"
     return f"{what}.", _with_own_signals(spot, max(anywhere))
 
 

@@ -14,7 +14,15 @@ from ros2lab.diagnose.checking.trials import Edit, type_of
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function, returned
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, returns_value, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assigned_to,
+    given_to,
+    own_nodes,
+    returns_value,
+    walk,
+)
 from ros2lab.diagnose.sources.spelling import nearest
 
 if TYPE_CHECKING:
@@ -90,12 +98,7 @@ def _leaves_of_function(source: PythonSource, function: ast.FunctionDef, depth: 
 
 def _assigned(source: PythonSource, name: ast.expr, function: Function | None) -> list[ast.expr]:
     nodes = own_nodes(function) if isinstance(name, ast.Name) and function else source.nodes
-    text = ast.unparse(name)
-    return [
-        n.value
-        for n in nodes
-        if isinstance(n, ast.Assign) and text in map(ast.unparse, n.targets) and n.value is not name
-    ]
+    return [value for value in assigned_to(nodes, ast.unparse(name)) if value is not name]
 
 
 def _of_leaf(leaf: _Leaf, origin: Origin, spot: Spot) -> _Told | None:
@@ -189,7 +192,7 @@ def _is_called_back(source: PythonSource, function: Function) -> bool:
         ast.unparse(value).rpartition(".")[2]
         for n in source.nodes
         if isinstance(n, ast.Call) and getattr(n.func, "attr", "").startswith("create_")
-        for value in (*n.args, *(keyword.value for keyword in n.keywords))
+        for value in given_to(n)
         if isinstance(value, (ast.Name, ast.Attribute))
     }
     callers = {

@@ -19,7 +19,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
-from ros2lab.diagnose.sources.python_source import Import, PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import Import, PythonSource, assigned_to, last_name, own_nodes
 
 _FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
 # What an error says about a value: its type, and which part of the line it means.
@@ -116,7 +116,7 @@ def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
     names = [argument.arg for argument in function.args.args]
     for call in (node for node in caller.nodes if isinstance(node, ast.Call)):
         is_method = isinstance(call.func, ast.Attribute) and names[:1] == ["self"]
-        if getattr(call.func, "attr", getattr(call.func, "id", "")) != function.name:
+        if last_name(call.func) != function.name:
             continue
         for name, given in zip(names[is_method:], call.args, strict=False):
             if name in spot.holds(said["name"]):
@@ -168,10 +168,12 @@ def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
         yield Origin(name, declared, source, declared.lineno, _kind_of_default(source, declared))
     if not isinstance(expression, (ast.Name, ast.Attribute)):
         return
-    scopes = [spot.function, source.tree] if isinstance(expression, ast.Name) else [_class_around(spot)]
+    scopes = (
+        [spot.function, source.tree] if isinstance(expression, ast.Name) else [source.class_at(spot.line)]
+    )
     for scope in filter(None, scopes):
         nodes = own_nodes(scope) if isinstance(expression, ast.Name) else ast.walk(scope)
-        values = [(value.lineno, value) for node in nodes for value in _assigned(node, name)]
+        values = [(value.lineno, value) for value in assigned_to(nodes, name)]
         for line, value in sorted(values, key=lambda pair: (pair[0] > spot.line, -pair[0])):
             yield Origin(name, value, source, line, _kind(source, value))
             if declared := _declared(source, value):
@@ -209,27 +211,6 @@ def _kind_of_default(source: PythonSource, declared: ast.Call) -> str:
     )
 
 
-def _assigned(node: ast.AST, name: str) -> Iterator[ast.expr]:
-    """Yield the value that a statement assigns to a name, if it does."""
-    if isinstance(node, ast.Assign):
-        targets: list[ast.expr] = node.targets
-    else:
-        targets = [node.target] if isinstance(node, ast.AnnAssign) else []
-    value = getattr(node, "value", None)
-    if value is not None and any(ast.unparse(target) == name for target in targets):
-        yield value
-
-
-def _class_around(spot: Spot) -> ast.ClassDef | None:
-    assert spot.source is not None
-    around = [
-        node
-        for node in spot.source.nodes
-        if isinstance(node, ast.ClassDef) and node.lineno <= spot.line <= (node.end_lineno or 0)
-    ]
-    return max(around, key=lambda node: node.lineno, default=None)
-
-
 def _kind(source: PythonSource, value: ast.expr) -> str:
     """Return the type of an expression's value; empty if only running would tell, ? if it is another."""
     if isinstance(value, ast.Constant):
@@ -245,7 +226,7 @@ def kind_of_call(source: PythonSource, call: ast.Call) -> str:
     """Return the type of what a call returns, as Python calls it; empty if only running would tell."""
     if own := own_function(source, call.func):
         return "NoneType" if may_fall_through(own[1]) else ""
-    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    name = last_name(call.func)
     known = getattr(builtins, name, None) if isinstance(call.func, ast.Name) else None
     if isinstance(known, type):
         return known.__name__

@@ -8,7 +8,7 @@ import re
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to, last_name, own_nodes
 
 _MORE = re.compile(
     r"(?P<name>[\w.<>]+)\(\) takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) (?:was|were)"
@@ -68,8 +68,8 @@ def _new_names(source: PythonSource, function: ast.FunctionDef, number: int) -> 
         getattr(call.func, "attr", "")
         for call in source.nodes
         if isinstance(call, ast.Call)
-        for given in [*call.args, *(keyword.value for keyword in call.keywords)]
-        if getattr(given, "attr", getattr(given, "id", "")) == function.name
+        for given in given_to(call)
+        if last_name(given) == function.name
     ]
     if number > 1:
         return ["*args"]

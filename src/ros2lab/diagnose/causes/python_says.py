@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from ros2lab.diagnose.causes import python_values
 from ros2lab.diagnose.causes.elements import beyond, no_key, subscripted
+from ros2lab.diagnose.causes.guards import head
 from ros2lab.diagnose.causes.not_running import not_running
 from ros2lab.diagnose.checking.operands import held_in
 from ros2lab.diagnose.code.hidden_names import fix_of, known_names
@@ -16,7 +17,7 @@ from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.interfaces import members_of
-from ros2lab.diagnose.sources.python_source import Function, is_property, own_nodes
+from ros2lab.diagnose.sources.python_source import Function, is_property, last_name, own_nodes
 
 _PRINT = "print the values used on this line just above it, and see which one is not what you expected"
 
@@ -124,25 +125,16 @@ def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     why, fix = "", f"set {owner} before this line is reached, and check its value"
     for value in spot.assigned(owner):
         if isinstance(value, ast.Call) and spot.source:
-            called = getattr(value.func, "attr", getattr(value.func, "id", ""))
+            called = last_name(value.func)
             functions = [n for n in spot.source.nodes if isinstance(n, ast.FunctionDef) and n.name == called]
             if functions and not any(isinstance(n, ast.Return) and n.value for n in own_nodes(functions[0])):
                 why, fix = f": {called}() returns nothing", f"write a return at the end of {called}()"
         elif isinstance(value, ast.Constant) and value.value is None and not why:
             why, fix = (
                 ": it was set to None and has no other value yet",
-                f"write these two lines above line {_head(spot)}: `if {owner} is None:`, and indented below it `return`",
+                f"write these two lines above line {head(spot, spot.function.body if spot.function else ())}: `if {owner} is None:`, and indented below it `return`",
             )
     return f"{owner} is None when .{name} is used{why}.", fix
-
-
-def _head(spot: Spot) -> int:
-    """Return the first line of the statement in the function's body that contains the line."""
-    body = spot.function.body if spot.function else []
-    around = (
-        statement.lineno for statement in body if statement.lineno <= spot.line <= (statement.end_lineno or 0)
-    )
-    return next(around, spot.line)
 
 
 def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:

@@ -8,13 +8,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.causes.later_calls import sources_around
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import fields_of
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, parameters, walk
+from ros2lab.diagnose.sources.python_source import Function, contains, parameters, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
 # The kinds of callbacks, each by the call or the keyword that passes it to ROS.
@@ -109,10 +109,8 @@ def _shown(spot: Spot) -> str:
 
 def _raising(spot: Spot) -> ast.Raise | ast.Assert | None:
     """Return the statement at a line that raises an exception itself; None if it only calls something."""
-    for node in spot.source.nodes if spot.source else ():
-        if isinstance(node, (ast.Raise, ast.Assert)) and node.lineno <= spot.line <= (node.end_lineno or 0):
-            return node
-    return None
+    around = spot.source.around(spot.line, ast.stmt) if spot.source else []
+    return next((n for n in around if isinstance(n, (ast.Raise, ast.Assert))), None)
 
 
 def _called_by_rclpy(report: ErrorReport, error: ErrorText, look: Look) -> Iterator[_Callback]:
@@ -193,7 +191,7 @@ def _caught(callback: _Callback, raising: ast.Raise | ast.Assert) -> str:
     """Return how to catch an exception in the callback that calls the function that raises it."""
     kind = _kind_caught(callback, raising)
     first, last = _statement(callback)
-    where = f"line {first}" if first == last else f"lines {first} to {last}"
+    where = lines_in_words(first, last)
     answers = _joined(_answers(callback, "str(error)"))
     return (
         f"in {callback.function.name}(), indent {where} below a `try:`, and write `except {kind} as error:` after it, "
@@ -203,12 +201,8 @@ def _caught(callback: _Callback, raising: ast.Raise | ast.Assert) -> str:
 
 def _statement(callback: _Callback) -> tuple[int, int]:
     """Return the first and the last line of the statement that was running in a callback, with its body."""
-    around = [
-        node
-        for node in walk(callback.function)
-        if isinstance(node, ast.stmt) and node.lineno <= callback.spot.line <= (node.end_lineno or 0)
-    ]
-    innermost = max(around, key=lambda node: node.lineno)
+    nodes = (node for node in walk(callback.function) if isinstance(node, ast.stmt))
+    innermost = max((n for n in nodes if contains(n, callback.spot.line)), key=lambda node: node.lineno)
     return innermost.lineno, innermost.end_lineno or innermost.lineno
 
 

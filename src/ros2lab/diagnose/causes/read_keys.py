@@ -18,7 +18,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource, read_toml
+from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource, last_name, read_toml
 from ros2lab.diagnose.sources.spelling import nearest
 
 _READERS = ("DictReader", "load", "safe_load", "loads", "read")
@@ -221,4 +221,4 @@ def _below(tree: Any) -> Iterator[tuple[str, ...]]:
 
 
 def _name(call: ast.Call) -> str:
-    return getattr(call.func, "attr", getattr(call.func, "id", ""))
+    return last_name(call.func)

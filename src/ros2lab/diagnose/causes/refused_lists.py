@@ -9,7 +9,7 @@ from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources.calls import fitting
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to, last_name
 from ros2lab.diagnose.sources.spelling import with_article
 
 _SAYS = re.compile(
@@ -119,10 +119,7 @@ def _item(element: ast.expr, kind: str) -> str:
     if isinstance(element, ast.Constant):
         is_right = type(element.value).__name__ == kind
         return ast.unparse(element) if is_right else fitting(kind, element) or ast.unparse(element)
-    is_called = (
-        isinstance(element, ast.Call)
-        and getattr(element.func, "id", getattr(element.func, "attr", "")) == kind
-    )
+    is_called = isinstance(element, ast.Call) and last_name(element.func) == kind
     is_text = isinstance(element, ast.JoinedStr) and kind == "str"
     return ast.unparse(element) if is_called or is_text else _made(kind, ast.unparse(element))
 
@@ -137,8 +134,7 @@ def _assigned_once(value: ast.expr, source: PythonSource) -> ast.expr:
     found = Spot(source, value.lineno).assigned(ast.unparse(value))
     if not found and isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name):
         bodies = [node.body for node in source.nodes if isinstance(node, ast.ClassDef)]
-        rows = [statement for body in bodies for statement in body if isinstance(statement, ast.Assign)]
-        found = [row.value for row in rows if value.attr in map(ast.unparse, row.targets)]
+        found = assigned_to((statement for body in bodies for statement in body), value.attr)
     return found[0] if len(found) == 1 and isinstance(value, (ast.Name, ast.Attribute)) else value
 
 

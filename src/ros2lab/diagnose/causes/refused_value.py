@@ -12,7 +12,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import PythonSource, walk
+from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to, walk
 
 _SAYS = re.compile(r"The '(?P<field>\w+)' field must be (?P<what>.+)")
 _RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>\d+)\]")
@@ -140,12 +140,7 @@ def _declared_empty(source: PythonSource, value: ast.expr) -> ast.Call | None:
 
 def _declarations(source: PythonSource, value: ast.expr) -> Iterator[ast.Call]:
     """Yield the calls that declare the parameter that a value comes from."""
-    text = ast.unparse(value)
-    made = [
-        node.value
-        for node in source.nodes
-        if isinstance(node, ast.Assign) and text in map(ast.unparse, node.targets)
-    ]
+    made = assigned_to(source.nodes, ast.unparse(value))
     calls = [node for expression in (value, *made) for node in walk(expression) if isinstance(node, ast.Call)]
     asked = {_first_text(call) for call in calls if getattr(call.func, "attr", "") == "get_parameter"}
     own = {id(call) for call in calls}

@@ -53,22 +53,12 @@ def may_be_of_subclass(kind: str, name: str, spot: Spot, sources: Iterable[Pytho
     own = {definition.name for definition in classes}
     if not kind or (values and all(_is_made(spot, value, {kind, *own}) for value in values)):
         return False
-    around = _class_around(spot) if {*map(ast.unparse, values)} == {"self"} else ""
-    if around:
-        return _is_given_below(around, name, classes)
+    around = spot.source.class_at(spot.line) if spot.source else None
+    if around and {*map(ast.unparse, values)} == {"self"}:
+        return _is_given_below(around.name, name, classes)
     return _is_given_below(kind, name, classes) or (
         kind not in own and _is_given_in_library(spot, kind, name)
     )
-
-
-def _class_around(spot: Spot) -> str:
-    """Return the name of the innermost class around a line; empty if there is none."""
-    around = [
-        node
-        for node in (spot.source.nodes if spot.source else ())
-        if isinstance(node, ast.ClassDef) and node.lineno <= spot.line <= (node.end_lineno or 0)
-    ]
-    return max(around, key=lambda node: node.lineno).name if around else ""
 
 
 def _is_made(spot: Spot, value: ast.expr, kinds: Collection[str]) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.calls import example_of, fitting, meant_call, one_each, whole_call
 from ros2lab.diagnose.sources.own_functions import own_function
-from ros2lab.diagnose.sources.python_source import PythonSource, parameters
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to, parameters
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of
 
 _NOTHING = "..."  # a keyword argument with this value is left out
@@ -45,7 +45,7 @@ def given_another(source: PythonSource, call: ast.Call, value: ast.expr, wanted:
     example = meant or example_of(Parameter("", wanted, "", is_positional=True))
     passed_on = {
         id(argument): _called_with(source, argument, value)
-        for argument in _values(call)
+        for argument in given_to(call)
         if argument is not value
     }
     ways = [{key: text} for key, text in passed_on.items() if text]
@@ -78,10 +78,6 @@ def argument_at(call: ast.Call, line: int, column: int) -> ast.expr | None:
     places = {(argument.lineno, argument.col_offset): argument for argument in call.args}
     places |= {(keyword.lineno, keyword.col_offset): keyword.value for keyword in call.keywords}
     return places.get((line, column))
-
-
-def _values(call: ast.Call) -> list[ast.expr]:
-    return [*call.args, *(keyword.value for keyword in call.keywords)]
 
 
 def _with(call: ast.Call, new: Mapping[int, str]) -> str:

@@ -11,7 +11,7 @@ from ros2lab.diagnose.checking.doubts import type_name
 from ros2lab.diagnose.checking.trials import Edit, type_of
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, parameters
 
 _ANYTHING = "'_anything_'"  # a type that no file defines is one about which nothing is known
 _DEEPEST = 3  # calls through which a value is followed
@@ -69,13 +69,13 @@ def _given(
     for home in own.sources.values() if depth < _DEEPEST else ():
         direct = set[int]()
         for call in home.nodes:
-            if isinstance(call, ast.Call) and _named(call.func) == function.name:
+            if isinstance(call, ast.Call) and last_name(call.func) == function.name:
                 direct.add(id(call.func))
                 by_name = {keyword.arg: keyword.value for keyword in call.keywords}
                 value = by_name.get(name) or dict(zip(names, call.args, strict=False)).get(name)
                 yield from _kinds(home, value, source, own, depth) if value is not None else ()
         # Whatever it is passed to may call it with anything.
-        yield from ("" for node in home.nodes if _named(node) == function.name and id(node) not in direct)
+        yield from ("" for node in home.nodes if last_name(node) == function.name and id(node) not in direct)
 
 
 def _kinds(
@@ -94,8 +94,3 @@ def _kinds(
 
 def _name(parameter: ast.arg) -> str:
     return parameter.arg
-
-
-def _named(node: ast.AST) -> str:
-    """Return the last part of a name; empty for another node."""
-    return str(getattr(node, "id", getattr(node, "attr", "")))

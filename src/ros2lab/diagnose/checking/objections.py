@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.construction import is_of_construction
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, read_source, read_text
 
 # Types about which there is no doubt: no unions and no containers.
 _PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|")
@@ -196,7 +196,7 @@ def _may_be_given(own: NodeSources | None, owner: str, name: str) -> bool:
 def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:
     """Return whether a line instantiates a class in a variable, which may take other arguments."""
     given = {node.arg for node in source.nodes if isinstance(node, ast.arg)}
-    given |= {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    given |= names_bound(source.nodes)
     called = [n.func for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
     return owner.endswith(".__init__") and any(
         isinstance(function, ast.Subscript)

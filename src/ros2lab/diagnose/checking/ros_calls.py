@@ -7,6 +7,7 @@ import ast
 from ros2lab.diagnose.checking.type_words import made_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.one_run import blocks
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 
 _GIVEN = {"create_subscription": "each message", "create_service": "each request"}
@@ -40,11 +41,7 @@ def _instead(spot: Spot, statement: ast.Expr, node: str) -> str:
     if node and (is_repeated or not spins):
         turn = "spin_once" if is_repeated else "spin"
         return f"write `rclpy.{turn}({node})` instead of `{text}`"
-    is_alone = any(
-        getattr(n, part, None) == [statement]
-        for n in (spot.source.nodes if spot.source else ())
-        for part in ("body", "orelse", "finalbody")
-    )
+    is_alone = any([statement] in blocks(n) for n in (spot.source.nodes if spot.source else ()))
     return f"write `pass` instead of `{text}`" if is_alone else f"remove `{text}`"
 
 

@@ -233,18 +233,6 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
     return "argument-type", *not_taken(short, said.get("value", ""), said["wanted"], said["given"])
 
 
-def _unset(name: str, spot: Spot) -> tuple[str, str] | None:
-    """Return why the class around a line has no such attribute, and what to write; None if its uses do not tell."""
-    for node in spot.source.nodes if spot.source else ():
-        if (
-            isinstance(node, ast.ClassDef)
-            and node.lineno <= spot.line <= (node.end_lineno or 0)
-            and spot.source
-        ):
-            return unset(spot.source, node, name)
-    return None
-
-
 def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> tuple[str, str]:
     cause = f"{plain(owner)} has no {name}."
     if close := in_place_of(name, owner, spot, look, said):
@@ -258,7 +246,8 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> t
             else (cause, f"write {close}")
         )
     if owner.startswith("Self@"):
-        if told := _unset(name, spot):
+        around = spot.source.class_at(spot.line) if spot.source else None
+        if spot.source and around and (told := unset(spot.source, around, name)):
             return told
         cause = f"self.{name} is used here, but nothing in the class sets it."
         return cause, f"write self.{name} = ... in __init__, with its initial value"

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ros2lab.diagnose.code.unknown_names import FUNCTIONS, Unknown, also_on, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import last_name, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import edits
 
 _NEAR = 2  # letters that differ
@@ -89,7 +89,7 @@ def _held(unknown: Unknown, scope: ast.AST, *, is_node: bool) -> Iterator[str]:
 
 
 def _fits(unknown: Unknown, call: ast.Call, *, is_node: bool) -> bool:
-    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    name = last_name(call.func)
     members = _members(unknown, name)
     is_made = is_own_node(unknown, name) or name == "create_node"
     return (is_made or not is_node) and bool(members) and unknown.attributes <= members

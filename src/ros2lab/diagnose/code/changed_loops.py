@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.one_run import blocks
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
@@ -135,11 +136,8 @@ def _bodies(statement: ast.AST) -> Iterator[tuple[bool, list[ast.stmt]]]:
     if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
         return
     is_loop = isinstance(statement, (ast.For, ast.While, ast.AsyncFor))
-    for field in ("body", "orelse", "finalbody"):
-        if body := getattr(statement, field, None):
-            yield is_loop, body
-    for inner in (*getattr(statement, "handlers", ()), *getattr(statement, "cases", ())):
-        yield is_loop, inner.body
+    for part in (statement, *getattr(statement, "handlers", ()), *getattr(statement, "cases", ())):
+        yield from ((is_loop, body) for body in blocks(part))
 
 
 def _paths(body: list[ast.stmt], above: _Path, *, is_loop: bool = False) -> Iterator[_Path]:

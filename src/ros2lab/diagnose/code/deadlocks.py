@@ -8,9 +8,17 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, returns_value
+from ros2lab.diagnose.sources.one_run import blocks
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    given_to,
+    last_name,
+    own_nodes,
+    returns_value,
+)
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
 _FREE = frozenset(("MultiThreadedExecutor", "ReentrantCallbackGroup"))
@@ -86,7 +94,7 @@ def deadlocks(sources: NodeSources) -> Iterator[Finding]:
     seen: set[int] = set()
     for callback in _callbacks(sources):
         source, function = callback.source, callback.function
-        names = {getattr(n, "id", getattr(n, "attr", "")) for n in source.nodes}
+        names = {last_name(n) for n in source.nodes}
         if id(function) in seen or names & _FREE:
             continue
         seen.add(id(function))
@@ -100,7 +108,7 @@ def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
         for owner, _function, call in sources.scoped(source):
             if not isinstance(call, ast.Call) or not _is_of_ros(source, call):
                 continue
-            for given in (*call.args, *(keyword.value for keyword in call.keywords)):
+            for given in given_to(call):
                 name = given.attr if is_self_attribute(given) else ""
                 function = sources.method(owner, name) if owner and name else None
                 function = function or _plain(source, given)
@@ -188,9 +196,8 @@ def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> 
     source, function, first = callback.source, callback.function, waits[0]
     text = ast.unparse(first.node.test if isinstance(first.node, ast.While) else first.node)
     cause = f"{function.name}() is called by the executor, and `{text}` in it waits for an answer that the executor cannot receive until {function.name}() has returned."
-    block = next(
-        (statements for statements in _blocks(function) if first.statement in statements), function.body
-    )
+    held = (block for node in (function, *own_nodes(function)) for block in blocks(node))
+    block = next((statements for statements in held if first.statement in statements), function.body)
     is_whole = block is function.body and not any(isinstance(wait.future, ast.Constant) for wait in waits)
     if all(isinstance(wait.future, ast.Constant) for wait in waits):
         fix = f"remove `{text}`: rclpy calls the callbacks it waits for once {function.name}() has returned"
@@ -203,19 +210,11 @@ def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> 
     return Finding("callback-waits", cause, source.at(first.node), fix)
 
 
-def _blocks(function: Function) -> Iterator[list[ast.stmt]]:
-    for node in (function, *own_nodes(function)):
-        for name in ("body", "orelse", "finalbody"):
-            block = getattr(node, name, None)
-            if isinstance(block, list):
-                yield block
-
-
 def _later(source: PythonSource, function: Function, first: _Wait) -> str:
     """Say how the lines after the wait become a function that is called when the answer arrives."""
     rows = _rows(source, function, function.body[function.body.index(first.statement) :])
     last = function.body[-1].end_lineno or function.body[-1].lineno
-    return f"write these lines instead of {_range(first.statement.lineno, last)}:\n{textwrap.indent(chr(10).join(rows), '        ')}"
+    return f"write these lines instead of {lines_in_words(first.statement.lineno, last)}:\n{textwrap.indent(chr(10).join(rows), '        ')}"
 
 
 def _rows(source: PythonSource, function: Function, rest: Sequence[ast.stmt]) -> list[str]:
@@ -248,7 +247,7 @@ def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
         awaited = f"await {ast.unparse(wait.asked)}"
         written = wait.with_answer(awaited) or awaited
         last = wait.statement.end_lineno or wait.statement.lineno
-        edits.append(f"`{written}` on {_range(wait.statement.lineno, last)}")
+        edits.append(f"`{written}` on {lines_in_words(wait.statement.lineno, last)}")
     return f"write {', '.join(edits)}{_grouped(callback, waits)}"
 
 
@@ -262,7 +261,7 @@ def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSource
         name = ast.unparse(wait.future) if isinstance(wait.future, ast.Name) else "future"
         made = "" if isinstance(wait.future, ast.Name) else f"{name} = {ast.unparse(wait.asked)}`, and `"
         edits.append(
-            f"`{made}while not {name}.done(): time.sleep(0.01)` in {_range(wait.statement.lineno, last)}"
+            f"`{made}while not {name}.done(): time.sleep(0.01)` in {lines_in_words(wait.statement.lineno, last)}"
         )
     if edits and "time" not in callback.source.names:
         edits[-1] += ", with `import time` at the top"
@@ -304,7 +303,3 @@ def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
 
 def _client_of(call: ast.expr | None) -> ast.expr | None:
     return call.func.value if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) else None
-
-
-def _range(first: int, last: int) -> str:
-    return f"line {first}" if first == last else f"lines {first}-{last}"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, defaults_of, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS
 
@@ -34,7 +34,7 @@ def defined_once(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _defaults(source: PythonSource, owner: NodeClass | None, function: Function) -> Iterator[Finding]:
-    for name, default in _given(function):
+    for name, default in defaults_of(function).items():
         first = f"write {name}=None here, and `if {name} is None: {name} = {ast.unparse(default)}` as the first line of {function.name}()"
         if call := _changing(source, default):
             cause = f"The default {ast.unparse(call)} is computed once, when {function.name}() is defined, so each call without {name} gets the same value."
@@ -42,17 +42,6 @@ def _defaults(source: PythonSource, owner: NodeClass | None, function: Function)
         elif _is_literal(default) and (changed := _changed(owner, function, name)):
             cause = f"All calls of {function.name}() without {name} share one {ast.unparse(default)}, and line {changed} changes it for all of them."
             yield Finding("one-object", cause, source.at(default), first)
-
-
-def _given(function: Function) -> Iterator[tuple[str, ast.expr]]:
-    """Yield the names of the parameters that have a default, each with the default."""
-    places = [*function.args.posonlyargs, *function.args.args]
-    defaults = function.args.defaults
-    for parameter, default in zip(places[len(places) - len(defaults) :], defaults, strict=True):
-        yield parameter.arg, default
-    for parameter, keyword_default in zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True):
-        if keyword_default is not None:
-            yield parameter.arg, keyword_default
 
 
 def _changing(source: PythonSource, value: ast.expr) -> ast.Call | None:

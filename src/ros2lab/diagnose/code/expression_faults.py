@@ -14,11 +14,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import is_steady
-from ros2lab.diagnose.sources.python_source import (
-    PythonSource,
-    children,
-    own_nodes,
-)
+from ros2lab.diagnose.sources.python_source import PythonSource, children, given_to, last_name, own_nodes
 from ros2lab.diagnose.sources.spelling import nearest
 
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
@@ -57,7 +53,7 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
 
 def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
     """Yield lambdas passed to ROS that name a function instead of calling it."""
-    for given in (*call.args, *(keyword.value for keyword in call.keywords)):
+    for given in given_to(call):
         if isinstance(given, ast.Lambda) and getattr(given.body, "is_function", False):
             text = ast.unparse(given.body)
             cause = f"`{ast.unparse(given)}` returns {text} without ever calling it."
@@ -143,7 +139,7 @@ def _is_taken_apart(source: PythonSource, node: ast.AST) -> bool:
         around = [n for n in source.nodes if isinstance(n, ast.FunctionDef) and node in own_nodes(n)]
         calls = [n for n in source.nodes if isinstance(n, ast.Call)]
         last = {function.name for function in around}
-        names = {ast.unparse(n) for n in calls if getattr(n.func, "attr", getattr(n.func, "id", "")) in last}
+        names = {ast.unparse(n) for n in calls if last_name(n.func) in last}
         if not names and not any(isinstance(n, ast.Call) for n in children(node)):
             return True  # a library may call it and expect a tuple
     passed = (

@@ -16,8 +16,16 @@ from ros2lab.diagnose.sources.node_source import (
     NodeSources,
     is_self_attribute,
 )
-from ros2lab.diagnose.sources.one_run import is_steady
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.one_run import blocks, is_steady
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    given_to,
+    last_name,
+    names_bound,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import dotted
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
@@ -38,7 +46,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield faults in the control flow of a package, and others that raise no error."""
     for source in sources.sources.values():
         for _owner, function, node in sources.scoped(source):
-            for block in _blocks(node):
+            for block in blocks(node):
                 yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
                 yield from _disordered(sources, source, block)
         yield from _bound_late(source)
@@ -62,15 +70,13 @@ def _bound_late(source: PythonSource) -> Iterator[Finding]:
         names = {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
         calls = (n for n in own_nodes(loop) if isinstance(n, ast.Call))
         made = [n for n in calls if getattr(n.func, "attr", "") in CREATORS]
-        for given in (
-            argument for call in made for argument in (*call.args, *(k.value for k in call.keywords))
-        ):
+        for given in (argument for call in made for argument in given_to(call)):
             if not isinstance(given, ast.Lambda):
                 continue
             inner = [*walk(given)]
             asked = {n.id for n in ast.walk(given.body) if isinstance(n, ast.Name)}
             bound = {n.arg for n in inner if isinstance(n, ast.arg)}
-            bound |= {n.id for n in inner if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+            bound |= names_bound(inner)
             late = sorted(asked & names - bound)
             if late:
                 takes = [*filter(None, [ast.unparse(given.args)]), *(f"{name}={name}" for name in late)]
@@ -130,12 +136,7 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     words = set(text.rpartition(".")[2].lower().split("_"))
     if given is None or not words & _FREQUENCIES or words & _PERIODS:
         return
-    values = [
-        sources.value(creation.source, node.value)
-        for node in creation.source.nodes
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == text
-    ]
-    value = values[0] if len(values) == 1 else sources.value(creation.source, given)
+    value = sources.value(creation.source, sources.written(creation.source, given))
     if isinstance(value, (int, float)) and value > 1:
         cause = f"Judging by its name, {text} is a frequency, but a timer takes a period in seconds: this one fires every {value:g} s."
         yield Finding("period", cause, creation.source.at(given), f"write 1.0 / {text}")
@@ -170,13 +171,6 @@ def _is_variant(stem: str, other: str) -> bool:
     """Return whether one name has all the words of the other and at least one more."""
     words, others = (set(re.findall("[A-Za-z]+", name)) for name in (stem, other))
     return words < others or others < words
-
-
-def _blocks(node: ast.AST) -> Iterator[list[ast.stmt]]:
-    for name in ("body", "orelse", "finalbody"):
-        block = getattr(node, name, None)
-        if isinstance(block, list) and block and isinstance(block[0], ast.stmt):
-            yield block
 
 
 def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) -> Iterator[Finding]:
@@ -276,7 +270,7 @@ def _disordered(sources: NodeSources, source: PythonSource, block: list[ast.stmt
 def _may_end(sources: NodeSources, spin: ast.stmt) -> bool:
     """Return whether a spin may end before Ctrl-C: by a callback's error that is caught, or by a shutdown."""
     caught = {
-        getattr(inner, "id", getattr(inner, "attr", ""))
+        last_name(inner)
         for handler in walk(spin)
         if isinstance(handler, ast.ExceptHandler)
         for inner in (walk(handler.type) if handler.type else [ast.Name("BaseException")])

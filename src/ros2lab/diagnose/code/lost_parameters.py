@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, parameters, walk
 from ros2lab.diagnose.sources.spelling import snake_case
 
 CODE = "callback-arguments"
@@ -192,7 +192,7 @@ def _passes(
 
 def _as_passed(call: ast.Call, names: Sequence[str]) -> list[str]:
     """Return parameters in the order in which a call passes variables of the same names, the others between."""
-    given = [getattr(value, "attr", getattr(value, "id", "")) for value in call.args[-len(names) :]]
+    given = [last_name(value) for value in call.args[-len(names) :]]
     rest = [name for name in names if name not in given]
     return [name if name in names else rest.pop(0) for name in given if name in names or rest] + rest
 
@@ -214,7 +214,7 @@ def named_by(call: ast.Call, number: int) -> list[str]:
     """Return names for the last arguments of a call, after what is passed there."""
     found: list[str] = []
     for value in call.args[-number:]:
-        name = getattr(value, "attr", getattr(value, "id", "")) or "value"
+        name = last_name(value) or "value"
         name = snake_case(name).strip("_") or "value"
         found.append(name if name not in found else f"{name}_{len(found) + 1}")
     return found

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator
 
 from ros2lab.diagnose.code.unknown_names import as_code
-from ros2lab.diagnose.sources.python_source import PythonSource, children
+from ros2lab.diagnose.sources.python_source import PythonSource, children, given_to
 from ros2lab.diagnose.sources.signatures import Signature, signature_of
 from ros2lab.diagnose.sources.spelling import same_letters
 
@@ -48,7 +48,7 @@ def _near(source: PythonSource, call: ast.Call) -> Iterator[ast.Call]:
         node = above.get(id(node))
         if isinstance(node, ast.Call):
             yield node
-    for value in (*call.args, *(keyword.value for keyword in call.keywords)):
+    for value in given_to(call):
         yield from (inner for inner in ast.walk(value) if isinstance(inner, ast.Call))
 
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, names_bound
 from ros2lab.diagnose.sources.uses import is_log
 
 # Braces after `$`, `^` or a command of TeX belong to another language.
@@ -52,7 +52,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
 def _names(source: PythonSource) -> set[str]:
     """Return the names that a file defines, such as `count` and `self.count`."""
     own = {f"self.{n.attr}" for n in source.nodes if is_self_attribute(n)}
-    bound = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    bound = names_bound(source.nodes)
     return own | bound | {n.arg for n in source.nodes if isinstance(n, ast.arg)}
 
 

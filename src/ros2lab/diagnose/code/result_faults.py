@@ -10,7 +10,15 @@ from ros2lab.diagnose.code.lost_fillings import is_shared, lost_fillings
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assigned_to,
+    last_name,
+    own_nodes,
+    parameters,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses, filled, is_log, values_in
 
@@ -62,11 +70,7 @@ def _may_be_message(source: PythonSource, owner: NodeClass | None, given: ast.ex
     """Return whether an argument of publish() may be a message; `publish-text` reports those that cannot."""
     if isinstance(given, ast.Name):
         return True
-    made = [
-        node.value
-        for node in walk(owner.definition if owner else source.tree)
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == ast.unparse(given)
-    ]
+    made = assigned_to(walk(owner.definition if owner else source.tree), ast.unparse(given))
     return any(
         isinstance(value, ast.Call) and is_interface(source.resolve(value.func)) for value in (given, *made)
     )
@@ -217,7 +221,7 @@ def _assigned_together(function: Function) -> dict[int, set[str]]:
 def _is_fetched(value: ast.expr) -> bool:
     """Return whether an expression only fetches a value; a computed one may be a leftover."""
     calls = [node for node in walk(value) if isinstance(node, ast.Call)]
-    names = {getattr(call.func, "id", getattr(call.func, "attr", "")) for call in calls}
+    names = {last_name(call.func) for call in calls}
     return not isinstance(value, (ast.BinOp, ast.Constant)) and names <= _PURE | {"get_parameter"}
 
 

@@ -14,7 +14,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.spots import place_of, spot_at
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes, read_text
 from ros2lab.diagnose.sources.static_value import evaluate, expression
 
 _MOST_OF_TESTS = 20_000  # characters of the test results
@@ -109,9 +109,7 @@ def _literal(text: str) -> object:
 
 def _returns_nothing(tested: ast.expr, look: Look) -> tuple[PythonSource, ast.FunctionDef] | None:
     """Return the function that a test calls, with its source, if it returns no value; else None."""
-    name = (
-        getattr(tested.func, "attr", getattr(tested.func, "id", "")) if isinstance(tested, ast.Call) else ""
-    )
+    name = last_name(tested.func) if isinstance(tested, ast.Call) else ""
     for package in look.packages:
         for source in package.sources.values():
             for node in source.nodes:

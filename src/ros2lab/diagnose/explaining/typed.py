@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.finding import Finding, at, shown_path
+from ros2lab.diagnose.launching.misplaced_values import OPTIONS
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
@@ -20,8 +21,6 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest, plain_signs
 
-# Options that ROS reads only after --ros-args.
-_OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
 # Codes of faults that keep a node from being found, or from publishing anything.
 _SILENCE = frozenset(
     (
@@ -267,7 +266,7 @@ def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
 
 
 def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
-    options = [word for word in rest if word in _OF_ROS]
+    options = [word for word in rest if word in OPTIONS]
     if options and "--ros-args" not in rest:
         better = line.replace(options[0], f"--ros-args {options[0]}", 1)
         cause = f"There is no --ros-args before {options[0]}, so ROS does not read it and the node keeps its own values."

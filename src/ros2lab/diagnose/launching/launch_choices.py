@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection, Iterator
 
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to
 
 # A piece of an expression as it is written in the file: plain text, or a substitution.
 _Part = tuple[bool, str]  # whether it is a substitution, and its text
@@ -76,8 +76,7 @@ def _of_statement(
 
 def _value_before(choice: ast.If, name: str, source: PythonSource) -> ast.expr | None:
     """Return the last value assigned to a name above an `if`; None if there is none."""
-    rows = (node for node in source.nodes if isinstance(node, ast.Assign) and node.lineno < choice.lineno)
-    values = [row.value for row in rows if name in map(ast.unparse, row.targets)]
+    values = [value for value in assigned_to(source.nodes, name) if value.lineno < choice.lineno]
     return values[-1] if values else None
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import heads_of, signature_of
 
 _NAME, _SUBSTITUTION, _CONDITION = "a name in quotes", "a substitution", "a condition"
@@ -27,7 +27,7 @@ _IS_NAMED = frozenset(("package", "executable", "plugin", "name", "exec_name", "
 
 def kind_faults(source: PythonSource) -> Iterator[Finding]:
     """Yield arguments of launch's classes that are of the wrong kind, as far as the right one can be written."""
-    for call in _calls(source):
+    for call in calls_of_launch(source):
         for wanted, value in _given(source, call):
             kind = _kind(source, value)
             new = _as(source, value, wanted) if kind and kind != wanted else ""
@@ -49,7 +49,7 @@ def _included_kinds(source: PythonSource) -> Iterator[Finding]:
         kind = name.removesuffix("LaunchDescriptionSource")
         if not isinstance(call, ast.Call) or kind not in _INCLUDED or kind == name:
             continue
-        made = [_made(source, value) for value in (*call.args[:1], *(k.value for k in call.keywords))]
+        made = [source.written(value) for value in (*call.args[:1], *(k.value for k in call.keywords))]
         texts = [n.value for value in made for n in ast.walk(value) if isinstance(n, ast.Constant)]
         file = texts[-1] if texts and isinstance(texts[-1], str) else ""
         other = endings.get(PurePosixPath(file).suffix, kind)
@@ -59,7 +59,8 @@ def _included_kinds(source: PythonSource) -> Iterator[Finding]:
             yield Finding("launch-argument", cause, source.at(call), fix, (file.rpartition("/")[2],))
 
 
-def _calls(source: PythonSource) -> Iterator[ast.Call]:
+def calls_of_launch(source: PythonSource) -> Iterator[ast.Call]:
+    """Yield the calls of what belongs to launch."""
     for node in source.nodes:
         if isinstance(node, ast.Call) and (source.resolve(node.func) or "").startswith(
             ("launch.", "launch_ros.")
@@ -67,34 +68,29 @@ def _calls(source: PythonSource) -> Iterator[ast.Call]:
             yield node
 
 
+def named_arguments(source: PythonSource, call: ast.Call) -> list[tuple[str, ast.expr]]:
+    """Return the arguments of a call with the names of their parameters, as far as they are known."""
+    signature = signature_of(source, call)
+    named = [
+        parameter.name for parameter in (signature.parameters if signature else ()) if parameter.is_positional
+    ]
+    return [*zip(named, call.args, strict=False), *((k.arg or "", k.value) for k in call.keywords)]
+
+
 def _given(source: PythonSource, call: ast.Call) -> Iterator[tuple[str, ast.expr]]:
     """Yield the arguments of a call, each with the kind that is wanted there, where that is only one kind."""
     signature = signature_of(source, call)
     parameters = signature.parameters if signature else ()
     types = {parameter.name: parameter.type for parameter in parameters} | {"condition": "Condition"}
-    named = [parameter.name for parameter in parameters if parameter.is_positional]
-    given = [*zip(named, call.args, strict=False), *((k.arg or "", k.value) for k in call.keywords)]
-    for name, value in given:
+    for name, value in named_arguments(source, call):
         kinds = {_WANTED.get(head, "") for head in heads_of(types.get(name, ""))}
         if len(kinds) == 1 and (kind := kinds.pop()):
             yield kind, value
 
 
-def _made(source: PythonSource, value: ast.expr) -> ast.expr:
-    """Return the expression that a variable with only one value stands for, or the expression itself."""
-    if not isinstance(value, ast.Name):
-        return value
-    assigned = [
-        node.value
-        for node in source.nodes
-        if isinstance(node, ast.Assign) and any(ast.unparse(target) == value.id for target in node.targets)
-    ]
-    return assigned[0] if len(assigned) == 1 else value
-
-
 def _class(source: PythonSource, value: ast.expr) -> tuple[str, str]:
     """Return the module and the name of the class that an expression makes; empty if it makes none of launch's."""
-    made = _made(source, value)
+    made = source.written(value)
     target = (source.resolve(made.func) or "") if isinstance(made, ast.Call) else ""
     module, _, name = target.rpartition(".")
     return next(((known, name) for known in _MADE if f"{module}.".startswith(f"{known}.")), ("", ""))
@@ -114,7 +110,7 @@ def _with_class(source: PythonSource, value: ast.expr) -> str:
 
 def _as(source: PythonSource, value: ast.expr, wanted: str) -> str:
     """Return an expression rewritten as another kind; empty if that is not known."""
-    made, (_, name) = _made(source, value), _class(source, value)
+    made, (_, name) = source.written(value), _class(source, value)
     kind = _kind(source, value)
     if wanted == _NAME and name == "LaunchConfiguration":
         return ast.unparse(_arguments(made)[0]) if _arguments(made) else ""
@@ -148,13 +144,13 @@ def _as_substitution(source: PythonSource, made: ast.expr, name: str) -> str:
 
 
 def _arguments(call: ast.expr) -> list[ast.expr]:
-    return [*call.args, *(keyword.value for keyword in call.keywords)] if isinstance(call, ast.Call) else []
+    return given_to(call) if isinstance(call, ast.Call) else []
 
 
 def _plain_words(source: PythonSource) -> Iterator[Finding]:
     """Yield texts that are only the name of a declared argument, where its value is meant."""
     declared, read = set(), set()
-    for call in _calls(source):
+    for call in calls_of_launch(source):
         name = (source.resolve(call.func) or "").rpartition(".")[2]
         texts = [
             a.value for a in _arguments(call)[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str)
@@ -163,7 +159,7 @@ def _plain_words(source: PythonSource) -> Iterator[Finding]:
             declared.update(texts)
         elif "LaunchConfiguration" in name:
             read.update(texts)
-    for call in _calls(source):
+    for call in calls_of_launch(source):
         for word, form in _words(source, call):
             name = _VAR.sub(r"\1", str(word.value))
             if name in declared and (form or name != word.value or name not in read):

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_choices import choice_when_it_runs
 from ros2lab.diagnose.launching.opaque_functions import as_opaque_function, needed_at_once, runs_at_once
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 
 
 def used_too_early(source: PythonSource) -> Iterator[Finding]:
@@ -72,7 +72,7 @@ def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
         ):
             return [value]
         case ast.Call() if runs_at_once(source, node):
-            given = [*node.args, *(keyword.value for keyword in node.keywords)]
+            given = given_to(node)
             return [inner for argument in given for inner in getattr(argument, "elts", [argument])]
     return []
 

@@ -9,11 +9,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 
 def as_logged(call: ast.Call, source: PythonSource) -> str:
     """Return the logger call that replaces a print; empty outside a method, where there is no node."""
-    around = [
-        node
-        for node in source.nodes
-        if isinstance(node, ast.FunctionDef) and node.lineno <= call.lineno <= (node.end_lineno or 0)
-    ]
+    around = source.around(call.lineno, ast.FunctionDef)
     if not any([argument.arg for argument in node.args.args][:1] == ["self"] for node in around):
         return ""
     text = _text_of(call)

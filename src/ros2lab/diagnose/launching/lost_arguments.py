@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.finding import SAID, Finding
-from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, names_read, read_text
 
 _MISSING = re.compile(r"launch configuration '(?P<name>[^']+)' does not exist")
 
@@ -46,7 +46,7 @@ def lost_argument(said: str, path: Path, source: PythonSource, files: Iterable[P
 
 def _not_added(name: str, source: PythonSource) -> Iterator[Finding]:
     """Yield the declaration of an argument that is kept in a variable which nothing uses."""
-    read = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+    read = names_read(source.nodes)
     for node in source.nodes:
         match node:
             case ast.Assign(targets=[ast.Name(id=kept)], value=ast.Call() as made):

@@ -11,10 +11,11 @@ from collections.abc import Iterator
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import signature_of
-from ros2lab.diagnose.sources.static_value import UNKNOWN, evaluate
+from ros2lab.diagnose.sources.static_value import evaluate
 
 _WORDS = ("arguments", "ros_arguments", "cmd")  # what takes a list of words
-_OPTIONS = frozenset(("-p", "--param", "-r", "--remap", "-e", "--log-level", "--params-file"))
+# Options that ROS reads only after --ros-args.
+OPTIONS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
 
 
 def misplaced_values(source: PythonSource) -> Iterator[Finding]:
@@ -89,10 +90,10 @@ def _form(value: ast.expr) -> tuple[str, str]:
     if all(isinstance(item, ast.Dict) for item in items):
         return "parameters", f"[{', '.join(map(ast.unparse, items))}]"
     texts = [evaluate(item, {}, {}) for item in items]
-    words = [text for text in texts if isinstance(text, str) and ":=" in text and text not in _OPTIONS]
+    words = [text for text in texts if isinstance(text, str) and ":=" in text and text not in OPTIONS]
     if len(words) == len(items):
         pairs = (word.partition(":=") for word in words)
-        return "parameters", f"[{{{', '.join(f'{old!r}: {_value(new)!r}' for old, _, new in pairs)}}}]"
+        return "parameters", f"[{{{', '.join(f'{old!r}: {value_of(new)!r}' for old, _, new in pairs)}}}]"
     if all(isinstance(item, ast.Tuple) and len(item.elts) == 2 for item in items):
         pairs_of = [item.elts for item in items if isinstance(item, ast.Tuple)]
         values = ", ".join(f"{ast.unparse(old)}: {ast.unparse(new)}" for old, new in pairs_of)
@@ -126,16 +127,12 @@ def _options(value: ast.expr) -> str:
     return f"ros_arguments={[part for word in words for part in ('-p', word)]!r}"
 
 
-def _value(text: str) -> object:
-    """Return the value that a text stands for."""
+def value_of(text: str) -> object:
+    """Return the value of a text as ROS reads it."""
     if text in ("true", "false"):
         return text == "true"
-    found = UNKNOWN if text.isidentifier() else evaluate(_parsed(text), {}, {})
-    return text if found is UNKNOWN else found
-
-
-def _parsed(text: str) -> ast.expr | None:
     try:
-        return ast.parse(text, mode="eval").body
-    except SyntaxError:
-        return None
+        value = ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        return text
+    return value if isinstance(value, (int, float, str, list)) else text

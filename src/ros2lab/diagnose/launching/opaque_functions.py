@@ -8,8 +8,9 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+from ros2lab.diagnose.finding import lines_in_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, names_read, read_text
 
 # Modules that only hold or pass on their arguments, whatever these are.
 _HOLDING = frozenset(
@@ -46,12 +47,12 @@ def needed_at_once(source: PythonSource, node: ast.AST) -> bool:
     body = _body(source, node)
     names: set[str] = set()
     for statement in body:
-        if node in ast.walk(statement) or _loads(statement) & names:
+        if node in ast.walk(statement) or names_read(ast.walk(statement)) & names:
             names |= _stores(statement)
     calls = (inner for statement in body for inner in ast.walk(statement) if runs_at_once(source, inner))
     for call in calls:
         is_join = source.resolve(call.func) == _JOIN  # type: ignore[attr-defined]
-        if not is_join and (node in ast.walk(call) or _loads(call) & names):
+        if not is_join and (node in ast.walk(call) or names_read(ast.walk(call)) & names):
             return True
     return False
 
@@ -72,7 +73,10 @@ class _Moved:
             case ast.Return(value=value):
                 lists = [n for n in ast.walk(value or statement) if isinstance(n, ast.List)][:1]
                 for action in (
-                    action for sequence in lists for action in sequence.elts if _loads(action) & self.names
+                    action
+                    for sequence in lists
+                    for action in sequence.elts
+                    if names_read(ast.walk(action)) & self.names
                 ):
                     self.actions.append(action)
                     self.lines.update(_lines(action))
@@ -98,7 +102,7 @@ def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.
     moved = _Moved({*made})
     for statement in body:
         is_source = isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) in made
-        if not is_source and (node in ast.walk(statement) or _loads(statement) & moved.names):
+        if not is_source and (node in ast.walk(statement) or names_read(ast.walk(statement)) & moved.names):
             moved.take(statement)
     rows = [f"{name} = {ast.unparse(value)}.perform(context)" for name, value in made.items()]
     rows += [
@@ -158,14 +162,7 @@ def _in_words(lines: set[int]) -> str:
     """Return line numbers in words, consecutive ones as a range."""
     firsts = sorted(line for line in lines if line - 1 not in lines)
     lasts = sorted(line for line in lines if line + 1 not in lines)
-    return " and ".join(
-        f"line {first}" if first == last else f"lines {first}-{last}"
-        for first, last in zip(firsts, lasts, strict=True)
-    )
-
-
-def _loads(node: ast.AST) -> set[str]:
-    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+    return " and ".join(lines_in_words(first, last) for first, last in zip(firsts, lasts, strict=True))
 
 
 def _stores(node: ast.AST) -> set[str]:

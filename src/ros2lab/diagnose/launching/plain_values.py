@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
-from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.launching.launch_kinds import calls_of_launch, named_arguments
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_read, read_text
 from ros2lab.diagnose.sources.static_value import evaluate
 
 _TRUTHS = frozenset(("true", "false", "1", "0", "yes", "no", "on", "off"))
@@ -72,7 +72,7 @@ def _argument(source: PythonSource, node: ast.expr) -> str:
     """Return the launch argument whose text an expression gives in an OpaqueFunction; empty if it gives none."""
     match node:
         case ast.Call(func=ast.Attribute(attr="perform", value=value)):
-            made = _made(source, value)
+            made = source.written(value)
             is_one = isinstance(made, ast.Call) and (source.resolve(made.func) or "").endswith(
                 ".LaunchConfiguration"
             )
@@ -90,15 +90,6 @@ def _argument(source: PythonSource, node: ast.expr) -> str:
         ):
             return name
     return ""
-
-
-def _made(source: PythonSource, value: ast.expr) -> ast.expr:
-    written = [
-        node.value
-        for node in source.nodes
-        if isinstance(node, ast.Assign) and ast.unparse(value) in map(ast.unparse, node.targets)
-    ]
-    return written[0] if isinstance(value, ast.Name) and len(written) == 1 else value
 
 
 def _tests(node: ast.AST) -> Iterator[tuple[ast.expr, bool, ast.expr]]:
@@ -124,16 +115,9 @@ def _tests(node: ast.AST) -> Iterator[tuple[ast.expr, bool, ast.expr]]:
 
 
 def _times(source: PythonSource) -> Iterator[Finding]:
-    for call in source.nodes:
-        if not isinstance(call, ast.Call) or not (source.resolve(call.func) or "").startswith(
-            ("launch.", "launch_ros.")
-        ):
-            continue
-        signature = signature_of(source, call)
-        named = [p.name for p in signature.parameters if p.is_positional] if signature else []
-        given = [*zip(named, call.args, strict=False), *((k.arg or "", k.value) for k in call.keywords)]
-        for name, value in given:
-            number = _number(_made(source, value)) if name in _SECONDS else None
+    for call in calls_of_launch(source):
+        for name, value in named_arguments(source, call):
+            number = _number(source.written(value)) if name in _SECONDS else None
             if number and number >= _LONG and number % 100 == 0 and number % _HALF_HOUR:
                 right = f"{number / 1000:g}" if number % 1000 else f"{number / 1000:.1f}"
                 right = repr(right) if isinstance(evaluate(value, {}, {}), str) else right
@@ -150,7 +134,7 @@ def _number(node: ast.expr) -> float | None:
 
 
 def _unused(source: PythonSource) -> Iterator[Finding]:
-    read = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+    read = names_read(source.nodes)
     inside = [statement for n in source.nodes if isinstance(n, Function) for statement in ast.walk(n)]
     for node in inside:
         match node:

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_file import Launched
+from ros2lab.diagnose.launching.misplaced_values import OPTIONS, value_of
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to, own_nodes
 
 # Modules that read the command line; sys does so only by its argv.
 _READERS = frozenset(("argparse", "optparse", "getopt", "click", "typer", "fire", "docopt", "absl"))
-_OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level"))
 _LONGEST = 60  # signs of words that are shown together
 _NAMES = {"__node": "name", "__name": "name", "__ns": "namespace"}
 
@@ -45,7 +45,7 @@ def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Itera
 
 def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
     """Return a fix that puts the words where they belong, by their form."""
-    if not _OF_ROS.isdisjoint(words):
+    if not OPTIONS.isdisjoint(words):
         return f"write arguments={['--ros-args', *words]!r}"
     pairs = [word.partition(":=")[::2] for word in words if ":=" in word]
     if len(pairs) == len(words):
@@ -55,7 +55,7 @@ def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
             )
         if any(old.startswith(("/", "~")) for old, _ in pairs):
             return f"write remappings={pairs!r} instead of arguments"
-        values = {old: _value(new) for old, new in pairs}
+        values = {old: value_of(new) for old, new in pairs}
         return f"write parameters=[{values!r}] instead of arguments"
     if all(word.endswith((".yaml", ".yml")) for word in words):
         return f"write parameters={[*words]!r} instead of arguments"
@@ -67,23 +67,12 @@ def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
 def _named(words: tuple[str, ...], declared: Mapping[str, object]) -> dict[str, object]:
     """Return the parameters that words are values of: by their options, or a number for the only parameter."""
     options = [
-        (old.removeprefix("--"), _value(new)) for old, new in zip(words[::2], words[1::2], strict=False)
+        (old.removeprefix("--"), value_of(new)) for old, new in zip(words[::2], words[1::2], strict=False)
     ]
     if len(words) % 2 == 0 and all(old in declared for old, _ in options):
         return dict(options)
-    is_number = len(words) == 1 and isinstance(_value(words[0]), (int, float))
-    return {next(iter(declared)): _value(words[0])} if is_number and len(declared) == 1 else {}
-
-
-def _value(text: str) -> object:
-    """Return the value of a text as ROS reads it."""
-    if text in ("true", "false"):
-        return text == "true"
-    try:
-        value = ast.literal_eval(text)
-    except (ValueError, SyntaxError):
-        return text
-    return value if isinstance(value, (int, float, str, list)) else text
+    is_number = len(words) == 1 and isinstance(value_of(words[0]), (int, float))
+    return {next(iter(declared)): value_of(words[0])} if is_number and len(declared) == 1 else {}
 
 
 def _reads_words(source: PythonSource) -> bool:
@@ -107,7 +96,7 @@ def _reads_words(source: PythonSource) -> bool:
         id(given)
         for node in nodes
         if isinstance(node, ast.Call) and source.resolve(node.func) == "rclpy.init"
-        for given in (*node.args, *(keyword.value for keyword in node.keywords))
+        for given in given_to(node)
     }
     return any(
         isinstance(n, ast.Name) and n.id in taken and isinstance(n.ctx, ast.Load) and id(n) not in handed

@@ -22,7 +22,7 @@ from ros2lab.diagnose.checking.trials import Edit, Trial
 from ros2lab.diagnose.sources.calls import as_list, whole_call
 from ros2lab.diagnose.sources.interfaces import fields_of, homes_of, launch_classes_below, launch_homes_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function
+from ros2lab.diagnose.sources.python_source import Function, assigned_to
 from ros2lab.diagnose.sources.signatures import LISTS, Signature, heads_of, signature_by_name, signature_of
 from ros2lab.diagnose.sources.spelling import snake_case
 from ros2lab.diagnose.sources.static_value import evaluate, is_known
@@ -379,9 +379,7 @@ def origins_of(expressions: Iterable[ast.expr], trial: Trial) -> dict[str, ast.e
     for text in texts:
         is_own = text.startswith("self.") and trial.owner
         scope = trial.owner.definition if is_own and trial.owner else trial.spot.function or trial.source.tree
-        for node in ast.walk(scope):
-            if isinstance(node, ast.Assign) and text in map(ast.unparse, node.targets):
-                values.setdefault(text, []).append(node.value)
+        values[text] = assigned_to(ast.walk(scope), text)
     return {
         text: found[0]
         for text, found in values.items()

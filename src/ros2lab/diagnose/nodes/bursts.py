@@ -10,7 +10,7 @@ from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.known_values import definition
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, is_log
@@ -73,7 +73,7 @@ def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Functio
 
 def _is_fast(creation: Creation, call: ast.Call) -> bool:
     """Return whether a call is known to take no time: it makes, fills, logs or publishes a message."""
-    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    name = last_name(call.func)
     known = creation.source.resolve(call.func) or ""
     is_made = is_interface(known) or known in (
         "str",

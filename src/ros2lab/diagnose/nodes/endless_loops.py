@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING
 from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.uses import is_log
 
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
@@ -116,7 +116,7 @@ def _turns(sources: NodeSources, source: PythonSource, loop: ast.While | ast.For
     own = next((o for o in sources.classes.values() if loop in walk(o.definition)), None)
     inside = [*walk(loop)]
     nodes = [*inside, *(n for f in _reached(sources, source, own, inside) for n in own_nodes(f))]
-    return any("spin" in getattr(node, "attr", getattr(node, "id", "")) for node in nodes)
+    return any("spin" in last_name(node) for node in nodes)
 
 
 def _reached(
@@ -139,7 +139,7 @@ def _reached(
 
 def _ends(node: ast.AST) -> bool:
     """Return whether a node ends the program, or rclpy."""
-    name = getattr(node.func, "attr", getattr(node.func, "id", "")) if isinstance(node, ast.Call) else ""
+    name = last_name(node.func) if isinstance(node, ast.Call) else ""
     return name in ("exit", "_exit", "quit", "shutdown", "try_shutdown")
 
 

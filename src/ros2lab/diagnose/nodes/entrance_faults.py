@@ -7,11 +7,11 @@ import re
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
-from ros2lab.diagnose.sources.one_run import calls_in_one_run, is_always_reached
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
 _CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
@@ -47,7 +47,7 @@ def entrance_faults(entrance: Entrance, mains: Collection[str]) -> Iterator[Find
 def _left_aside(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]:
     """Yield a function that makes a node but is never called, in the file of an entrance without a node."""
     source = entrance.source
-    named = {getattr(node, "id", getattr(node, "attr", "")) for node in source.nodes}
+    named = {last_name(node) for node in source.nodes}
     for name, (home, function) in entrance.sources.functions.items():
         if home is not source or entrance.may_do_more or function.name in named or name in mains:
             continue
@@ -344,10 +344,10 @@ def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
     spinning = {id(spin.call): spin.source for spin in entrance.spins if spin.is_lasting}
     for function in entrance.functions:
         for node in walk(function):
-            for block in (getattr(node, "body", None), getattr(node, "orelse", None)):
+            for block in blocks(node):
                 calls = [
                     statement.value
-                    for statement in (block if isinstance(block, list) else ())
+                    for statement in block
                     if isinstance(statement, ast.Expr)
                     and isinstance(statement.value, ast.Call)
                     and id(statement.value) in spinning
@@ -374,7 +374,7 @@ def _names_spin(entrance: Entrance) -> bool:
         named = {id(n.func) for n in walk(function) if isinstance(n, ast.Call)}
         named |= {id(n.value) for n in walk(function) if isinstance(n, ast.Expr)}
         names = (n for n in walk(function) if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in named)
-        if any(getattr(n, "attr", getattr(n, "id", "")) in SPINNING for n in names):
+        if any(last_name(n) in SPINNING for n in names):
             return True
     return False
 
@@ -404,7 +404,7 @@ def _without_with(statement: ast.With, call: ast.Call) -> str:
     if rest:
         return f"write `{alone}` above line {statement.lineno}, and `with {', '.join(rest)}:` there"
     first, last = statement.body[0].lineno, statement.body[-1].end_lineno or statement.body[-1].lineno
-    lines = f"line {first}" if first == last else f"lines {first} to {last}"
+    lines = lines_in_words(first, last)
     return f"write `{alone}` instead of line {statement.lineno}, and move {lines} to the left, below it"
 
 

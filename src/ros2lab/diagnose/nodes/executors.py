@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import Call, Entrance
-from ros2lab.diagnose.sources.python_source import own_nodes, walk
+from ros2lab.diagnose.sources.python_source import given_to, last_name, own_nodes, walk
 
 # These spin with rclpy's own executor and then remove the node from it again.
 _FOR_A_WHILE = frozenset(("rclpy.spin_once", "rclpy.spin_until_future_complete"))
@@ -59,7 +59,7 @@ def several_threads(entrance: Entrance) -> Iterator[Finding]:
 
 
 def _spins_in_thread(thread: Call) -> bool:
-    given = [*thread.call.args, *(keyword.value for keyword in thread.call.keywords)]
+    given = given_to(thread.call)
     return any(thread.source.resolve(value) == "rclpy.spin" for value in given)
 
 
@@ -124,7 +124,7 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
 def _called(nodes: Iterable[ast.AST]) -> set[str]:
     """Return the names of the functions and methods that are called, without what is before the last dot."""
     calls = [n.func for n in nodes if isinstance(n, ast.Call)]
-    return {str(getattr(function, "attr", getattr(function, "id", ""))) for function in calls}
+    return {last_name(function) for function in calls}
 
 
 def _names(function: ast.AST, entrance: Entrance) -> set[str]:
@@ -156,10 +156,7 @@ def _begun_before(entrance: Entrance, added: Call) -> bool:
     """Return whether a thread already spins the executor, so that nothing else may."""
     wanted = f"{_executor(added)}.spin"
     calls = (reached.call for reached in entrance.calls if reached.short == "Thread")
-    return any(
-        wanted in map(ast.unparse, [*call.args, *(keyword.value for keyword in call.keywords)])
-        for call in calls
-    )
+    return any(wanted in map(ast.unparse, given_to(call)) for call in calls)
 
 
 def _executor(added: Call) -> str:

@@ -11,6 +11,7 @@ from functools import cached_property
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.partners import Partners, made_in
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
+from ros2lab.diagnose.sources.python_source import last_name
 from ros2lab.diagnose.sources.spelling import is_near_miss
 
 _OFFERS, _CALLS = ("create_service", "ActionServer"), ("create_client", "ActionClient")
@@ -69,7 +70,7 @@ class ServiceEnd:
 
     def is_kept_as(self, kept: ast.expr) -> bool:
         """Return whether it is assigned to a variable or an attribute of this name."""
-        name = getattr(kept, "attr", getattr(kept, "id", ""))
+        name = last_name(kept)
         return bool(name) and self.creation.kept.rpartition(".")[2] == name
 
     def renamed(self, name: str) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
+from ros2lab.diagnose.finding import lines_in_words
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import branches, heads, leaves
+from ros2lab.diagnose.sources.one_run import blocks, branches, heads, leaves
 from ros2lab.diagnose.sources.python_source import own_nodes, walk
 
 
@@ -102,9 +103,7 @@ class SuperOrder:
                     is_direct = getattr(call.func, "attr", "") == "__init__"
                     what = "the call of super().__init__()" if is_direct else f"`{ast.unparse(call)}`"
                     return f"move {what} from line {call.lineno} up to above line {first.lineno}"
-                lines = f"line {first.lineno}"
-                if first.end_lineno != first.lineno:
-                    lines = f"lines {first.lineno} to {first.end_lineno}"
+                lines = lines_in_words(first.lineno, first.end_lineno or first.lineno)
                 return f"move {lines} down to below line {later.end_lineno}"
         return ""
 
@@ -118,11 +117,6 @@ def _blocks_around(block: Sequence[ast.stmt], node: ast.AST) -> Iterator[tuple[S
     for index, statement in enumerate(block):
         if any(inner is node for inner in walk(statement)):
             yield block, index
-            for branch in _blocks(statement):
+            parts = (statement, *getattr(statement, "handlers", ()), *getattr(statement, "cases", ()))
+            for branch in (block for part in parts for block in blocks(part)):
                 yield from _blocks_around(branch, node)
-
-
-def _blocks(statement: ast.stmt) -> list[list[ast.stmt]]:
-    parts = [statement, *getattr(statement, "handlers", []), *getattr(statement, "cases", [])]
-    found = [getattr(part, name, []) for part in parts for name in ("body", "orelse", "finalbody")]
-    return [block for block in found if block]

@@ -26,7 +26,7 @@ from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.made_modules import is_made
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
 from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, is_near_miss, nearest
 
@@ -392,9 +392,7 @@ def _has(source: PythonSource, function: str) -> bool:
     _ = source.tree
     if source.fault:
         return True
-    bound = {
-        node.id for node in source.nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-    }
+    bound = names_bound(source.nodes)
     names = set(source.names) | bound | {node.name for node in _defined(source.tree.body)}
     return function.partition(".")[0] in names or any(imported.local == "*" for imported in source.imports)
 

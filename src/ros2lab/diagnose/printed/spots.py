@@ -10,7 +10,7 @@ from pathlib import Path
 from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import Frame
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_source, read_text
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, assigned_to, read_source, read_text
 from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.diagnose.sources.static_value import expression
 
@@ -53,33 +53,22 @@ class Spot:
     @property
     def function(self) -> Function | None:
         """The innermost function around the line."""
-        around = [
-            node
-            for node in (self.source.nodes if self.source else ())
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
-            and node.lineno <= self.line <= (node.end_lineno or 0)
-        ]
-        return max(around, key=lambda node: node.lineno, default=None)
+        return self.source.function_at(self.line) if self.source else None
 
     @property
     def lines(self) -> range:
         """The lines of the statement at the line; of an `if` or a `def`, those before its body."""
         best = range(self.line, self.line + 1)
-        for node in self.source.nodes if self.source else ():
-            if isinstance(node, ast.stmt) and node.lineno <= self.line <= (node.end_lineno or 0):
-                body = getattr(node, "body", None)
-                end = body[0].lineno if body else (node.end_lineno or 0) + 1
-                if self.line < end:
-                    best = range(node.lineno, end)
+        for node in self.source.around(self.line, ast.stmt) if self.source else ():
+            body = getattr(node, "body", None)
+            end = body[0].lineno if body else (node.end_lineno or 0) + 1
+            if self.line < end:
+                best = range(node.lineno, end)
         return best
 
     def assigned(self, text: str) -> list[ast.expr]:
         """Return the values that the file assigns to a name or an attribute such as `self.count`."""
-        nodes = self.source.nodes if self.source else ()
-        assignments = (node for node in nodes if isinstance(node, ast.Assign))
-        return [
-            assignment.value for assignment in assignments if text in map(ast.unparse, assignment.targets)
-        ]
+        return assigned_to(self.source.nodes if self.source else (), text)
 
     def holds(self, name: str) -> list[str]:
         """Return the expressions before `.name` in the line, the shortest first."""

@@ -8,7 +8,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    defaults_of,
+    last_name,
+    own_nodes,
+    parameters,
+)
 
 _DEEPEST = 5  # variables and calls through which a name is followed
 # Each name with its origin: the expression itself, or the call that passes it to the function.
@@ -145,7 +152,7 @@ def calls_of(
     for source in sources.sources.values():
         for _, around, call in sources.scoped(source):
             called = call.func if isinstance(call, ast.Call) else None
-            is_named = getattr(called, "attr", getattr(called, "id", "")) == function.name
+            is_named = last_name(called) == function.name
             if isinstance(call, ast.Call) and is_named:
                 yield source, around, call
 
@@ -156,5 +163,4 @@ def argument_of(function: Function, call: ast.Call, name: str) -> ast.expr | Non
     is_method = bool(names) and names[0] in ("self", "cls")
     given = dict(zip(names[is_method:], call.args, strict=False))
     given |= {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
-    defaults = dict(zip(reversed(names), reversed(function.args.defaults), strict=False))
-    return given.get(name) or defaults.get(name)
+    return given.get(name) or defaults_of(function).get(name)

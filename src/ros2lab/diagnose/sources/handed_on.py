@@ -8,7 +8,14 @@ import sys
 from collections.abc import Iterator, Mapping
 
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    given_to,
+    last_name,
+    parameters,
+    walk,
+)
 
 # Code that takes a node as it is; what may set attributes by name is listed below.
 _BUILTINS = frozenset(dir(builtins))
@@ -77,7 +84,7 @@ class Given:
 
     def _own(self, function: ast.expr) -> Iterator[tuple[PythonSource, ast.ClassDef | Function]]:
         """Yield the functions and classes of these files that a call may mean."""
-        name = getattr(function, "id", getattr(function, "attr", ""))
+        name = last_name(function)
         for source in self._sources.values():
             for node in source.nodes:
                 if isinstance(node, (ast.ClassDef, Function)) and node.name == name:
@@ -103,7 +110,7 @@ class Given:
 
 def _given(call: ast.Call) -> Iterator[ast.expr]:
     """Yield the arguments of a call, and the items of those that are written as lists."""
-    for value in (*call.args, *(keyword.value for keyword in call.keywords)):
+    for value in given_to(call):
         yield value
         yield from getattr(value, "elts", None) or getattr(value, "values", None) or ()
 

@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assigned_to,
+    own_nodes,
+    parameters,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
 
 if TYPE_CHECKING:
@@ -93,9 +100,9 @@ def _bound(sources: NodeSources, around: _Around, node: ast.Name | ast.Attribute
             (inner.source, value)
             for inner in sources.lineage(around.owner)[0]
             for nodes, name in (([*walk(inner.definition)], text), (inner.definition.body, text[5:]))
-            for value in _assigned(nodes, name)
+            for value in assigned_to(nodes, name)
         ]
-    if here := _assigned(around.source.nodes, text):
+    if here := assigned_to(around.source.nodes, text):
         return [(around.source, value) for value in here]
     if (home := _home(sources, around.source, node)) is None:
         return ()
@@ -103,18 +110,7 @@ def _bound(sources: NodeSources, around: _Around, node: ast.Name | ast.Attribute
     owner, _, last = name.rpartition(".")
     bodies = [n.body for n in file.tree.body if isinstance(n, ast.ClassDef) and n.name == owner]
     nodes = [statement for body in bodies for statement in body] if owner else own_nodes(file.tree)
-    return [(file, value) for value in _assigned(nodes, last)]
-
-
-def _assigned(nodes: Sequence[ast.AST], text: str) -> list[ast.expr]:
-    """Return the values that statements assign to a name, as it is written."""
-    return [
-        node.value
-        for node in nodes
-        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None
-        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
-        if ast.unparse(target) == text
-    ]
+    return [(file, value) for value in assigned_to(nodes, last)]
 
 
 def _function(source: PythonSource, name: str) -> Function | None:

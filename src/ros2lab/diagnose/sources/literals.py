@@ -9,7 +9,15 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.given_names import argument_of
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    defaults_of,
+    last_name,
+    own_nodes,
+    parameters,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import evaluate
 
 _DEEPEST = 8  # variables and calls through which a value is followed
@@ -65,7 +73,7 @@ class Literals:
     ) -> Iterator[tuple[PythonSource, ast.expr, Path]]:
         """Yield what a name or an attribute is bound to: a file, an expression, and which of its items."""
         if isinstance(name, ast.Name):
-            function = _function_at(source, name.lineno)
+            function = source.function_at(name.lineno)
             rows = [*_bindings(own_nodes(function), name.id)] if function else []
             rows = rows or [*_bindings(own_nodes(source.tree), name.id)]
             yield from ((source, value, path) for value, path in rows)
@@ -89,16 +97,16 @@ class Literals:
     ) -> Iterator[tuple[PythonSource, ast.ClassDef]]:
         """Yield the classes that an attribute may belong to: the one around self, or the only one that has it."""
         if is_self_attribute(name) or ast.unparse(name.value) in ("cls", "type(self)"):
-            around = [n for n in source.nodes if isinstance(n, ast.ClassDef) and _contains(n, name.lineno)]
-            yield from ((source, owner) for owner in around[-1:])
+            if owner := source.class_at(name.lineno):
+                yield source, owner
             return
         called = ast.unparse(name.value)
         known = [c for c in self._sources.classes.values() if name.attr in _attributes(c.definition)]
         named = [c for c in known if c.definition.name == called]
         fields = {field for i in source.imports for field in interfaces.fields_of(i.target) or ()}
         if named or (len(known) == 1 and name.attr not in fields):
-            owner = (named or known)[0]
-            yield owner.source, owner.definition
+            found = (named or known)[0]
+            yield found.source, found.definition
 
     def _of_fields(self, owner: ast.ClassDef, name: str) -> Iterator[Leaf]:
         """Yield what the calls of a dataclass or a named tuple pass for one of its fields."""
@@ -134,16 +142,7 @@ class Literals:
         """Yield what callers pass for a parameter of a function, or its default."""
         owner = next((n for n in source.nodes if isinstance(n, ast.ClassDef) and function in n.body), None)
         is_made = owner is not None and function.name == "__init__"
-        defaults = dict(
-            zip(
-                reversed([p.arg for p in parameters(function)]),
-                reversed(function.args.defaults),
-                strict=False,
-            )
-        )
-        defaults |= {
-            p.arg: d for p, d in zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True) if d
-        }
+        defaults = defaults_of(function)
         called = False
         for home, call in self._calls(owner.name if owner and is_made else function.name):
             given = argument_of(function, call, name) or defaults.get(name)
@@ -159,14 +158,14 @@ class Literals:
             for node in source.nodes:
                 if isinstance(node, ast.Call):
                     yield from (
-                        (source, call) for call in (node, *_passed_on(node)) if _last(call.func) == name
+                        (source, call) for call in (node, *_passed_on(node)) if last_name(call.func) == name
                     )
 
     def _called(self, source: PythonSource, call: ast.Call) -> Iterator[tuple[PythonSource, Function]]:
         """Yield the functions of the files that a call may mean."""
-        name = _last(call.func)
+        name = last_name(call.func)
         if name == "result" and not call.args:
-            submitted = [n for n in source.nodes if isinstance(n, ast.Call) and _last(n.func) == "submit"]
+            submitted = [n for n in source.nodes if isinstance(n, ast.Call) and last_name(n.func) == "submit"]
             for inner in (inner for node in submitted for inner in _passed_on(node)):
                 yield from self._called(source, inner)
         known = self._sources.functions.get(self._sources.resolve(source, call.func) or "")
@@ -177,13 +176,9 @@ class Literals:
             yield from ((c.source, c.methods[name]) for c in own if len(own) == 1)
 
 
-def _last(function: ast.expr) -> str:
-    return getattr(function, "attr", getattr(function, "id", ""))
-
-
 def _passed_on(call: ast.Call) -> Iterator[ast.Call]:
     """Yield the calls that another call makes later: of a function that it is given, with the arguments after it."""
-    if _last(call.func).startswith(("create_", "add_")):
+    if last_name(call.func).startswith(("create_", "add_")):
         return  # what follows a callback is not for it
     keywords = {keyword.arg: keyword.value for keyword in call.keywords}
     if isinstance(target := keywords.get("target"), (ast.Name, ast.Attribute)):
@@ -238,7 +233,7 @@ def _of_items(value: ast.expr, path: Path) -> Iterator[tuple[ast.expr, Path]]:
 
 def _of_call(call: ast.Call, path: Path) -> Iterator[tuple[ast.expr, Path]]:
     """Yield the arguments that a function of Python returns as they are, or takes its result out of."""
-    name = _last(call.func)
+    name = last_name(call.func)
     is_single = len(call.args) == 1
     if name in _TAKEN_OUT and is_single:
         yield call.args[0], (None, *path)
@@ -281,16 +276,6 @@ def _unpacked(target: ast.expr, value: ast.expr, path: Path, name: str) -> Itera
             yield from _unpacked(inner, value, (*path, number), name)
     elif isinstance(target, (ast.Name, ast.Attribute)) and ast.unparse(target) == name:
         yield value, path
-
-
-def _function_at(source: PythonSource, line: int) -> Function | None:
-    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
-    around = [n for n in source.nodes if isinstance(n, kinds) and _contains(n, line)]
-    return max(around, key=lambda node: node.lineno, default=None)
-
-
-def _contains(node: ast.ClassDef | Function, line: int) -> bool:
-    return node.lineno <= line <= (node.end_lineno or 0)
 
 
 def _attributes(owner: ast.ClassDef) -> set[str]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.python_source import last_name, read_text
 
 # Arguments of setup() with which a build does more than to copy files.
 _MAKING = frozenset(("cmdclass", "ext_modules", "cffi_modules", "rust_extensions", "use_scm_version"))
@@ -68,7 +68,7 @@ def _does_more(package: SourcePackage) -> bool:
         for n in package.setup.source.nodes
         if isinstance(n, ast.Expr) and isinstance(n.value, ast.Call)
     )
-    names = {getattr(call.func, "attr", getattr(call.func, "id", "")) for call in calls}
+    names = {last_name(call.func) for call in calls}
     return bool(names - _HARMLESS) or not _MAKING.isdisjoint(package.setup.keywords)
 
 

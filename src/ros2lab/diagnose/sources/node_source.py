@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     children,
+    given_to,
     is_property,
     own_nodes,
     walk,
@@ -287,10 +288,7 @@ class NodeSources:
 
     def written(self, source: PythonSource, node: ast.expr | None) -> ast.expr | None:
         """Return the value of a name that the file assigns only once; any other expression as it is."""
-        if not isinstance(node, (ast.Name, ast.Attribute)):
-            return node
-        values = source.stored.get(ast.unparse(node), ())
-        return (values[0] if len(values) == 1 else None) or node
+        return source.written(node) if node is not None else None
 
     def callbacks(self) -> Iterator[tuple[Creation, Function]]:
         """Yield the package's callbacks, each with the call that passes it to ROS."""
@@ -397,8 +395,7 @@ class NodeSources:
         """Return whether a file passes a node to code outside these files, which may use it."""
         for node in source.nodes:
             if isinstance(node, ast.Call) and any(
-                getattr(argument, "id", "") in ("self", "node")
-                for argument in (*node.args, *(keyword.value for keyword in node.keywords))
+                getattr(argument, "id", "") in ("self", "node") for argument in given_to(node)
             ):
                 name = self.resolve(source, node.func)
                 is_own = name in self.functions or name in self.classes

@@ -149,6 +149,12 @@ def _of_block(block: Sequence[ast.stmt], is_asked: _IsAsked) -> tuple[_Calls | N
     return goes_on, ended
 
 
+def blocks(node: ast.AST) -> list[list[ast.stmt]]:
+    """Return the blocks that a node itself holds; those of its handlers and cases are theirs."""
+    found = (getattr(node, name, None) for name in ("body", "orelse", "finalbody"))
+    return [block for block in found if isinstance(block, list) and block]
+
+
 def branches(statement: ast.stmt) -> list[list[ast.stmt]]:
     """Return the blocks of a statement of which a run takes only one; empty if it has none."""
     match statement:

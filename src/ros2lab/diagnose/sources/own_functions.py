@@ -11,6 +11,8 @@ from typing import TypeVar
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
+    assigned_to,
+    last_name,
     own_nodes,
     parameters,
     read_source,
@@ -29,7 +31,7 @@ def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, a
     """
     if isinstance(called, ast.Attribute) and (method := _method(source, called)):
         return method
-    name = getattr(called, "attr", getattr(called, "id", ""))
+    name = last_name(called)
     if isinstance(called, ast.Name) or ast.unparse(called) == f"self.{name}":
         found = [node for node in source.nodes if isinstance(node, ast.FunctionDef) and node.name == name]
         if len(found) == 1:
@@ -40,11 +42,7 @@ def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, a
 def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, ast.FunctionDef] | None:
     """Return the method of an object that is made once from a class in these files: `robot = Robot()`."""
     owner = ast.unparse(called.value)
-    made = [
-        n.value
-        for n in source.nodes
-        if isinstance(n, ast.Assign) and owner in map(ast.unparse, n.targets) and owner != "self"
-    ]
+    made = assigned_to(source.nodes, owner)
     if len({ast.unparse(value) for value in made}) != 1 or not isinstance(made[0], ast.Call):
         return None
     own = [n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == ast.unparse(made[0].func)]
@@ -82,7 +80,7 @@ def unused_function(source: PythonSource, line: int) -> str:
     """
     kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     around = [n for n in source.nodes if isinstance(n, kinds) and n.lineno <= line <= (n.end_lineno or 0)]
-    used = {getattr(node, "attr", getattr(node, "id", "")) for node in source.nodes}
+    used = {last_name(node) for node in source.nodes}
     for scope in sorted(around, key=lambda node: not isinstance(node, ast.ClassDef)):
         functions = [n for n in scope.body if isinstance(n, ast.FunctionDef) and not n.decorator_list]
         free = [n.name for n in functions if n.name not in used and not n.name.startswith("__")]
@@ -104,13 +102,7 @@ def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, as
     if module and (origin := _file_of(source, module)):
         home, text = origin, name
     last = text.rpartition(".")[2]
-    values = [
-        n.value
-        for n in home.nodes
-        if isinstance(n, (ast.Assign, ast.AnnAssign))
-        for to in (n.targets if isinstance(n, ast.Assign) else [n.target])
-        if ast.unparse(to) in (text, last) and n.value is not None
-    ]
+    values = [value for name in {text, last} for value in assigned_to(home.nodes, name)]
     found = values[0] if len(values) == 1 else None
     return (home, found) if isinstance(found, ast.Constant) else None
 
@@ -148,12 +140,7 @@ def _is_data(function: Function, value: ast.expr) -> bool:
         case ast.Attribute(attr=name):
             return name.isupper()
         case ast.Name(id=name):
-            made = [
-                n.value
-                for n in own_nodes(function)
-                if isinstance(n, ast.Assign) and name in map(ast.unparse, n.targets)
-            ]
-            made = [n for n in made if not isinstance(n, ast.Name)]
+            made = [n for n in assigned_to(own_nodes(function), name) if not isinstance(n, ast.Name)]
             is_given = any(parameter.arg == name for parameter in parameters(function))
             return (is_given or bool(made)) and all(_is_data(function, inner) for inner in made)
     return isinstance(value, _VALUES)

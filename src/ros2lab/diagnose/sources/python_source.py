@@ -7,15 +7,16 @@ import importlib
 import math
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ros2lab.diagnose.finding import at
 from ros2lab.diagnose.sources.static_value import bound, dotted
 
+_Kind = TypeVar("_Kind", bound=ast.stmt)
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 DEEPEST = 200  # levels; a deeper tree was not written by hand, and is ignored
@@ -110,6 +111,25 @@ class PythonSource:
     def nodes(self) -> tuple[ast.AST, ...]:
         """All syntax nodes of the file."""
         return tuple(walk(self.tree))
+
+    def around(self, line: int, kind: type[_Kind]) -> list[_Kind]:
+        """Return the statements of a kind that contain a line, the outermost first."""
+        return [n for n in self.nodes if isinstance(n, kind) and contains(n, line)]
+
+    def function_at(self, line: int) -> Function | None:
+        """Return the innermost function around a line."""
+        found = [node for node in self.nodes if isinstance(node, Function) and contains(node, line)]
+        return max(found, key=lambda node: node.lineno, default=None)
+
+    def class_at(self, line: int) -> ast.ClassDef | None:
+        """Return the innermost class around a line."""
+        return next(reversed(self.around(line, ast.ClassDef)), None)
+
+    def written(self, node: ast.expr) -> ast.expr:
+        """Return the value of a name that the file assigns only once; any other expression as it is."""
+        is_name = isinstance(node, (ast.Name, ast.Attribute))
+        values = self.stored.get(ast.unparse(node), ()) if is_name else ()
+        return (values[0] if len(values) == 1 else None) or node
 
     @cached_property
     def _lines(self) -> list[bytes]:
@@ -294,16 +314,12 @@ def _mark_functions(tree: ast.Module) -> None:
     nodes = [*walk(tree)]
     functions = {node.name for node in nodes if isinstance(node, Function) and not node.decorator_list}
     named = [node for node in nodes if isinstance(node, (ast.Name, ast.Attribute))]
-    bound = {_last(node) for node in named if isinstance(node.ctx, ast.Store)}
+    bound = {last_name(node) for node in named if isinstance(node.ctx, ast.Store)}
     bound |= {node.arg for node in nodes if isinstance(node, ast.arg)}
     for node in named:
         owner = node.value if isinstance(node, ast.Attribute) else None
         is_own = owner is None or (isinstance(owner, ast.Name) and owner.id == "self")
-        node.is_function = is_own and _last(node) in functions - bound  # type: ignore[union-attr]
-
-
-def _last(node: ast.Name | ast.Attribute) -> str:
-    return node.id if isinstance(node, ast.Name) else node.attr
+        node.is_function = is_own and last_name(node) in functions - bound  # type: ignore[union-attr]
 
 
 def _depth(tree: ast.AST) -> int:
@@ -314,6 +330,51 @@ def _depth(tree: ast.AST) -> int:
         if not level:
             return depth
     return DEEPEST
+
+
+def contains(node: ast.stmt, line: int) -> bool:
+    """Return whether a line is one of those of a statement."""
+    return node.lineno <= line <= (node.end_lineno or node.lineno)
+
+
+def assigned_to(nodes: Iterable[ast.AST], text: str) -> list[ast.expr]:
+    """Return the values that statements assign to a name or an attribute, as it is written."""
+    return [
+        node.value
+        for node in nodes
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None
+        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        if ast.unparse(target) == text
+    ]
+
+
+def given_to(call: ast.Call) -> list[ast.expr]:
+    """Return the arguments of a call, also those by keyword."""
+    return [*call.args, *(keyword.value for keyword in call.keywords)]
+
+
+def names_read(nodes: Iterable[ast.AST]) -> set[str]:
+    """Return the names whose values some nodes read."""
+    return {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+
+
+def names_bound(nodes: Iterable[ast.AST]) -> set[str]:
+    """Return the names to which some nodes give values."""
+    return {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+
+
+def last_name(node: ast.AST | None) -> str:
+    """Return a name, or the last part of one with dots; empty for any other node."""
+    return str(getattr(node, "attr", getattr(node, "id", "")))
+
+
+def defaults_of(function: Function) -> dict[str, ast.expr]:
+    """Return the default values of a function's parameters by their names."""
+    found = dict(
+        zip(reversed([p.arg for p in parameters(function)]), reversed(function.args.defaults), strict=False)
+    )
+    keywords = zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True)
+    return found | {parameter.arg: default for parameter, default in keywords if default is not None}
 
 
 def parameters(function: Function | ast.Lambda) -> list[ast.arg]:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 
 import yaml
 
+from ros2lab.diagnose.finding import lines_in_words
 from ros2lab.diagnose.sources.slips import ALL, RARE, SELDOM, USUAL, Lines, Slip, Vocabulary, likeliest
 
 _ALIKE = 0.7  # of a word to the one that it misspells
@@ -270,7 +271,7 @@ def _foreign_comments(lines: Lines) -> Iterator[Slip]:
         begin = next((sign for sign in _COMMENTS if body.startswith(sign)), "")
         last = _end_of_comment(lines, number, begin) if begin else 0
         if last:
-            blocks.append(f"lines {number} to {last}" if last > number else f"line {number}")
+            blocks.append(lines_in_words(number, last))
             new[number - 1 : last] = [f"# {line}".rstrip() for line in lines.all[number - 1 : last]]
         number = max(number, last) + 1
     if blocks:
