@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.calls import example_of, fitting, meant_call, one_each, whole_call
 from ros2lab.diagnose.sources.own_functions import own_function
-from ros2lab.diagnose.sources.python_source import PythonSource, given_to, parameters
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to, own_parameters
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of
 
 _NOTHING = "..."  # a keyword argument with this value is left out
@@ -26,9 +26,9 @@ def rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]
     given, named = [*map(ast.unparse, call.args)], _named(call, {})
     texts: list[str] = []
     if rule == "missing-argument":
-        texts = [_call(call, [*given, said["name"].strip("`")], named)]
+        texts = [call_with(call, [*given, said["name"].strip("`")], named)]
     elif rule == "too-many-positional-arguments":
-        texts = [_call(call, given[:number], named) for number in range(len(given) - 1, -1, -1)]
+        texts = [call_with(call, given[:number], named) for number in range(len(given) - 1, -1, -1)]
     elif rule == "invalid-argument-type":
         changes = ("{}()", "{}.value", "{}.data", "float({})", "int({})")
         pairs = ((value, change.format(ast.unparse(value))) for value in call.args for change in changes)
@@ -59,11 +59,7 @@ def given_another(source: PythonSource, call: ast.Call, value: ast.expr, wanted:
 def _called_with(source: PythonSource, function: ast.expr, value: ast.expr) -> str:
     """Return a lambda that calls a function with a value as its last argument; empty if it takes none."""
     found = own_function(source, function) if isinstance(function, (ast.Name, ast.Attribute)) else None
-    names = (
-        [parameter.arg for parameter in parameters(found[1]) if parameter.arg not in ("self", "cls")]
-        if found
-        else []
-    )
+    names = [parameter.arg for parameter in own_parameters(found[1])] if found else []
     more = (
         [*map(ast.unparse, value.elts)] if isinstance(value, (ast.Tuple, ast.List)) else [ast.unparse(value)]
     )
@@ -82,7 +78,7 @@ def argument_at(call: ast.Call, line: int, column: int) -> ast.expr | None:
 
 def _with(call: ast.Call, new: Mapping[int, str]) -> str:
     """Return a call with some of its arguments replaced; the keys are the ids of their nodes."""
-    return _call(
+    return call_with(
         call, [new.get(id(argument)) or ast.unparse(argument) for argument in call.args], _named(call, new)
     )
 
@@ -94,7 +90,8 @@ def _named(call: ast.Call, new: Mapping[int, str]) -> list[str]:
     ]
 
 
-def _call(call: ast.Call, given: Sequence[str], named: Sequence[str]) -> str:
+def call_with(call: ast.Call, given: Sequence[str], named: Sequence[str]) -> str:
+    """Return a call with other arguments, by position and by keyword."""
     return f"{ast.unparse(call.func)}({', '.join([*given, *named])})"
 
 

@@ -9,13 +9,14 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ros2lab.diagnose.checking.call_forms import call_with
 from ros2lab.diagnose.checking.checked_copies import Row, checked, first_that_stands
 from ros2lab.diagnose.checking.trials import Edit
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.interfaces import is_interface
-from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.own_functions import as_function, called_function, gives_no_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.uses import is_log
@@ -74,15 +75,13 @@ def _swapped(source: PythonSource, line: int) -> Iterator[Finding]:
         for first, second in itertools.combinations(range(len(texts)), 2):
             new = [*texts]
             new[first], new[second] = texts[second], texts[first]
-            ways.append(f"{ast.unparse(call.func)}({', '.join([*new, *named])})")
+            ways.append(call_with(call, new, named))
         early = [n for n, value in enumerate(call.args) if isinstance(value, ast.Call)]
         for number in early:
             inner = call.args[number]
             assert isinstance(inner, ast.Call)
             given = [ast.unparse(inner.func), *map(ast.unparse, (*inner.args, *inner.keywords))]
-            ways.append(
-                f"{ast.unparse(call.func)}({', '.join([*texts[:number], *given, *texts[number + 1 :], *named])})"
-            )
+            ways.append(call_with(call, [*texts[:number], *given, *texts[number + 1 :]], named))
         if good := first_that_stands(source, call, ways):
             is_early = ways.index(good) >= len(ways) - len(early)
             why = "the function is called right here" if is_early else "its arguments are in the wrong order"
@@ -103,7 +102,7 @@ def _given_calls(sources: NodeSources, source: PythonSource) -> Iterator[_Given]
         ]
         for name, value in values:
             if isinstance(value, ast.Call) and not _is_class(sources, source, value):
-                function = _own_function(sources, source, owner, value)
+                function = called_function(sources, source, owner, value.func)
                 is_void = function is not None and gives_no_function(function, value)
                 if function is None or is_void:
                     yield _Given(node, value, name, function, is_void)
@@ -113,15 +112,6 @@ def _is_class(sources: NodeSources, source: PythonSource, call: ast.Call) -> boo
     """Return whether a call makes an instance of a class of the workspace, a message or a built-in type."""
     name = sources.resolve(source, call.func) or ""
     return name in sources.classes or is_interface(name) or hasattr(builtins, name)
-
-
-def _own_function(
-    sources: NodeSources, source: PythonSource, owner: NodeClass | None, call: ast.Call
-) -> Function | None:
-    if is_self_attribute(call.func):
-        return sources.method(owner, call.func.attr)
-    found = sources.functions.get(sources.resolve(source, call.func) or "")
-    return found[1] if found else None
 
 
 def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:

@@ -13,7 +13,7 @@ from ros2lab.diagnose.checking.trials import Edit, revealed_by, type_of
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_parameters, parameters
 
 _OF_CALLS = (*RULES, "no-matching-overload")  # what fails when it runs, too
 _CONTRADICTS = re.compile(r"Object of type `(?!None`).+` is not assignable to ")
@@ -95,7 +95,7 @@ def _is_only_annotated(row: re.Match[str], said: re.Match[str], spot: Spot, own:
     home, function = _own_function(said["owner"], own)
     if call is None or value is None or function is None or home is None:
         return home is not None
-    names = [parameter.arg for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
+    names = [parameter.arg for parameter in own_parameters(function)]
     by_name = {keyword.value: keyword.arg for keyword in call.keywords}
     number = call.args.index(value) if value in call.args else len(names)
     name = by_name.get(value) or (names[number] if number < len(names) else "")

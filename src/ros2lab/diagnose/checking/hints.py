@@ -11,7 +11,13 @@ from ros2lab.diagnose.checking.doubts import type_name
 from ros2lab.diagnose.checking.trials import Edit, type_of
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, parameters
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    last_name,
+    own_parameters,
+    parameters,
+)
 
 _ANYTHING = "'_anything_'"  # a type that no file defines is one about which nothing is known
 _DEEPEST = 3  # calls through which a value is followed
@@ -57,7 +63,7 @@ def _given(
     source: PythonSource, function: Function, name: str, own: NodeSources, depth: int = 0
 ) -> Iterator[str]:
     """Yield the types that a parameter gets from ROS and from each call, as the file writes them; empty if unknown."""
-    names = [parameter.arg for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
+    names = [parameter.arg for parameter in own_parameters(function)]
     for creation, called in own.callbacks():
         if called is function and name in names:
             known = creation.arguments or {}

@@ -16,7 +16,13 @@ from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource, children, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import (
+    PythonSource,
+    children,
+    own_nodes,
+    own_parameters,
+    parameters,
+)
 
 _LONGEST = 110  # characters of a statement that is shown in full
 UNKNOWN_TYPE = re.compile(r"\b(?:Unknown|Any|Never)\b|^object$")
@@ -269,7 +275,7 @@ def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
         known = look.sources(package)
         for creation, function in known.callbacks() if source in package.sources.values() else ():
             given = (creation.arguments or {}).get("msg_type")
-            names = [parameter for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
+            names = own_parameters(function)
             if creation.method == "create_subscription" and given and creation.source is source and names:
                 is_open = names[0].annotation is None and names[0].lineno == names[0].end_lineno
                 # A name that is reassigned may not hold a message any more.

@@ -14,6 +14,7 @@ from ros2lab.diagnose.sources.one_run import blocks
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
+    argument,
     given_to,
     last_name,
     own_nodes,
@@ -146,7 +147,7 @@ def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
             name = source.resolve(call.func) or ast.unparse(call.func)
             # A node other than self may exist only for this.
             if name in _SPINS and not any(map(is_self_attribute, call.args[:1])):
-                future = _argument(call, 1, "future") if name == _SPINS[0] else None
+                future = argument(call, 1, "future") if name == _SPINS[0] else None
                 yield _Wait(statement, call, future or ast.Constant(None))
             elif name.rpartition(".")[2] in ("call", "send_goal") and name.rpartition(".")[0] in clients:
                 yield _Wait(statement, call, None)
@@ -167,15 +168,6 @@ def _calls_in(statement: ast.stmt) -> list[ast.Call]:
         return []
     whole = statement.test if isinstance(statement, ast.If) else statement
     return [n for n in ast.walk(whole) if isinstance(n, ast.Call)]
-
-
-def _argument(call: ast.Call, place: int, name: str) -> ast.expr | None:
-    """Return the argument for a parameter, by position or by keyword; None if there is none."""
-    given = [
-        *call.args[place : place + 1],
-        *(keyword.value for keyword in call.keywords if keyword.arg == name),
-    ]
-    return given[0] if given else None
 
 
 def _clients(source: PythonSource) -> dict[str, ast.Assign]:

@@ -396,7 +396,9 @@ def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
             [parameter for parameter in signature.parameters if parameter.is_positional] if signature else []
         )
         index = around.args.index(whole) if whole in around.args else len(wanted)
-        return whole in around.args and (index >= len(wanted) or wanted[index].takes(ast.Constant("")))
+        return whole in around.args and (
+            index >= len(wanted) or wanted[index].takes(ast.Constant(""))
+        )
     if isinstance(around, ast.keyword):
         call = unknown.above(around)
         signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None

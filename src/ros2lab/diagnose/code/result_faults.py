@@ -10,6 +10,7 @@ from ros2lab.diagnose.code.lost_fillings import is_shared, lost_fillings
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
+from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -232,11 +233,9 @@ def _result_lost(
     if not isinstance(value, ast.Call):
         return
     text, called = ast.unparse(value), value.func
-    if is_self_attribute(called):
-        function = None if _is_overridden(uses, called.attr) else uses.sources.method(owner, called.attr)
-    else:
-        function = uses.sources.functions.get(uses.sources.resolve(source, called) or "", (source, None))[1]
-    if function is not None and _only_computes(function):
+    function = called_function(uses.sources, source, owner, called)
+    is_other = is_self_attribute(called) and _is_overridden(uses, called.attr)
+    if function is not None and not is_other and _only_computes(function):
         given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
         target = given[0] if len(given) == 1 == len(value.args) else ""
     elif (

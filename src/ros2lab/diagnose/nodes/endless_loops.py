@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING
 from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.uses import is_log
 
@@ -129,8 +130,7 @@ def _reached(
         node = waiting.pop()
         if not isinstance(node, ast.Call):
             continue
-        known = sources.functions.get(sources.resolve(source, node.func) or "", (source, None))[1]
-        function = sources.method(owner, node.func.attr) if is_self_attribute(node.func) else known
+        function = called_function(sources, source, owner, node.func)
         if function is not None and function not in found:
             found.append(function)
             waiting += own_nodes(function)

@@ -20,7 +20,7 @@ from ros2lab.diagnose.sources.parameter_file import (
     parameter_file_repair,
     read_parameter_file,
 )
-from ros2lab.diagnose.sources.python_source import children, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, argument, children, read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
@@ -187,37 +187,35 @@ def declared_in(sources: NodeSources) -> dict[str, Any] | None:
     found: dict[str, Any] = {}
     for source in sources.sources.values():
         for node in source.nodes:
-            if not isinstance(node, ast.Call):
-                continue
-            method = getattr(node.func, "attr", "")
-            if method == "declare_parameter":
-                given = [k.value for k in node.keywords if k.arg == "name"] or node.args[:1]
-                default = [k.value for k in node.keywords if k.arg == "value"] or node.args[1:2]
-                name = sources.value(source, given[0]) if given else UNKNOWN
-                if not isinstance(name, str):
-                    return None
-                is_dynamic = "dynamic_typing" in ast.dump(node)
-                value = UNKNOWN if is_dynamic else sources.value(source, default[0] if default else None)
-                _declare(found, name, value)
-            elif method == "declare_parameters":
-                lists = [k.value for k in node.keywords if k.arg == "parameters"] or node.args[1:2]
-                prefix = [k.value for k in node.keywords if k.arg == "namespace"] or node.args[:1]
-                before = sources.value(source, prefix[0]) if prefix else ""
-                entries = sources.value(source, lists[0]) if lists else UNKNOWN
-                if not isinstance(entries, list) or not isinstance(before, str):
-                    return None
-                for entry in entries:
-                    if not isinstance(entry, list) or not entry or not isinstance(entry[0], str):
-                        return None
-                    name = f"{before}.{entry[0]}" if before else entry[0]
-                    _declare(found, name, entry[1] if len(entry) > 1 else UNKNOWN)
+            declared = _declared_by(sources, source, node) if isinstance(node, ast.Call) else {}
+            if declared is None:
+                return None
+            for name, default in declared.items():
+                # Two nodes may declare the same name with different types.
+                is_other = name in found and kind_of(found[name]) != kind_of(default)
+                found[name] = UNKNOWN if is_other else default
     return found
 
 
-def _declare(found: dict[str, Any], name: str, default: Any) -> None:
-    """Record a default; it is unknown if two nodes declare the same name with different types."""
-    is_other = name in found and kind_of(found[name]) != kind_of(default)
-    found[name] = UNKNOWN if is_other else default
+def _declared_by(sources: NodeSources, source: PythonSource, call: ast.Call) -> dict[str, Any] | None:
+    """Return the parameters that a call declares, with their defaults; None if a name is not known."""
+    match getattr(call.func, "attr", ""):
+        case "declare_parameter":
+            name = sources.value(source, argument(call, 0, "name"))
+            is_dynamic = "dynamic_typing" in ast.dump(call)
+            default = UNKNOWN if is_dynamic else sources.value(source, argument(call, 1, "value"))
+            return {name: default} if isinstance(name, str) else None
+        case "declare_parameters":
+            space = argument(call, 0, "namespace")
+            before = sources.value(source, space) if space else ""
+            rows = sources.value(source, argument(call, 1, "parameters"))
+            if not isinstance(rows, list) or not isinstance(before, str):
+                return None
+            if not all(isinstance(row, list) and row and isinstance(row[0], str) for row in rows):
+                return None
+            defaults = {row[0]: row[1] if len(row) > 1 else UNKNOWN for row in rows}
+            return {f"{before}.{name}" if before else name: default for name, default in defaults.items()}
+    return {}
 
 
 def file_faults(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +11,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.partners import Partners, made_in
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import last_name
-from ros2lab.diagnose.sources.spelling import is_near_miss
+from ros2lab.diagnose.sources.spelling import is_near_miss, words_of
 
 _OFFERS, _CALLS = ("create_service", "ActionServer"), ("create_client", "ActionClient")
 _OF_ACTIONS = ("node", "srv_type", "srv_name")  # the parameters of both classes of actions
@@ -136,7 +135,7 @@ def server_for(
     ]
     if not near and (server := _only_one_of_its_type(client, of_kind, lone, served)):
         is_own = is_missed or client.type.partition(".")[0] in own
-        is_told = is_own or (is_alone and _are_of_the_same_words(client.name, server.name))
+        is_told = is_own or (is_alone and _are_of_the_samewords_of(client.name, server.name))
         near = [server] if is_told else []
     return next(iter(near), None)
 
@@ -192,12 +191,8 @@ def service_faults(
         yield Finding("topic-near-miss", cause, client.place, fix)
 
 
-def _are_of_the_same_words(name: str, other: str) -> bool:
+def _are_of_the_samewords_of(name: str, other: str) -> bool:
     """Return whether two names differ only in their namespaces or in the order of their words."""
-    shorter, longer = sorted((name, other), key=lambda text: len(_words(text)))
-    last = longer.rpartition("/")[2]
-    return _words(last) <= _words(shorter) <= _words(longer)
-
-
-def _words(name: str) -> set[str]:
-    return set(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()))
+    shorter, longer = sorted((name, other), key=lambda text: len(words_of(text)))
+    last, less, more = ({*words_of(text)} for text in (longer.rpartition("/")[2], shorter, longer))
+    return last <= less <= more

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import lines_in_words
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import blocks, branches, heads, leaves
+from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import own_nodes, walk
 
 
@@ -40,11 +41,7 @@ class SuperOrder:
             return False
         if getattr(node.func, "attr", "") == "__init__":
             return True
-        if is_self_attribute(node.func):
-            called = self._sources.method(self._owner, node.func.attr)
-        else:
-            found = self._sources.functions.get(self._sources.resolve(self._owner.source, node.func) or "")
-            called = found[1] if found else None
+        called = called_function(self._sources, self._owner.source, self._owner, node.func)
         return (
             called is not None and depth < 3 and any(self._is_init(n, depth + 1) for n in own_nodes(called))
         )

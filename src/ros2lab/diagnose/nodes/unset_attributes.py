@@ -12,9 +12,9 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import method_of, properties_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
-    Function,
     PythonSource,
     is_property,
+    names_read,
     own_nodes,
     parameters,
     returns_value,
@@ -166,19 +166,12 @@ def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
         set_here = [n for n in own_nodes(local) if isinstance(n, ast.stmt) and name in _assigned(n)]
         if set_here:
             cause = f": {local.name}() sets {name} without self."
-            if len(set_here) == 1 and not _is_read(local, name):
+            if len(set_here) == 1 and name not in names_read(walk(local)):
                 text = re.sub(rf"\b{name}\b", f"self.{name}", ast.unparse(set_here[0]), count=1)
                 return cause, f"write `{text}` on line {set_here[0].lineno}"
             last = max(node.end_lineno or node.lineno for node in set_here)
             return cause, f"write `self.{name} = {name}` below line {last}, in {local.name}()"
     return "", f"define {name}, or fix its spelling"
-
-
-def _is_read(function: Function, name: str) -> bool:
-    """Return whether a function, or one inside it, uses a name other than by assigning to it."""
-    return any(
-        isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Load) for n in walk(function)
-    )
 
 
 def _assigned(statement: ast.stmt) -> set[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.code.expression_faults import chain_faults, keys_twice
@@ -14,7 +13,7 @@ from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.state_faults import state_faults
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
-from ros2lab.diagnose.sources.spelling import snake_case
+from ros2lab.diagnose.sources.spelling import words_of
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses, named, uses_of
 
@@ -212,7 +211,7 @@ def _filled_with(owner: NodeClass, name: str, default: ast.expr | None) -> ast.A
         node
         for node, target in pairs
         if (
-            bool(_words(name) & _words(target.attr)) and _is_set_once(owner, target)
+            not {*words_of(name)}.isdisjoint(words_of(target.attr)) and _is_set_once(owner, target)
             if is_self_attribute(target)
             else default.value not in (0, 1, "")
         )
@@ -223,7 +222,3 @@ def _filled_with(owner: NodeClass, name: str, default: ast.expr | None) -> ast.A
 def _is_set_once(owner: NodeClass, target: ast.Attribute) -> bool:
     nodes = (node for node in walk(owner.definition) if isinstance(node, ast.Attribute))
     return sum(isinstance(node.ctx, ast.Store) and node.attr == target.attr for node in nodes) == 1
-
-
-def _words(name: str) -> set[str]:
-    return set(re.findall(r"[a-z]+", snake_case(name)))

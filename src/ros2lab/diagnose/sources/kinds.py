@@ -8,7 +8,14 @@ from functools import cached_property
 
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    argument,
+    own_nodes,
+    own_parameters,
+    parameters,
+)
 
 # The kind of a value: one of `PLAIN`, a message such as "std_msgs.msg.String", its class as
 # "type of std_msgs.msg.String", or "publisher of std_msgs.msg.String"; None if not known.
@@ -38,7 +45,7 @@ class Kinds:
         for creation, function in self.sources.callbacks():
             given = (creation.arguments or {}).get("msg_type")
             name = self.sources.resolve(creation.source, given)
-            names = [argument for argument in parameters(function) if argument.arg not in ("self", "cls")]
+            names = own_parameters(function)
             if creation.method == "create_subscription" and names and name and interfaces.is_interface(name):
                 found.setdefault(id(names[0]), set()).add(name)
         # A callback may receive messages of several types.
@@ -160,8 +167,7 @@ class Scope:
         if node.func.attr == "get_parameter":
             return PARAMETER
         if node.func.attr == "create_publisher":
-            given = [k.value for k in node.keywords if k.arg == "msg_type"] or node.args[:1]
-            message = self.kinds.sources.resolve(self.source, given[0]) if given else None
+            message = self.kinds.sources.resolve(self.source, argument(node, 0, "msg_type"))
             return f"{PUBLISHER}{message}" if interfaces.is_interface(message) else None
         is_text = node.func.attr in ("format", "join", "upper", "lower", "strip")
         return "str" if is_text and self.kind(node.func.value) == "str" else None

@@ -15,13 +15,13 @@ from ros2lab.diagnose.sources.known_values import value_of
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
+    argument,
     children,
     given_to,
     is_property,
     own_nodes,
     walk,
 )
-from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 NODE_CLASSES = frozenset(
     (
@@ -411,9 +411,9 @@ class NodeSources:
             for owner, function, node in self.scoped(source):
                 if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
                     unnamed.discard(id(owner))
-                    given = [k.value for k in node.keywords if k.arg == "node_name"] or node.args[:1]
-                    name = self.value(source, given[0]) if given else UNKNOWN
-                    found[name if isinstance(name, str) else ""] = (source, given[0] if given else node)
+                    given = argument(node, 0, "node_name")
+                    name = self.value(source, given)
+                    found[name if isinstance(name, str) else ""] = (source, given or node)
         # A class without a name for its node, or a file that cannot be read, may use any name.
         is_blank = any(
             source.fault or not (source.text.strip() or source.is_package) for source in self.sources.values()

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -37,6 +38,15 @@ def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, a
         if len(found) == 1:
             return source, found[0]
     return _at_top(source, called, ast.FunctionDef)
+
+
+def called_function(
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, called: ast.expr
+) -> Function | None:
+    """Return the function of a package that a call means: a method of the class around it, or one by its name."""
+    if is_self_attribute(called):
+        return sources.method(owner, called.attr)
+    return sources.functions.get(sources.resolve(source, called) or "", (source, None))[1]
 
 
 def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, ast.FunctionDef] | None:

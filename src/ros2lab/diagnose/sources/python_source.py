@@ -348,6 +348,12 @@ def assigned_to(nodes: Iterable[ast.AST], text: str) -> list[ast.expr]:
     ]
 
 
+def argument(call: ast.Call, place: int, name: str) -> ast.expr | None:
+    """Return the argument for a parameter, by position or by keyword; None if there is none."""
+    named = (keyword.value for keyword in call.keywords if keyword.arg == name)
+    return next(named, call.args[place] if place < len(call.args) else None)
+
+
 def given_to(call: ast.Call) -> list[ast.expr]:
     """Return the arguments of a call, also those by keyword."""
     return [*call.args, *(keyword.value for keyword in call.keywords)]
@@ -380,6 +386,11 @@ def defaults_of(function: Function) -> dict[str, ast.expr]:
 def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     """Return a function's positional parameters."""
     return [*function.args.posonlyargs, *function.args.args]
+
+
+def own_parameters(function: Function) -> list[ast.arg]:
+    """Return a function's positional parameters without self."""
+    return [parameter for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
 
 
 def is_property(function: Function) -> bool:

@@ -87,7 +87,7 @@ def has_other_words(name: str, other: str) -> bool:
     """
     if same_letters(name, other):
         return False
-    longer, shorter = sorted((_words(name), _words(other)), key=len, reverse=True)
+    longer, shorter = sorted((words_of(name), words_of(other)), key=len, reverse=True)
     left = iter(longer)
     is_within = all(any(_is_same_word(word, found) for found in left) for word in shorter)
     return is_within if len(shorter) < len(longer) else len(longer) > 1 and not is_within
@@ -105,7 +105,8 @@ def may_mean(name: str, member: str, known: Iterable[str]) -> bool:
     return set(member.split("_")) < parts or longer == [member]
 
 
-def _words(name: str) -> list[str]:
+def words_of(name: str) -> list[str]:
+    """Return the words of a name, in small letters."""
     return re.findall(r"[a-z]+|\d+", snake_case(name))
 
 
