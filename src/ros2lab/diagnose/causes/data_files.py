@@ -5,30 +5,16 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.slips import ALL, USUAL, Slip, likeliest
 
 _LARGEST = 1_000_000  # characters
 _WORDS = {"True": "true", "False": "false", "None": "null", "undefined": "null"}
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules"))
-
-
-@dataclass(frozen=True)
-class Repair:
-    """A change to a text: the range to replace, the new text, and why."""
-
-    start: int
-    end: int
-    new: str
-    why: str
-
-    def applied(self, text: str) -> str:
-        """Return the text with the change."""
-        return f"{text[: self.start]}{self.new}{text[self.end :]}"
 
 
 def of_data_file(kind: str, message: str, look: Look | None) -> Finding | None:
@@ -63,15 +49,10 @@ def _fault_of(text: str) -> json.JSONDecodeError | None:
 
 def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
     name = Path(shown).name
-    for repair in _repairs(text, fault.pos):
-        after = repair.applied(text)
-        later = _fault_of(after)
-        # An error further on may be another fault.
-        if later is None or later.pos > fault.pos + len(repair.new):
-            line = text.count("\n", 0, repair.start) + 1
-            cause = f"json cannot read {name}: {repair.why}."
-            fix = f"write `{after.splitlines()[line - 1].strip()}`, and build again"
-            return Finding("python-error", cause, f"{shown}:{line}", fix)
+    slip = likeliest(text, _slips(text, fault.pos), _reach)
+    if slip is not None:
+        cause = f"json cannot read {name}: {slip.why}."
+        return Finding("python-error", cause, f"{shown}:{slip.line}", f"{slip.told}, and build again")
     cause = f"This program reads {name}, but json cannot parse it: {fault.msg} (column {fault.colno})."
     return Finding(
         "python-error",
@@ -81,27 +62,40 @@ def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
     )
 
 
-def _repairs(text: str, at: int) -> Iterator[Repair]:
-    """Yield repairs that may be meant where json stops reading a text."""
+def _reach(text: str) -> float:
+    """Return how far json reads a text: the less is left after the fault, the further."""
+    fault = _fault_of(text)
+    return _LARGEST - len(text) + fault.pos if fault else ALL
+
+
+def _slips(text: str, at: int) -> Iterator[Slip]:
+    """Yield what may be meant where json stops reading a text, the likeliest first."""
+    for rank, (start, end, new, why) in enumerate(_changes(text, at)):
+        changed = f"{text[:start]}{new}{text[end:]}"
+        line = text.count("\n", 0, start) + 1
+        told = f"write `{changed.splitlines()[line - 1].strip()}`"
+        yield Slip(line, told, changed, USUAL + rank / 1000, why)
+
+
+def _changes(text: str, at: int) -> Iterator[tuple[int, int, str, str]]:
+    """Yield ranges of a text with what is to be there instead, and what was wrong."""
     before, here = len(text[:at].rstrip()), text[at : at + 1]
     last = text[before - 1 : before]
+    ends_with_comma = "there is a comma after the last element, which JSON does not allow"
     if here == "," and re.match(r",\s*[}\]]", text[at:]):  # where newer Pythons stop
-        yield Repair(at, at + 1, "", "there is a comma after the last element, which JSON does not allow")
+        yield at, at + 1, "", ends_with_comma
     if last == "," and here in ("}", "]"):
-        yield Repair(
-            before - 1, before, "", "there is a comma after the last element, which JSON does not allow"
-        )
+        yield before - 1, before, "", ends_with_comma
     if comment := re.match(r"(?:#|//).*", text[at:]):
-        yield Repair(at, at + comment.end(), "", "it contains a comment, which JSON does not allow")
+        yield at, at + comment.end(), "", "it contains a comment, which JSON does not allow"
     if quoted := re.match(r"'([^'\"\n]*)'", text[at:]):
-        yield Repair(at, at + quoted.end(), f'"{quoted[1]}"', "JSON needs double quotes around a string")
+        yield at, at + quoted.end(), f'"{quoted[1]}"', "JSON needs double quotes around a string"
     if word := re.match(r"[A-Za-z_]\w*", text[at:]):
         new = _WORDS.get(word[0], f'"{word[0]}"')
-        why = f"JSON needs {new} instead of {word[0]}"
-        yield Repair(at, at + word.end(), new, why)
+        yield at, at + word.end(), new, f"JSON needs {new} instead of {word[0]}"
     if number := re.match(r"[+]?(\d*)\.(\d+)|[+](\d+)", text[at:]):
         new = number[3] or f"{number[1] or 0}.{number[2]}"
-        yield Repair(at, at + number.end(), new, f"JSON needs {new} instead of the number {number[0]}")
+        yield at, at + number.end(), new, f"JSON needs {new} instead of the number {number[0]}"
     if before and last not in ",:{[":
-        yield Repair(before, before, ",", "a comma is missing between two elements")
-        yield Repair(before, before, ":", "a colon is missing after a name")
+        yield before, before, ",", "a comma is missing between two elements"
+        yield before, before, ":", "a colon is missing after a name"

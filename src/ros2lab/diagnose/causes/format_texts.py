@@ -6,7 +6,6 @@ Only Python's own formatting runs, with plain numbers and strings instead of the
 from __future__ import annotations
 
 import ast
-import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.own_functions import constant_of
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.spelling import nearest
 
 # What a format string must contain to raise each exception.
 _RAISED_BY = {
@@ -239,9 +239,9 @@ def _other_names(field: str, values: _Values) -> Iterator[str]:
     head, sign, rest = re.match(r"(\w*)(.?)(.*)", field, re.DOTALL).groups()  # type: ignore[union-attr]
     bare = field.strip(" '\"")
     yield from (name for name in [bare] if name in by_name and name != field)
-    near = difflib.get_close_matches(head, by_name, n=1, cutoff=0.6) if head not in by_name else []
+    near = [nearest(head, by_name, 0.6)] if head not in by_name else []
     only = [*by_name] if len(by_name) == 1 and not by_place else []
-    yield from (f"{name}{sign}{rest}" for name in (*near, *only))
+    yield from (f"{name}{sign}{rest}" for name in (*near, *only) if name)
     if by_place and head not in by_name:
         yield rest if sign == "." else ""
     if sign == "[":
@@ -249,7 +249,8 @@ def _other_names(field: str, values: _Values) -> Iterator[str]:
     elif sign == ".":
         number = int(head or 0) if not head.strip("0123456789") else len(by_place)
         owner = by_name.get(head, next(iter(by_place[number:]), None))
-        yield from (f"{head}.{name}" for name in difflib.get_close_matches(rest, dir(owner), n=1, cutoff=0.6))
+        if meant := nearest(rest, dir(owner), 0.6):
+            yield f"{head}.{meant}"
 
 
 def _changed_form(text: str, _values: _Values) -> Iterator[tuple[str, str, str]]:
@@ -278,10 +279,10 @@ def _changed_percents(text: str, values: _Values) -> Iterator[tuple[str, str, st
     """Yield a text for % with one of its placeholders changed."""
     for match in _PERCENT.finditer(text):
         name, form = match["name"], match["form"]
-        near = difflib.get_close_matches(name, values[1], n=1, cutoff=0.6) if name else []
+        near = nearest(name, values[1], 0.6)
         called = f"({name})" if name is not None else ""
         letters = [f"%{called}{form}f"] if "." in form or form.isdigit() else []
-        others = [f"%({close}){form}{match['letter']}" for close in near]
+        others = [f"%({near}){form}{match['letter']}"] if near else []
         for new in [*others, *letters, f"%{called}{re.sub('[.].*', '', form)}s", f"%{match[0]}"]:
             # Keep the next character where the conversion letter is missing.
             more = match["letter"] if not match["letter"].isalpha() and not new.startswith("%%") else ""

@@ -17,7 +17,7 @@ from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.interfaces import members_of
-from ros2lab.diagnose.sources.python_source import Function, is_property, last_name, own_nodes
+from ros2lab.diagnose.sources.python_source import Function, is_property
 
 _PRINT = "print the values used on this line just above it, and see which one is not what you expected"
 
@@ -124,12 +124,7 @@ def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     owner = owners[0] if owners else f"the object before .{name}"
     why, fix = "", f"set {owner} before this line is reached, and check its value"
     for value in spot.assigned(owner):
-        if isinstance(value, ast.Call) and spot.source:
-            called = last_name(value.func)
-            functions = [n for n in spot.source.nodes if isinstance(n, ast.FunctionDef) and n.name == called]
-            if functions and not any(isinstance(n, ast.Return) and n.value for n in own_nodes(functions[0])):
-                why, fix = f": {called}() returns nothing", f"write a return at the end of {called}()"
-        elif isinstance(value, ast.Constant) and value.value is None and not why:
+        if isinstance(value, ast.Constant) and value.value is None and not why:
             why, fix = (
                 ": it was set to None and has no other value yet",
                 f"write these two lines above line {head(spot, spot.function.body if spot.function else ())}: `if {owner} is None:`, and indented below it `return`",

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from ros2lab.diagnose.code.unknown_names import FUNCTIONS, Unknown, also_on, cause_of
+from ros2lab.diagnose.code.unknown_names import Unknown, also_on, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import last_name, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import edits
+from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 _NEAR = 2  # letters that differ
 _SPUN = ("rclpy.spin", "rclpy.spin_once", "rclpy.spin_until_future_complete")

@@ -13,7 +13,7 @@ from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.one_run import is_steady
+from ros2lab.diagnose.sources.one_run import blocks, is_steady
 from ros2lab.diagnose.sources.python_source import PythonSource, children, given_to, last_name, own_nodes
 from ros2lab.diagnose.sources.spelling import nearest
 
@@ -308,8 +308,8 @@ def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
 
 def chain_faults(source: PythonSource) -> Iterator[Finding]:
     """Yield consecutive ifs on the same value where the else of the last undoes what the others did."""
-    for block in (getattr(node, name, []) for node in source.nodes for name in ("body", "orelse")):
-        for chain in _chains(block if isinstance(block, list) else []):
+    for block in (block for node in source.nodes for block in blocks(node)):
+        for chain in _chains(block):
             last, rest = chain[-1], chain[-1].orelse
             while len(rest) == 1 and isinstance(rest[0], ast.If):
                 rest = rest[0].orelse

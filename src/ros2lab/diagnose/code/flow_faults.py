@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.code.deadlocks import deadlocks
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.entrance import is_lasting
 from ros2lab.diagnose.sources.node_source import (
     CREATORS,
     Creation,
@@ -239,7 +240,7 @@ def _disordered(sources: NodeSources, source: PythonSource, block: list[ast.stmt
     """Yield calls that end a node before it spins, and calls that create something only after the spin."""
     calls = [_call_of(source, statement) for statement in block]
     names = [source.resolve(call.func) or ast.unparse(call.func) if call else "" for call in calls]
-    first = next((number for number, name in enumerate(names) if _goes_on(name)), None)
+    first = next((number for number, name in enumerate(names) if is_lasting(name)), None)
     spin = calls[first] if first is not None else None
     if first is None or spin is None:
         return
@@ -285,11 +286,6 @@ def _may_end(sources: NodeSources, spin: ast.stmt) -> bool:
     )
 
 
-def _goes_on(name: str) -> bool:
-    """Return whether a function of this name runs until Ctrl-C."""
-    return name == "rclpy.spin" or name.endswith("executor.spin")
-
-
 def _ends_what_spins(
     sources: NodeSources,
     source: PythonSource,
@@ -324,7 +320,7 @@ def _call_of(source: PythonSource, statement: ast.stmt) -> ast.Call | None:
     if isinstance(statement, (ast.Try, ast.With)):
         calls = filter(None, (_call_of(source, inner) for inner in statement.body))
         return next(
-            (call for call in calls if _goes_on(source.resolve(call.func) or ast.unparse(call.func))), None
+            (call for call in calls if is_lasting(source.resolve(call.func) or ast.unparse(call.func))), None
         )
     value = getattr(statement, "value", None)
     is_asked = isinstance(statement, (ast.Expr, ast.Assign)) and isinstance(value, ast.Call)

@@ -12,10 +12,11 @@ from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.first_values import compared, first_value
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
-from ros2lab.diagnose.code.unknown_names import FUNCTIONS, Unknown, as_code, cause_of
+from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 Reading = tuple[str, str]  # the cause, and the fix
 _FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
@@ -396,9 +397,7 @@ def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
             [parameter for parameter in signature.parameters if parameter.is_positional] if signature else []
         )
         index = around.args.index(whole) if whole in around.args else len(wanted)
-        return whole in around.args and (
-            index >= len(wanted) or wanted[index].takes(ast.Constant(""))
-        )
+        return whole in around.args and (index >= len(wanted) or wanted[index].takes(ast.Constant("")))
     if isinstance(around, ast.keyword):
         call = unknown.above(around)
         signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None

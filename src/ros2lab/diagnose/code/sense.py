@@ -8,6 +8,8 @@ import re
 from collections.abc import Callable, Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import MODULE_NAMES, bound_by
+from ros2lab.diagnose.sources.one_run import blocks
+from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 _PENALTY = 3.0  # of each oddity, in the cost of a repair
 _TEXT = re.compile(r"""'(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*\"""")
@@ -17,7 +19,6 @@ _JOINED = re.compile(
 _BUILTINS = frozenset(dir(builtins)) | MODULE_NAMES
 _PLAIN = (ast.Constant, ast.JoinedStr, ast.List, ast.Dict, ast.Set, ast.Tuple)
 _IDLE = (ast.Name, ast.Attribute, ast.Compare, ast.BinOp, ast.Subscript, ast.Lambda, *_PLAIN)
-_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def nonsense(tree: ast.Module, first: int, last: int, before: str, after: str) -> float:
@@ -142,8 +143,8 @@ def _is_annotated_in_vain(node: ast.AST) -> bool:
 
 def _holds_a_method(node: ast.AST) -> bool:
     """Return whether a function contains one with a parameter `self`, which was to be a method."""
-    inner = [n for n in ast.walk(node) if isinstance(n, _FUNCTIONS) and n is not node]
-    is_function = isinstance(node, _FUNCTIONS)
+    inner = [n for n in ast.walk(node) if isinstance(n, FUNCTIONS) and n is not node]
+    is_function = isinstance(node, FUNCTIONS)
     return is_function and any(n.args.args and n.args.args[0].arg == "self" for n in inner)
 
 
@@ -162,20 +163,18 @@ _ODDITIES: tuple[Callable[[ast.AST], bool], ...] = (
 def _idle(tree: ast.Module, first: int, last: int, new: set[str]) -> Iterator[ast.Expr]:
     """Yield statements that only name a value, and calls in the body of a class; docstrings are none, if not new."""
     for owner in ast.walk(tree):
-        for part in ("body", "orelse", "finalbody"):
-            body = getattr(owner, part, None)
-            for place, node in enumerate(body if isinstance(body, list) else ()):
-                if not isinstance(node, ast.Expr) or not _is_within(node, first, last):
-                    continue
-                value = node.value.value if isinstance(node.value, ast.Constant) else None
-                is_doc = value is ... or (isinstance(value, str) and place == 0 and value not in new)
-                if not is_doc and (isinstance(owner, ast.ClassDef) or isinstance(node.value, _IDLE)):
-                    yield node
+        for place, node in (pair for body in blocks(owner) for pair in enumerate(body)):
+            if not isinstance(node, ast.Expr) or not _is_within(node, first, last):
+                continue
+            value = node.value.value if isinstance(node.value, ast.Constant) else None
+            is_doc = value is ... or (isinstance(value, str) and place == 0 and value not in new)
+            if not is_doc and (isinstance(owner, ast.ClassDef) or isinstance(node.value, _IDLE)):
+                yield node
 
 
 def _lost(tree: ast.Module, first: int, last: int) -> Iterator[str]:
     """Yield names in statements at the top of a file that only its functions bind."""
-    at_top = [node for node in tree.body if not isinstance(node, (*_FUNCTIONS, ast.ClassDef))]
+    at_top = [node for node in tree.body if not isinstance(node, (*FUNCTIONS, ast.ClassDef))]
     bound = _bound(ast.Module(at_top, [])) | {getattr(node, "name", "") for node in tree.body} | _BUILTINS
     for statement in at_top:
         if _is_within(statement, first, last):

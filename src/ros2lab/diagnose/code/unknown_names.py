@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ros2lab.diagnose.sources.python_source import PythonSource, children, walk
+from ros2lab.diagnose.sources.uses import FUNCTIONS
 
-FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _LONGEST = 110  # characters of a line that is shown in full
 
 

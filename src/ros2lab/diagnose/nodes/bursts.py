@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
@@ -15,24 +16,11 @@ from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
 from ros2lab.diagnose.sources.uses import FUNCTIONS, is_log
 
-# Methods of publishers, loggers, clocks, texts and lists, and functions of Python, that take no time.
-_FAST = frozenset(
-    (
-        *(
-            "publish",
-            "get_logger",
-            "get_clock",
-            "now",
-            "to_msg",
-            "format",
-            "append",
-            "join",
-            "upper",
-            "lower",
-        ),
-        *("range", "enumerate", "zip", "reversed", "abs", "min", "max", "sum", "sorted", "print"),
-    )
-)
+# Methods of publishers, nodes and clocks, and of Python's texts and lists, and its functions, that take no time.
+_FAST = {"publish", "get_logger", "get_clock", "now", "to_msg", *dir(str), *dir(list), *dir(builtins)} - {
+    "input",
+    "open",
+}
 
 
 def burst_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -73,20 +61,8 @@ def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Functio
 
 def _is_fast(creation: Creation, call: ast.Call) -> bool:
     """Return whether a call is known to take no time: it makes, fills, logs or publishes a message."""
-    name = last_name(call.func)
-    known = creation.source.resolve(call.func) or ""
-    is_made = is_interface(known) or known in (
-        "str",
-        "int",
-        "float",
-        "bool",
-        "dict",
-        "list",
-        "tuple",
-        "len",
-        "round",
-    )
-    return is_made or is_log(call) or name in _FAST
+    is_made = is_interface(creation.source.resolve(call.func))
+    return is_made or is_log(call) or last_name(call.func) in _FAST
 
 
 def _times(sources: NodeSources, creation: Creation, function: Function, call: ast.Call) -> int:

@@ -66,11 +66,10 @@ def _row_of(package: SourcePackage, pattern: Pattern | None, folder: str) -> str
 
 def _made(setup: SetupScript) -> Iterator[ast.ListComp | ast.GeneratorExp]:
     """Yield the comprehensions in data_files."""
-    given = [n.value for n in setup.source.nodes if isinstance(n, ast.keyword) and n.arg == "data_files"]
-    for value in given:
-        for node in ast.walk(value):
-            if isinstance(node, (ast.ListComp, ast.GeneratorExp)) and not isinstance(node.elt, ast.Tuple):
-                yield node
+    given = setup.given("data_files")
+    for node in ast.walk(given) if given else ():
+        if isinstance(node, (ast.ListComp, ast.GeneratorExp)) and not isinstance(node.elt, ast.Tuple):
+            yield node
 
 
 def _narrower(package: SourcePackage, pattern: Pattern) -> str:

@@ -89,13 +89,10 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
 
 def _with(setup: SetupScript, names: list[str]) -> str:
     """Return the `packages` of setup() with more names; empty if it is neither a list nor a call."""
-    given = [
-        node.value for node in setup.source.nodes if isinstance(node, ast.keyword) and node.arg == "packages"
-    ]
-    match given:
-        case [ast.List(elts=[*known])]:
+    match setup.given("packages"):
+        case ast.List(elts=[*known]):
             return ast.unparse(ast.List([*known, *map(ast.Constant, names)], ast.Load()))
-        case [ast.Call(func=func, args=args, keywords=[*keywords])]:
+        case ast.Call(func=func, args=args, keywords=[*keywords]):
             kept = [new for keyword in keywords if (new := _taking(keyword, names))]
             return ast.unparse(ast.Call(func, args, kept))
     return ""

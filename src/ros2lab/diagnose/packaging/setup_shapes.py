@@ -203,8 +203,8 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
     if isinstance(value, dict):
         cause = "data_files is a dict but must be a list of pairs of a folder and its files"
         yield _value(setup, "data_files", cause, f"write data_files={[*value.items()]!r}")
-    given = [n.value for n in setup.source.nodes if isinstance(n, ast.keyword) and n.arg == "data_files"]
-    items = given[0].elts if given and isinstance(given[0], ast.List) else []
+    given = setup.given("data_files")
+    items = given.elts if isinstance(given, ast.List) else []
     lists = {number for number, item in enumerate(items) if isinstance(item, ast.List)}
     for number, entry in enumerate(value) if isinstance(value, (list, tuple)) else ():
         match entry:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
-from ros2lab.diagnose.sources.slips import Slip
+from ros2lab.diagnose.sources.slips import Lines, Slip
 
 # What REP 149 knows: tags of a package, and those that stand in <export>.
 _DEPENDS = (
@@ -37,9 +38,6 @@ _ELEMENT = re.compile(r"<(?P<tag>[\w-]+)(?P<attributes>(?: [^<>]*)?)>(?P<content
 _EMAIL = re.compile(r"[\w.+-]+@[\w-]+(?:\.[\w-]+)+")
 _ALIKE = 0.55  # how similar a tag and the right one are, from 0 to 1
 
-# A line, what to do there in words, and the text that comes of it.
-_Change = tuple[int, str, str]
-
 
 def tag_slips(text: str, keywords: Mapping[str, Any]) -> Iterator[Slip]:
     """Yield a manifest with a change of one tag, the likeliest first.
@@ -48,14 +46,14 @@ def tag_slips(text: str, keywords: Mapping[str, Any]) -> Iterator[Slip]:
         text: the manifest.
         keywords: the arguments of setup(), which say some of the same.
     """
-    for rank, (number, told, changed) in enumerate(_changes(text.split("\n"), keywords)):
-        yield Slip(number, told, changed, rank / 1000)
+    for rank, slip in enumerate(_changes(Lines(text), keywords)):
+        yield replace(slip, cost=rank / 1000)
 
 
-def _changes(lines: list[str], keywords: Mapping[str, Any]) -> Iterator[_Change]:
-    begin = next((n for n, line in enumerate(lines, 1) if "<export>" in line), 0)
-    end = next((n for n, line in enumerate(lines, 1) if "</export>" in line and n >= begin), 0)
-    every = [(n, match) for n, line in enumerate(lines, 1) for match in _ELEMENT.finditer(line)]
+def _changes(lines: Lines, keywords: Mapping[str, Any]) -> Iterator[Slip]:
+    begin = next((n for n, line in enumerate(lines.all, 1) if "<export>" in line), 0)
+    end = next((n for n, line in enumerate(lines.all, 1) if "</export>" in line and n >= begin), 0)
+    every = [(n, match) for n, line in enumerate(lines.all, 1) for match in _ELEMENT.finditer(line)]
     spots = [(n, match) for n, match in every if not begin <= n <= end]
     own = next((match["content"].strip() for _, match in spots if match["tag"] == "name"), "")
     for number, match in spots:
@@ -71,26 +69,22 @@ def _changes(lines: list[str], keywords: Mapping[str, Any]) -> Iterator[_Change]
             if match["tag"] in _DEPENDS:  # of which there may be several
                 is_itself = match["content"].strip() == own
                 why = ": a package does not depend on itself" if is_itself else ""
-            yield number, f"remove this line{why}", "\n".join([*lines[: number - 1], *lines[number:]])
+            slip = lines.removed(number)
+            yield replace(slip, told=f"{slip.told}{why}")
     yield from _added(lines, {match["tag"]: number for number, match in spots}, keywords)
 
 
-def _with(lines: list[str], number: int, new: str) -> str:
-    return "\n".join([*lines[: number - 1], new, *lines[number:]])
-
-
-def _into_export(lines: list[str], number: int, element: str, begin: int) -> _Change:
+def _into_export(lines: Lines, number: int, element: str, begin: int) -> Slip:
     if not begin:
-        new = f"<export>{element}</export>"
-        return number, f"write `{new}`", _with(lines, number, new)
-    moved = [*lines[:begin], element, *lines[begin:]]
+        return lines.written(number, f"<export>{element}</export>")
+    moved = [*lines.all[:begin], element, *lines.all[begin:]]
     del moved[number if number > begin else number - 1]
-    return number, f"move this line below <export> on line {begin}", "\n".join(moved)
+    return Slip(number, f"move this line below <export> on line {begin}", "\n".join(moved))
 
 
 def _rewritten(
-    lines: list[str], number: int, match: re.Match[str], keywords: Mapping[str, Any]
-) -> Iterator[_Change]:
+    lines: Lines, number: int, match: re.Match[str], keywords: Mapping[str, Any]
+) -> Iterator[Slip]:
     """Yield a line with another tag, other attributes or another content of its element."""
     tag, content, attributes = match["tag"], match["content"].strip(), match["attributes"]
     new: list[str] = []
@@ -106,9 +100,7 @@ def _rewritten(
         new.append(f"<name>{re.sub(r'[^a-z0-9_]+', '_', content.lower()).strip('_')}</name>")
     if attributes:
         new.append(f"<{tag}>{content}</{tag}>")
-    for text in new:
-        whole = lines[number - 1].replace(match[0], text)
-        yield number, f"write `{whole.strip()}`", _with(lines, number, whole)
+    yield from (lines.written(number, lines[number].replace(match[0], text)) for text in new)
 
 
 def _maintainer(content: str, attributes: str, keywords: Mapping[str, Any]) -> str:
@@ -121,20 +113,21 @@ def _maintainer(content: str, attributes: str, keywords: Mapping[str, Any]) -> s
     return f'<maintainer email="{address}">{name}</maintainer>'
 
 
-def _of_package(lines: list[str]) -> Iterator[_Change]:
+def _of_package(lines: Lines) -> Iterator[Slip]:
     """Yield the manifest with the right root tag and format."""
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(lines.all, 1):
         if match := re.match(r"\s*<(?P<tag>[a-z]\w*)(?: [^<>]*)?>\s*$", line):
             new = '<package format="3">'
-            last = max((n for n, text in enumerate(lines, 1) if f"</{match['tag']}>" in text), default=number)
-            below = [*lines[: number - 1], new, *lines[number:]]
+            ends = (n for n, text in enumerate(lines.all, 1) if f"</{match['tag']}>" in text)
+            last = max(ends, default=number)
+            below = [*lines.all[: number - 1], new, *lines.all[number:]]
             below[last - 1] = below[last - 1].replace(f"</{match['tag']}>", "</package>")
             more = f", and `</package>` on line {last}" if match["tag"] != "package" else ""
-            yield number, f"write `{new}`{more}", "\n".join(below)
+            yield Slip(number, f"write `{new}`{more}", "\n".join(below))
             return
 
 
-def _added(lines: list[str], known: Mapping[str, int], keywords: Mapping[str, Any]) -> Iterator[_Change]:
+def _added(lines: Lines, known: Mapping[str, int], keywords: Mapping[str, Any]) -> Iterator[Slip]:
     """Yield the manifest with one of the tags that every package needs, filled from setup.py if that says it."""
     for tag in (needed for needed in _NEEDED if needed not in known):
         given = keywords.get(tag) if isinstance(keywords.get(tag), str) else ""
@@ -145,5 +138,5 @@ def _added(lines: list[str], known: Mapping[str, int], keywords: Mapping[str, An
         if tag == "maintainer":
             new = _maintainer("", "", keywords)
         before = [known[other] for other in _NEEDED[: _NEEDED.index(tag)] if other in known]
-        number = max(before, default=next((n for n, line in enumerate(lines, 1) if "<package" in line), 1))
-        yield number, f"add `{new}` below this line", "\n".join([*lines[:number], new, *lines[number:]])
+        begin = next((n for n, line in enumerate(lines.all, 1) if "<package" in line), 1)
+        yield lines.added(max(before, default=begin), new)

@@ -217,9 +217,7 @@ def _with_gaps(places: list[Parameter], values: list[ast.expr], named: set[str |
 def _misfits(places: list[Parameter], values: list[ast.expr]) -> int:
     """Return how many values do not fit their positions, functions in the position of a string included."""
     pairs = [pair for pair in zip(places, values, strict=False) if pair[1] is not _GAP]
-    return sum(
-        1 for place, value in pairs if not place.takes(value) or _is_method_for_text(place, value)
-    )
+    return sum(1 for place, value in pairs if not place.takes(value) or _is_method_for_text(place, value))
 
 
 def _is_method_for_text(place: Parameter, value: ast.expr) -> bool:
@@ -246,9 +244,7 @@ def _with_functions_in_place(places: list[Parameter], values: list[ast.expr]) ->
 def _fit(places: list[Parameter], values: list[ast.expr]) -> int:
     """Return how many literals fit their positions."""
     return sum(
-        1
-        for place, value in zip(places, values, strict=False)
-        if kind_of(value) and place.takes(value)
+        1 for place, value in zip(places, values, strict=False) if kind_of(value) and place.takes(value)
     )
 
 

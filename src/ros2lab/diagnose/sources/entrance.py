@@ -40,7 +40,12 @@ class Call:
     @property
     def is_lasting(self) -> bool:
         """Whether it spins until Ctrl-C."""
-        return self.name == "rclpy.spin" or self.name.endswith("executor.spin")
+        return is_lasting(self.name)
+
+
+def is_lasting(name: str) -> bool:
+    """Return whether a function of this name spins until Ctrl-C."""
+    return name == "rclpy.spin" or name.endswith("executor.spin")
 
 
 class Entrance:

@@ -116,6 +116,11 @@ class SetupScript:
         text = ast.get_source_segment(self.source.text, node) if node is not None else None
         return (text, node.lineno) if node is not None and text else (repr(target), self.line("data_files"))
 
+    def given(self, keyword: str) -> ast.expr | None:
+        """Return the expression of a keyword argument; None if it is not given."""
+        nodes = (node for node in self.source.nodes if isinstance(node, ast.keyword))
+        return next((node.value for node in nodes if node.arg == keyword), None)
+
     def line(self, keyword: str) -> int | None:
         """Return the line of a keyword argument; None if it is not given."""
         return self.lines.get(keyword)
