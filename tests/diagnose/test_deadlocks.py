@@ -65,7 +65,7 @@ def found_in(text: str) -> list[Finding]:
 def test_what_owes_nothing_goes_on_when_the_answer_has_come(body: str, count: int) -> None:
     text, (finding,) = told(TIMER, body)
     match = re.fullmatch(
-        r"write these lines instead of lines? (\d+)(?:-(\d+))?:\n(.*)", finding.fix, re.DOTALL
+        r"write these lines instead of lines? (\d+)(?: to (\d+))?:\n(.*)", finding.fix, re.DOTALL
     )
     assert match
     lines = text.splitlines()

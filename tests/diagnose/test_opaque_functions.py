@@ -61,7 +61,7 @@ def applied(text: str, fix: str) -> str:
     """Return a file after what a fix says: lines go, a function comes above the return, and one call is written."""
     lines = text.splitlines()
     said, function, then = re.fullmatch(r"(.*?):\n(.*)\n  Then (.*)", fix, re.DOTALL).groups()  # type: ignore[union-attr]
-    for first, last in re.findall(r"lines? (\d+)(?:-(\d+))?", said.rpartition("instead of")[2]):
+    for first, last in re.findall(r"lines? (\d+)(?: to (\d+))?", said.rpartition("instead of")[2]):
         for number in range(int(first), int(last or first) + 1):
             lines[number - 1] = ""
     call = then.split("`")[1]

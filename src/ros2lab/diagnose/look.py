@@ -260,6 +260,10 @@ class Look:
         below = {end.name for end, plain, _ in ends if end.is_private and plain != f"/{end.name}"}
         return below.union(*(node.remapped for file in self.launch_files for node in file.nodes))
 
+    def package(self, name: str) -> SourcePackage | None:
+        """Return the package of a name; None if there is none."""
+        return next((package for package in self.packages if package.name == name), None)
+
     def sources(self, package: SourcePackage) -> NodeSources:
         """Return a package's Python files."""
         if package.folder not in self._sources:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, parameters
@@ -89,8 +89,8 @@ class _Answering:
 
 def of_answer(error: ErrorText, look: Look) -> Finding | None:
     """Return the callback whose return value rclpy cannot use; None if the error is about something else."""
-    report = error.reports[-1] if error.reports else None
-    own = own_frames(report.frames) if report else []
+    report = error.report
+    own = error.own
     files = "\n".join(frame.file for frame in report.frames if frame not in own) if report else ""
     if report and (not report.frames or report.frames[-1] in own):
         return None

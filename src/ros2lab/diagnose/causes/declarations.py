@@ -12,7 +12,7 @@ from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, default_by_use, sections_of
-from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of, first_texts, names_given
 from ros2lab.diagnose.sources.interfaces import members_of
@@ -73,7 +73,7 @@ class _Use:
 
 def declaration_fault(error: ErrorText, look: Look) -> Finding | None:
     """Return why a parameter is undeclared where it is read, or declared twice; None for another error."""
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     told = {
         "ParameterNotDeclaredException": _undeclared,
         "ParameterAlreadyDeclaredException": _declared_before,
@@ -87,7 +87,7 @@ def declaration_fault(error: ErrorText, look: Look) -> Finding | None:
 
 def _use_of(names: tuple[str, ...], error: ErrorText, look: Look) -> _Use | None:
     """Return the call on an error's line that names its parameters; None if there is none."""
-    frames = own_frames(error.reports[-1].frames)
+    frames = error.own
     places = [place_of([frame], look).rpartition(":") for frame in frames]
     spot = spot_at(place_of(frames, look), look)
     homes = [

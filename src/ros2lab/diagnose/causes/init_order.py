@@ -23,7 +23,7 @@ _CODE = "rclpy-init-missing"
 
 def of_init_order(error: ErrorText, look: Look) -> Finding | None:
     """Return where rclpy.init() must be called, for an error that says that it was not; None for any other."""
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     if report is None or not _is_before_init(report):
         return None
     frames = [*reversed(own_frames(report.frames))]
@@ -44,8 +44,8 @@ def of_init_order(error: ErrorText, look: Look) -> Finding | None:
 
 def of_init_twice(error: ErrorText, look: Look) -> Finding | None:
     """Return which of two calls of rclpy.init() is one too many; None for any other error."""
-    report = error.reports[-1] if error.reports else None
-    own = own_frames(report.frames) if report else []
+    report = error.report
+    own = error.own
     if report is None or "Context.init() must only be called once" not in report.message or not own:
         return None
     found: dict[str, tuple[PythonSource, ast.Call]] = {}

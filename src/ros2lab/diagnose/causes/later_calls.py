@@ -21,7 +21,7 @@ _MAKERS = frozenset(("partial", "partialmethod", "getattr", "wraps"))  # what th
 
 def of_later_call(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
     """Return the finding about the line that gave a library a value to call; None if there is none."""
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     said = _SAYS.search(report.message) if report else None
     if report is None or said is None or not report.frames or own_frames(report.frames[-1:]):
         return None
@@ -36,7 +36,7 @@ def sources_around(error: ErrorText, look: Look) -> list[NodeSources]:
     """Return the files of all packages, and each file of the traceback that belongs to none, such as a script."""
     every = [look.sources(package) for package in look.packages]
     known = {source.shown for sources in every for source in sources.sources.values()}
-    for frame in own_frames(error.reports[-1].frames) if error.reports else ():
+    for frame in error.own:
         source = spot_at(place_of([frame], look), look).source
         if source is not None and source.shown not in known:
             known.add(source.shown)

@@ -7,7 +7,7 @@ import re
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to, last_name, own_nodes
 
 _MORE = re.compile(
@@ -18,8 +18,8 @@ _FEWER = re.compile(r"(?P<name>[\w.<>]+)\(\) missing \d+ required positional arg
 
 def of_parameters(error: ErrorText, look: Look) -> Finding | None:
     """Return the function whose parameters do not fit the call of a library; None for any other error."""
-    report = error.reports[-1] if error.reports else None
-    own = own_frames(report.frames) if report else []
+    report = error.report
+    own = error.own
     if report is None or not report.frames or report.frames[-1] in own:
         return None
     more, fewer = _MORE.search(report.message), _FEWER.search(report.message)

@@ -81,7 +81,7 @@ def of_own_raise(error: ErrorText, look: Look) -> Finding | None:
 
     None if something else raised it, or if rclpy did not call the function.
     """
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     if report is None or not report.frames or not own_frames(report.frames[-1:]):
         return None
     place = place_of([report.frames[-1]], look)

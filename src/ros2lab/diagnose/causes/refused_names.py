@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
@@ -22,9 +22,9 @@ _TAKEN_AT = {"InvalidTopicName": 1, "InvalidServiceName": 1, "InvalidNodeName": 
 
 def of_refused_name(error: ErrorText, look: Look) -> Finding | None:
     """Return the text that makes up a name that ROS refuses; None if the error is about something else."""
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     said = _REFUSED.search(error.text) if report and "Invalid" in report.kind else None
-    own = own_frames(report.frames) if report else []
+    own = error.own
     if said is None or not own:
         return None
     name = said["name"]

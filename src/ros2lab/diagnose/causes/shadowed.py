@@ -165,7 +165,7 @@ def _as_executable(error: ErrorText, look: Look | None) -> str:
     """Return the `ros2 run` of a file that was started with python3; empty if it has no entry point."""
     typed = [match["file"] for line in error.typed if (match := _RUN_BY_FILE.search(line))]
     for package in look.packages if typed and look else ():
-        for point in (package.setup.entry_points if package.setup else None) or ():
+        for point in package.points:
             source = package.sources.get(point.module)
             if source and source.path and source.path.name == Path(typed[-1]).name and point.name:
                 return f"ros2 run {package.name} {point.name}"

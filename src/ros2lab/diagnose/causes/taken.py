@@ -19,7 +19,7 @@ from ros2lab.diagnose.code.lost_parameters import (
 )
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import place_of, spot_at
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import parameters
@@ -32,7 +32,7 @@ _SAYS = re.compile(
 
 def of_taken(error: ErrorText, look: Look) -> Finding | None:
     """Return the finding about a def that lacks a parameter with which it is called; None if a call is wrong."""
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     if report is None or report.kind not in ("TypeError", "NameError"):
         return None
     said = _SAYS.match(report.message)
@@ -87,7 +87,7 @@ def _by_callers(definition: Definition, calls: Sequence[ast.Call], lacking: int)
 
 def _of_name(error: ErrorText, look: Look) -> Finding | None:
     """Return the finding about the function that fails at a name that its def lacks; None if it lacks none."""
-    spot = spot_at(place_of(own_frames(error.reports[-1].frames), look), look)
+    spot = spot_at(place_of(error.own, look), look)
     if spot.source is None or spot.function is None:
         return None
     place = spot.source.at(spot.function)

@@ -10,7 +10,7 @@ from typing import TypeGuard
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.service_faults import ServiceEnd, server_for, service_ends
-from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.own_functions import own_function, returned
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
@@ -24,7 +24,7 @@ _DEEPEST = 3  # functions followed that return the result
 def of_unanswered(error: ErrorText, look: Look) -> Finding | None:
     """Say why a request got no response in the time that the code waits; None if that is not the error."""
     match = _OF_NONE.match(error.reports[-1].message) if error.reports else None
-    own = own_frames(error.reports[-1].frames) if match else []
+    own = error.own if match else []
     spot = spot_at(place_of(own[:1], look), look) if own else None
     if match is None or spot is None:
         return None
@@ -103,6 +103,6 @@ def _with_wait(request: ast.Call, node: str, client: ServiceEnd, source: PythonS
 def _starts(server: ServiceEnd, look: Look) -> Iterator[str]:
     """Yield the commands that start the program with a server."""
     for package in look.packages:
-        for point in (package.setup.entry_points if package.setup else None) or ():
+        for point in package.points:
             if point.module == server.creation.source.name:
                 yield f"ros2 run {package.name} {point.name}"

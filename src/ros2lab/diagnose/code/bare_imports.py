@@ -20,7 +20,7 @@ def bare_imports(package: SourcePackage, sources: NodeSources) -> Iterator[Findi
     Any other file may be run by hand, and then finds its neighbours.
     """
     own = sources.sources
-    points = (package.setup.entry_points if package.setup else None) or ()
+    points = package.points
     waiting = (
         [] if _finds_more(package, sources) else [point.module for point in points if point.module in own]
     )

@@ -73,7 +73,7 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
 
 def of_test_without_init(error: ErrorText, look: Look) -> Finding | None:
     """Say that a test makes a node before rclpy.init(); None for any other error."""
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     outer = own_frames(report.frames)[-1:] if report else []
     if report is None or "init" not in report.message or not outer or not is_test(outer[0].file):
         return None

@@ -16,6 +16,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.transcript import words_in
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest
@@ -73,10 +74,7 @@ def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
         look: the workspace.
         said: what was printed.
     """
-    try:
-        words = shlex.split(line.rstrip("& "))
-    except ValueError:
-        return None
+    words = words_in(line.rstrip("& "))
     match words:
         case ["colcon", "build" | "test", *_]:
             better = of_colcon(line, words, look, said)
@@ -139,13 +137,8 @@ class _Known:
         return list(self.look.executables.get(self.rest[0] if self.rest else "") or ())
 
     def launch_file(self) -> list[str]:
-        name = self.rest[0] if self.rest else ""
-        return [
-            path.name
-            for package in self.look.packages
-            if package.name == name
-            for path in package.launch_files
-        ]
+        package = self.look.package(self.rest[0]) if self.rest else None
+        return [path.name for path in package.launch_files] if package else []
 
     def topic(self) -> list[str]:
         return [f"/{topic}" for topic in self.types if not topic.startswith("~")]

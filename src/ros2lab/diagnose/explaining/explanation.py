@@ -46,7 +46,7 @@ from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.mending.repairs import tried, worth_typing
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.printed.jobs import frozen_faults
-from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of
+from ros2lab.diagnose.printed.spots import is_setup, place_of, spot_at
 from ros2lab.diagnose.printed.transcript import LABELLED, Step, step_with
 from ros2lab.diagnose.sources.calls import call_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
@@ -135,7 +135,7 @@ def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Fin
     first, *others = found
     if first.code.startswith("name-undefined"):
         return found  # no other change of the line says what the name stands for
-    own = own_frames(error.reports[-1].frames) if error.reports else []
+    own = error.own
     is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
     is_sure |= re.search(r"\bline \d+", first.fix) is not None
     part, said = own[0].part if own else "", of_launch(error, look)
@@ -322,7 +322,7 @@ def _asked_first(
         return []
     if _BUILD_FAILED.search(error.text) and (stops := [finding for finding in known if stops_build(finding)]):
         return stops
-    is_of_setup = bool(error.reports) and is_setup(place_of(own_frames(error.reports[-1].frames), look))
+    is_of_setup = bool(error.reports) and is_setup(place_of(error.own, look))
     if is_of_setup and found and found[0].code in _NOT_THERE:
         return said_by_tools(error, look)  # a package that could not be built is not found later
     named = [finding for finding in known if error.command and error.command[2] in finding.about]
@@ -348,11 +348,10 @@ def _whole_report(report: ErrorReport, look: Look) -> ErrorReport:
     own = own_frames(report.frames)
     if not own:
         return report
-    file, _, line = place_of(own[:1], look).rpartition(":")
-    path = look.root / file
-    if not line.isdigit() or not path.is_file():
+    spot = spot_at(place_of(own[:1], look), look)
+    if spot.source is None:
         return report
-    lines = Spot(read_source(path, path.stem, file), int(line)).lines
+    lines = spot.lines
     index = report.frames.index(own[0])
     around = tuple(replace(own[0], line=n) for n in lines if n != own[0].line)
     return replace(report, frames=(*report.frames[:index], *around, *report.frames[index:]))

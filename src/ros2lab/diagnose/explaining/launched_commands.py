@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Sequence
 
 from ros2lab.diagnose.explaining.commands import as_meant, in_shell
@@ -11,6 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_commands import LaunchCommand, launch_commands
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.transcript import words_in
 
 _DIED = re.compile(r"process has died \[pid \d+, exit code (?!-2\b)-?\d+, cmd '(?P<cmd>.*)'\]")
 _QUOTED = re.compile(r"""(["'])(?P<inner>.*)\1""", re.DOTALL)
@@ -48,7 +48,7 @@ def _fault(command: LaunchCommand, words: list[str], error: ErrorText, look: Loo
     else:
         line = " ".join(map(in_shell, bare))
     meant = as_meant(line, error, look)
-    right = _split(meant.line) if meant else [*bare]
+    right = words_in(meant.line) if meant else [*bare]
     if command.is_read_by_shell and meant:
         return Finding("launch-argument", meant.why, command.place, f"write `cmd=[{meant.line!r}]`")
     if right == words:
@@ -101,10 +101,3 @@ def _without_shell(command: LaunchCommand, words: Sequence[str]) -> Finding | No
             fix = f"write `{_EXPANDED[sign[0]]}({word.written})` instead of `{word.written}`, with `import os` at the top"
             return Finding("launch-argument", cause, word.place, fix)
     return None
-
-
-def _split(line: str) -> list[str]:
-    try:
-        return shlex.split(line)
-    except ValueError:
-        return []

@@ -59,7 +59,7 @@ def uses(package: SourcePackage, look: Look) -> Iterator[str]:
 
 def is_refuted(finding: Finding, error: ErrorText, look: Look) -> bool:
     """Return whether a line that stopped by another error had all its names: one that lacks a name stops by that."""
-    report = error.reports[-1] if error.reports else None
+    report = error.report
     if (
         finding.code != "name-undefined"
         or report is None

@@ -229,7 +229,7 @@ def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
 
 
 def _package(name: str, look: Look | None) -> SourcePackage | None:
-    return next((package for package in look.packages if package.name == name), None) if look else None
+    return look.package(name) if look else None
 
 
 def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str, ...]) -> Finding | None:

@@ -50,7 +50,7 @@ def _times(number: int) -> str:
 def _makers(name: str, look: Look) -> Iterator[tuple[str, str]]:
     """Yield the package and executable of each file that contains this node name."""
     for package in look.packages:
-        for point in (package.setup.entry_points if package.setup else None) or ():
+        for point in package.points:
             source = package.sources.get(point.module)
             texts = (
                 node.value for node in (source.nodes if source else ()) if isinstance(node, ast.Constant)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.installed import changed_sources, prefix_of
-from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import place_of
 
 
 def of_earlier(error: ErrorText, look: Look) -> Finding | None:
     """Say that an error comes from an installed copy of a file that has changed; None if it does not."""
-    own = own_frames(error.reports[-1].frames) if error.reports else []
+    own = error.own
     frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
     stale = (
         next((finding for finding in look.findings if finding.code == "install-stale"), None)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import re
-import shlex
 from collections.abc import Iterator
 from pathlib import PurePath
 
@@ -12,9 +11,9 @@ from ros2lab.diagnose.code.main_guards import RUN, indented_guard, is_guard, unt
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import commands_with_output
+from ros2lab.diagnose.printed.transcript import words_in
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
-from ros2lab.diagnose.sources.setup_script import EntryPoint
 from ros2lab.diagnose.sources.static_value import holds
 
 _GUARD = "`if __name__ == '__main__':`"
@@ -39,10 +38,7 @@ def of_quiet_program(text: str, look: Look | None) -> Finding | None:
 def _run_by(line: str, look: Look | None) -> Iterator[tuple[SourcePackage, PythonSource]]:
     """Yield the files of the workspace that a command may run directly, each with its package."""
     for command in re.split(r" *(?:&&|;) *", line):
-        try:
-            words = [word for word in shlex.split(command) if not re.match(r"\w+=", word)]
-        except ValueError:
-            continue
+        words = [word for word in words_in(command) if not re.match(r"\w+=", word)]
         program = words[0] if words else ""
         is_python = re.fullmatch(r"(?:\S*/)?python[\d.]*", program) is not None
         is_module = "-m" in words[:-1]
@@ -113,7 +109,7 @@ def _never_called(
         cause = f"{file} only defines {made}, and nothing in it uses that, so it ends at once."
         fix = f"write def main(): with what it should do, and at the very end {_GUARD} and, indented below it, `main()`"
         return Finding("never-called", cause, source.shown, fix) if made else None
-    point = next((p.name for p in _points(package) if p.module == source.name), "")
+    point = next((p.name for p in package.points if p.module == source.name), "")
     by_ros = (
         f"; or start it with `ros2 run {package.name} {point}`, which calls {main.name}()" if point else ""
     )
@@ -122,15 +118,11 @@ def _never_called(
     return Finding("never-called", cause, source.at(main), fix)
 
 
-def _points(package: SourcePackage) -> list[EntryPoint]:
-    return [*(package.setup.entry_points or ())] if package.setup else []
-
-
 def _main(
     source: PythonSource, package: SourcePackage, functions: list[ast.FunctionDef]
 ) -> ast.FunctionDef | None:
     """Return the main function: an entry point, `main`, or the last function without required parameters."""
-    points = [point.function for point in _points(package) if point.module == source.name]
+    points = [point.function for point in package.points if point.module == source.name]
     free = [function for function in functions if len(function.args.args) == len(function.args.defaults)]
     named = [function for function in free if function.name in (*points, "main")]
     return next(iter(named), free[-1] if free else None)

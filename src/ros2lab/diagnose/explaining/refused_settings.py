@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ast
 import re
-import shlex
 from collections.abc import Iterator
 
 from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.printed.transcript import step_with
+from ros2lab.diagnose.printed.transcript import step_with, words_in
 from ros2lab.diagnose.sources.package import SourcePackage
 
 _REFUSED = re.compile(r"^Set(?:ting)? parameter (?:(?P<name>\S+) )?failed: (?P<reason>.+)")
@@ -39,10 +38,7 @@ def refused_setting(error: ErrorText, look: Look | None) -> Finding | None:
 def _set_by(error: ErrorText) -> tuple[str, str]:
     """Return the parameter and the value in the command that was refused; empty if they are not known."""
     step = step_with(error.decisive, error.steps)
-    try:
-        words = shlex.split(step.command) if step else []
-    except ValueError:
-        words = []
+    words = words_in(step.command)
     plain = plain_words(words, 2) if words[:3] == ["ros2", "param", "set"] else []
     return (plain[1], plain[2]) if len(plain) > 2 else ("", "")
 

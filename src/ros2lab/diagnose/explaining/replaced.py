@@ -52,7 +52,7 @@ def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
 
 def made_twice(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
     """Return the known finding that the failing function replaces one of the same name; else None."""
-    frames = own_frames(error.reports[-1].frames) if error.reports else []
+    frames = error.own
     spot = spot_at(place_of(frames, look), look) if frames else Spot(None, 0)
     if spot.source is None or spot.function is None:
         return None

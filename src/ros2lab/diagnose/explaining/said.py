@@ -10,6 +10,7 @@ import re
 import shlex
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 
@@ -20,7 +21,7 @@ from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
-from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.printed.spots import spot_at
 from ros2lab.diagnose.printed.transcript import (
     LABELLED,
     OF_LATER,
@@ -373,16 +374,9 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
             return found
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
-    file, _, line = place.rpartition(":")
-    path = (look.root if look else Path()) / file
-    source = read_source(path, path.stem, file) if line and path.is_file() else None
     own = own_frames(report.frames)
-    spot = Spot(
-        source,
-        int(line or 0),
-        is_innermost=not own or own[0] is report.frames[-1],
-        part=own[0].part if own else "",
-    )
+    is_innermost = not own or own[0] is report.frames[-1]
+    spot = replace(spot_at(place, look), is_innermost=is_innermost, part=own[0].part if own else "")
     return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,7 +13,7 @@ from ros2lab.diagnose.launching.started_faults import line_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import is_for, other_name, sections_of
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.printed.transcript import Step
+from ros2lab.diagnose.printed.transcript import Step, words_in
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_text
 
@@ -61,11 +60,7 @@ def sections_read(error: ErrorText, look: Look) -> tuple[list[Finding], set[str]
 
 def _ran(step: Step, look: Look) -> Iterator[_Ran]:
     """Yield the nodes that a command started with a parameter file."""
-    try:
-        words = shlex.split(step.command)
-    except ValueError:
-        return
-    match words:
+    match words_in(step.command):
         case ["ros2", "run", package, program, *rest]:
             yield from _run(package, program, rest, _logged(step), look)
         case ["ros2", "launch", _, file, *_]:
@@ -79,8 +74,8 @@ def _run(package: str, program: str, rest: list[str], logged: set[str], look: Lo
     given = dict(
         value.split(":=", 1) for option, value in pairs if option in ("-r", "--remap") and ":=" in value
     )
-    home = next((candidate for candidate in look.packages if candidate.name == package), None)
-    points = (home.setup.entry_points if home and home.setup else None) or ()
+    home = look.package(package)
+    points = home.points if home else ()
     module = next((point.module for point in points if point.name == program), "")
     if home is None or not files:
         return

@@ -10,6 +10,7 @@ import re
 import shlex
 from collections.abc import Iterator, Sequence
 
+from ros2lab.diagnose.printed.transcript import words_in
 from ros2lab.diagnose.sources.spelling import nearest
 
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
@@ -21,10 +22,7 @@ def accepted_form(line: str) -> tuple[str, str] | None:
 
     None if the command is accepted as it is, or if no change that is tried helps.
     """
-    try:
-        words = shlex.split(line.rstrip("& "))
-    except ValueError:
-        return None
+    words = words_in(line.rstrip("& "))
     if words[:1] != ["ros2"] or {"-h", "--help"} & set(words) or _is_accepted(words):
         return None
     return next(((_line(new, line), why) for new, why in _repairs(words) if _is_accepted(new)), None)

@@ -100,7 +100,7 @@ def _may_have(package: SourcePackage, node: Launched, there: Collection[str] | N
 
 def _uncalled(package: SourcePackage, executable: str) -> str:
     """Return the module with the name of an executable if it has a program that no entry point calls; else empty."""
-    points = (package.setup.entry_points if package.setup else None) or ()
+    points = package.points
     called = {point.module for point in points}
     stem = executable.removesuffix(".py")
     for name, source in package.sources.items():
@@ -159,7 +159,7 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
 
 def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
     """Yield a node that only uses print(), whose output launch does not show."""
-    points = (package.setup.entry_points if package.setup else None) or ()
+    points = package.points
     source = next(
         (package.sources.get(point.module) for point in points if point.name == node.executable), None
     )

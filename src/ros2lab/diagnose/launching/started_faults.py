@@ -133,7 +133,7 @@ def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, Nod
         package, sources = (
             packages.get(node.package, (None, None)) if isinstance(node.package, str) else (None, None)
         )
-        points = (package.setup.entry_points if package and package.setup else None) or ()
+        points = package.points if package else ()
         point = next((point for point in points if point.name == node.executable), None)
         if package and sources and point and point.module in sources.sources:
             found.append(Started(node, package, sources, point.module, point.function))
@@ -212,7 +212,7 @@ def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
             ),
             None,
         )
-        points = (node.package.setup.entry_points if node.package.setup else None) or ()
+        points = node.package.points
         started = {other.launched.executable for other in nodes}
         left = [point.name for point in points if point.name not in started]
         if twin is not None and left:

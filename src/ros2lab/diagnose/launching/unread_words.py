@@ -27,7 +27,7 @@ def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Itera
         if "--ros-args" in node.arguments
         else node.arguments
     )
-    points = (package.setup.entry_points if package and package.setup else None) or ()
+    points = package.points if package else ()
     module = next((point.module for point in points if point.name == node.executable), None)
     if package is None or not words or module is None or module not in package.sources:
         return

@@ -65,7 +65,7 @@ def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[
         old = folder.parent.name
         programs = {path.name for path in (folder / old).glob("*") if path.is_file()}
         for package in packages if old not in names and prefix_of(root, old) else ():
-            now = {point.name for point in (package.setup.entry_points if package.setup else None) or ()}
+            now = {point.name for point in package.points}
             if programs and programs <= now:
                 cause = f"install/{old} is left over from a package no longer in src, and `ros2 run {old}` still starts the old build; the package is now called {package.name}."
                 fix = f"rm -r build/{old} install/{old}, and type `ros2 run {package.name} ...`"

@@ -117,6 +117,16 @@ class ErrorText:
     steps: tuple[Step, ...] = ()
 
     @property
+    def report(self) -> ErrorReport | None:
+        """The exception that decides: the last one; None if there is none."""
+        return self.reports[-1] if self.reports else None
+
+    @property
+    def own(self) -> list[Frame]:
+        """The frames of the student's files in the exception that decides, the innermost first."""
+        return own_frames(self.report.frames) if self.report else []
+
+    @property
     def typed(self) -> tuple[str, ...]:
         """The commands that were typed, in order."""
         return tuple(step.command for step in self.steps if step.command)

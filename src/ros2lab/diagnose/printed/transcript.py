@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import re
+import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -115,6 +116,14 @@ def harmless_lines(steps: Sequence[Step]) -> set[str]:
             if is_echo or _LOGGED_LAST.match(line) or (step.ended_well and not LABELLED.match(line)):
                 found.add(line)
     return found
+
+
+def words_in(command: str) -> list[str]:
+    """Return the words of a command as a shell parts them; none if a quote is left open."""
+    try:
+        return shlex.split(command)
+    except ValueError:
+        return []
 
 
 def prompt_in(lines: Iterable[str]) -> re.Pattern[str]:

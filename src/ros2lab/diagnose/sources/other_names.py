@@ -15,9 +15,7 @@ def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
 
     Those of the file come first; a name that all of the executables share says nothing.
     """
-    points = [
-        point for point in (package.setup.entry_points if package.setup else None) or () if point.module
-    ]
+    points = [point for point in package.points if point.module]
     path = word.removesuffix(".py").strip("/").replace("/", ".").partition(":")[0]
     of_file = [
         point

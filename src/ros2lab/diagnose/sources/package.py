@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import warnings
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from configparser import RawConfigParser
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +15,7 @@ from typing import Any
 from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.sources.setup_cfg import read_cfg
-from ros2lab.diagnose.sources.setup_script import SetupScript, read_setup
+from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript, read_setup
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.manifest_words import NOT_TAKEN, fault_of
 
@@ -135,6 +135,11 @@ class SourcePackage:
         """Its setup.cfg; None if it is missing or cannot be read."""
         parser, fault = read_cfg(read_text(self.folder / "setup.cfg"))
         return parser if self.has("setup.cfg") and fault is None else None
+
+    @property
+    def points(self) -> Sequence[EntryPoint]:
+        """The entry points of its setup.py, as far as they are known."""
+        return (self.setup.entry_points if self.setup else None) or ()
 
     @cached_property
     def sources(self) -> Mapping[str, PythonSource]:
