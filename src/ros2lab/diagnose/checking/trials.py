@@ -144,7 +144,7 @@ class Trial:
 
         An edit that changes nothing or loses names is not accepted.
         """
-        texts = [b"".join(self._with_imports(edit)) for edit in edits]
+        texts = [self._with_imports(edit, self.lines) for edit in edits]
         known = Counter((row.rule, row.said) for row in self._before if row.line not in self.spot.lines)
         found = []
         for edit, rows in zip(edits, checked(self.source, texts), strict=True):
@@ -158,16 +158,13 @@ class Trial:
 
     def is_right(self, edit: Edit) -> bool:
         """Return whether the rules find no fault on the lines of an edit."""
-        text = b"".join(edit.applied(self.source.text.encode().splitlines(keepends=True))).decode()
-        copy = PythonSource(self.source.name, self.source.shown, text, self.source.is_package)
-        places = {copy.at(line) for line in {*self.spot.lines, edit.node.lineno}}
-        return not any(finding.place in places and stops_node(finding) for finding in text_faults(copy))
+        copied = self._copied(edit)
+        places = {copied.at(line) for line in {*self.spot.lines, edit.node.lineno}}
+        return not any(finding.place in places and stops_node(finding) for finding in text_faults(copied))
 
     def told(self, edit: Edit) -> str:
         """Return what to write: the whole statement on one line, or only the edit if that is too long."""
-        text = b"".join(edit.applied(self.source.text.encode().splitlines(keepends=True))).decode()
-        copied = PythonSource(self.source.name, self.source.shown, text, self.source.is_package)
-        spot = Spot(copied, edit.node.lineno)
+        spot = Spot(self._copied(edit), edit.node.lineno)
         if len(spot.lines) == 1:
             return f"`{spot.text.partition('  #')[0]}`"
         statement = statement_of(spot)
@@ -178,13 +175,15 @@ class Trial:
 
     def copy_with(self, edit: Edit) -> bytes:
         """Return the file with an edit and the imports that it needs."""
-        lines = self.source.text.encode().splitlines(keepends=True)
+        return self._with_imports(edit, self.source.text.encode().splitlines(keepends=True))
+
+    def _with_imports(self, edit: Edit, lines: Sequence[bytes]) -> bytes:
         added = [f"\n{line}".encode() for line in missing_imports(self.source, edit.text)]
         return b"".join([*edit.applied(lines), *added])
 
-    def _with_imports(self, edit: Edit) -> list[bytes]:
-        added = [f"\n{line}".encode() for line in missing_imports(self.source, edit.text)]
-        return [*edit.applied(self.lines), *added]
+    def _copied(self, edit: Edit) -> PythonSource:
+        text = b"".join(edit.applied(self.source.text.encode().splitlines(keepends=True))).decode()
+        return PythonSource(self.source.name, self.source.shown, text, self.source.is_package)
 
     def _first_look(self) -> tuple[list[Row], dict[str, str]]:
         """Return the messages about the unchanged file, and the types of what is on the line or in scope."""
@@ -241,14 +240,10 @@ class Trial:
     @cached_property
     def owner(self) -> NodeClass | None:
         """The class around the line."""
+        around = self.source.around(self.spot.line, ast.ClassDef)
         sources = (self.look.sources(package) for package in self.look.packages)
-        for candidate in (candidate for known in sources for candidate in known.classes.values()):
-            definition = candidate.definition
-            if candidate.source is self.source and definition.lineno <= self.spot.line <= (
-                definition.end_lineno or 0
-            ):
-                return candidate
-        return None
+        known = (candidate for own in sources for candidate in own.classes.values())
+        return next((candidate for candidate in known if candidate.definition in around), None)
 
 
 def type_of(source: PythonSource, expression: ast.expr) -> str:

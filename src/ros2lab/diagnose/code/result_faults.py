@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses, filled, is_log, values_in
+from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses, filled, is_log, own_stores, values_in
 
 _TEXT_METHODS = frozenset(("lower", "upper", "strip", "lstrip", "rstrip", "replace"))
 # Builtins that only compute.
@@ -169,7 +169,7 @@ def _lost_locals(
     kept = State(uses, owner).read & uses.sources.attributes(owner) if owner else frozenset()
     values = values_in(function)
     # What it sets itself may be kept under this name as well.
-    kept -= {n.attr for n in walk(function) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
+    kept -= own_stores(function)
     for node in _never_read(function, names):
         name, said = node.id, f"{function.name}() sets {node.id}, which is a local variable; "
         if name in kept:

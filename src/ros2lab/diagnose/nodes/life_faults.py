@@ -30,7 +30,7 @@ from ros2lab.diagnose.sources.python_source import (
 )
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import uses_of
+from ros2lab.diagnose.sources.uses import own_stores, uses_of
 
 _TRANSITIONS = frozenset(
     f"on_{transition}"
@@ -374,27 +374,19 @@ def _waits_for_another(
     if owner is None or uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
     uses = uses_of(sources)
-    for function in functions:
-        for loop in (node for node in own_nodes(function) if isinstance(node, ast.While)):
-            asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
-            inside = {n.attr for n in walk(loop) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
-            calls = [n for n in walk(loop) if isinstance(n, ast.Call)]
-            if any("spin" in ast.unparse(n.func) or is_self_attribute(n.func) for n in calls):
-                continue
-            if not _only_waits(source, loop) or not asked.isdisjoint(uses.stored_of_others):
-                continue
-            for name in sorted(asked - inside):
-                setting = [
-                    method
-                    for method in owner.methods.values()
-                    if method.name != "__init__" and method not in functions and _stores(method, name)
-                ]
-                others = [method.name for method in setting]
-                # What no executor calls may be called by a library, in a thread of its own.
-                if others and all(id(method) in uses.callbacks for method in setting):
-                    cause = f"In {what}, a loop waits for self.{name}, which {others[0]}() sets; but rclpy calls {others[0]}() only after this one returns, so it waits forever."
-                    fix = f"do the work that needs self.{name} in {others[0]}(), once it has been set"
-                    yield Finding("callback-waits", cause, source.at(loop), fix)
+    others = [m for m in owner.methods.values() if m.name != "__init__" and m not in functions]
+    for loop in (node for function in functions for node in own_nodes(function)):
+        if not isinstance(loop, ast.While) or not _only_waits(source, loop):
+            continue
+        asked = {n.attr for n in walk(loop.test) if is_self_attribute(n)}
+        for name in sorted(asked - own_stores(loop)) if asked.isdisjoint(uses.stored_of_others) else ():
+            setting = [method for method in others if name in own_stores(method)]
+            # What no executor calls may be called by a library, in a thread of its own.
+            if setting and all(id(method) in uses.callbacks for method in setting):
+                first = setting[0].name
+                cause = f"In {what}, a loop waits for self.{name}, which {first}() sets; but rclpy calls {first}() only after this one returns, so it waits forever."
+                fix = f"do the work that needs self.{name} in {first}(), once it has been set"
+                yield Finding("callback-waits", cause, source.at(loop), fix)
 
 
 def _only_waits(source: PythonSource, loop: ast.While) -> bool:
@@ -407,11 +399,9 @@ def _only_waits(source: PythonSource, loop: ast.While) -> bool:
         else node.id in ("self", "rclpy")
         for node in asked
     )
-    return is_of_self and not any(isinstance(node, ends) for node in own_nodes(loop))
-
-
-def _stores(method: Function, name: str) -> bool:
-    return any(is_self_attribute(n) and n.attr == name and isinstance(n.ctx, ast.Store) for n in walk(method))
+    calls = [node.func for node in walk(loop) if isinstance(node, ast.Call)]
+    may_serve = any("spin" in ast.unparse(called) or is_self_attribute(called) for called in calls)
+    return is_of_self and not may_serve and not any(isinstance(node, ends) for node in own_nodes(loop))
 
 
 def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function) -> list[Function]:

@@ -125,27 +125,17 @@ def _never_equal(state: State) -> Iterator[Finding]:
 
 def _never_passed(state: State) -> Iterator[Finding]:
     """Yield conditions that stay as they are at first: only code that they block, or none, changes them."""
-    publishes = [
-        node
-        for method in state.owner.methods.values()
-        for node in own_nodes(method)
-        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish"
-    ]
-    for method in state.owner.methods.values():
+    methods = state.owner.methods.values()
+    calls = [n for method in methods for n in own_nodes(method) if isinstance(n, ast.Call)]
+    publishes = [call for call in calls if getattr(call.func, "attr", "") == "publish"]
+    for method in methods:
         for number, statement in enumerate(method.body):
-            if not isinstance(statement, ast.If) or statement.orelse:
+            gate = _gate(state, statement)
+            if gate is None or not isinstance(statement, ast.If):
                 continue
-            names = {ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node)}
-            name = names.pop() if len(names) == 1 else ""
-            value = state.first(name)
-            is_left = isinstance(statement.body[-1], (ast.Return, ast.Raise))
-            if not isinstance(value, ast.Constant) or _holds(statement.test, value.value) is not is_left:
-                continue
-            shut = {
-                id(node)
-                for guarded in (method.body[number + 1 :] if is_left else statement.body)
-                for node in walk(guarded)
-            }
+            name, value, is_left = gate
+            guarded = method.body[number + 1 :] if is_left else statement.body
+            shut = {id(node) for inner in guarded for node in walk(inner)}
             later = [node for _, node, _ in state.later(name)]
             hidden = {ast.unparse(node.func) for node in publishes if id(node) in shut}
             hidden -= {ast.unparse(node.func) for node in publishes if id(node) not in shut}
@@ -153,6 +143,17 @@ def _never_passed(state: State) -> Iterator[Finding]:
             is_all = all(id(node) in shut for node in publishes)
             if all(id(node) in shut for node in later) and (later or (hidden and is_all)):
                 yield _shut(state, value, method, statement, "" if later else min(hidden))
+
+
+def _gate(state: State, statement: ast.stmt) -> tuple[str, ast.Constant, bool] | None:
+    """Return the attribute that an `if` tests and that blocks code at first, its value then, and whether it leaves there."""
+    if not isinstance(statement, ast.If) or statement.orelse:
+        return None
+    names = {ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node)}
+    name = names.pop() if len(names) == 1 else ""
+    value, is_left = state.first(name), isinstance(statement.body[-1], (ast.Return, ast.Raise))
+    is_shut = isinstance(value, ast.Constant) and _holds(statement.test, value.value) is is_left
+    return (name, value, is_left) if isinstance(value, ast.Constant) and is_shut else None
 
 
 def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If, hidden: str) -> Finding:

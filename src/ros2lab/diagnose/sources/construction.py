@@ -26,10 +26,9 @@ def is_of_construction(sources: NodeSources, source: PythonSource, line: int, sa
     """
     if ".__init__`" not in said:
         return False
+    around = source.around(line, ast.ClassDef)
     for node_class in sources.classes.values():
-        if node_class.source is source and node_class.definition.lineno <= line <= (
-            node_class.definition.end_lineno or 0
-        ):
+        if node_class.definition in around:
             return "`object.__init__`" in said and is_mixed_in(sources, node_class)
     calls = (node.func for node in source.nodes if isinstance(node, ast.Call) and node.lineno == line)
     made = [

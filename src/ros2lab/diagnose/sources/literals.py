@@ -14,11 +14,13 @@ from ros2lab.diagnose.sources.python_source import (
     PythonSource,
     defaults_of,
     last_name,
+    names_bound,
     own_nodes,
     parameters,
     walk,
 )
 from ros2lab.diagnose.sources.static_value import evaluate
+from ros2lab.diagnose.sources.uses import own_stores
 
 _DEEPEST = 8  # variables and calls through which a value is followed
 _MOST = 500  # expressions that are looked at
@@ -279,12 +281,5 @@ def _unpacked(target: ast.expr, value: ast.expr, path: Path, name: str) -> Itera
 
 
 def _attributes(owner: ast.ClassDef) -> set[str]:
-    found = {n.attr for n in walk(owner) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
-    return found | {
-        n.id
-        for s in owner.body
-        for n in walk(s)
-        if isinstance(s, (ast.Assign, ast.AnnAssign))
-        and isinstance(n, ast.Name)
-        and isinstance(n.ctx, ast.Store)
-    }
+    fields = (s for s in owner.body if isinstance(s, (ast.Assign, ast.AnnAssign)))
+    return own_stores(owner) | names_bound(n for s in fields for n in walk(s))

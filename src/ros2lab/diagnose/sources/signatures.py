@@ -12,7 +12,13 @@ from functools import lru_cache
 from pathlib import Path
 
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_source
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    defaults_of,
+    parameters,
+    read_source,
+)
 
 _DEEPEST = 5  # modules that re-export a name, and levels of base classes
 _NODE = "rclpy.node.Node"
@@ -199,27 +205,18 @@ def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature
 
 
 def _of_function(node: Function, *, is_method: bool) -> Signature:
-    arguments = node.args
-    places = [*arguments.posonlyargs, *arguments.args]
-    defaults = [*[None] * (len(places) - len(arguments.defaults)), *arguments.defaults]
-    rows = [
-        *((argument, default, True) for argument, default in zip(places, defaults, strict=True)),
-        *(
-            (argument, default, False)
-            for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-        ),
-    ][is_method:]
+    places, defaults = parameters(node), defaults_of(node)
     return Signature(
         tuple(
             Parameter(
                 argument.arg,
                 ast.unparse(argument.annotation) if argument.annotation else "",
-                ast.unparse(default) if default else "",
-                is_positional,
+                ast.unparse(defaults[argument.arg]) if argument.arg in defaults else "",
+                is_positional=argument in places,
             )
-            for argument, default, is_positional in rows
+            for argument in [*places, *node.args.kwonlyargs][is_method:]
         ),
-        arguments.kwarg is not None,
+        node.args.kwarg is not None,
     )
 
 

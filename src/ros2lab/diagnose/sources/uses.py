@@ -144,6 +144,11 @@ class State:
         )
 
 
+def own_stores(scope: ast.AST) -> set[str]:
+    """Return the attributes of `self` that a scope assigns."""
+    return {n.attr for n in walk(scope) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
+
+
 def values_in(function: Function) -> dict[int, ast.expr | None]:
     """Return the value assigned to each target in a function, by the `id` of the target."""
     return {
