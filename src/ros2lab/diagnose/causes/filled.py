@@ -13,6 +13,7 @@ from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.kinds import Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import assignments
 from ros2lab.diagnose.sources.spelling import with_article
 
 
@@ -60,11 +61,11 @@ def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
     kinds = Kinds(sources)
     for owner, function, node in sources.scoped(spot.source):
         scope = Scope(kinds, spot.source, owner, function)
-        for target in node.targets if isinstance(node, ast.Assign) and function is spot.function else ():
+        for target, value in assignments([node]) if function is spot.function else ():
             if isinstance(target, ast.Attribute) and ast.unparse(target).startswith(published):
                 wanted = field_kind((interfaces.fields_of(scope.kind(target.value)) or {}).get(target.attr))
-                if wanted and interfaces.fields_of(wanted) and scope.kind(node.value) != wanted:  # type: ignore[attr-defined]
-                    yield target, wanted, node.value  # type: ignore[attr-defined]
+                if wanted and interfaces.fields_of(wanted) and scope.kind(value) != wanted:
+                    yield target, wanted, value
 
 
 def of_item(message: str, spot: Spot) -> Finding | None:

@@ -23,7 +23,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 
 
 def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
@@ -80,7 +80,7 @@ def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
     for node in source.nodes:
         if isinstance(node, ast.ClassDef) and node.name in used:
             lines |= {node.lineno, *(method.lineno for method in node.body)}
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and used & {
+        elif isinstance(node, Function) and used & {
             node.name,
             f"self.{node.name}",
         }:

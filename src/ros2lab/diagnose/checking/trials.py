@@ -17,6 +17,7 @@ from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
+    Function,
     PythonSource,
     children,
     own_nodes,
@@ -228,7 +229,7 @@ class Trial:
         """The names in scope on the line: the attributes of self, and parameters and variables."""
         owner, function = self.owner, self.spot.function
         found = [f"self.{name}" for name in sorted(_assigned_to_self(owner.definition))] if owner else []
-        if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef)):
+        if isinstance(function, Function):
             found += [parameter.arg for parameter in parameters(function) if parameter.arg != "self"]
             found += [
                 n.id

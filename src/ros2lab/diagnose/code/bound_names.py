@@ -51,7 +51,7 @@ def _unbound_uses(source: PythonSource) -> tuple[ast.Name, ...]:
 def _unevaluated(source: PythonSource) -> Iterator[ast.AST]:
     """Yield the annotations that Python does not evaluate: those of a function's own variables, or all."""
     is_any = any(imported.target == "__future__.annotations" for imported in source.imports)
-    functions = (node for node in source.nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)))
+    functions = (node for node in source.nodes if isinstance(node, Function))
     inner = (node for function in functions for node in own_nodes(function))
     for node in source.nodes if is_any else (n for n in inner if isinstance(n, ast.AnnAssign)):
         yield from filter(None, (getattr(node, "annotation", None), getattr(node, "returns", None)))

@@ -96,7 +96,7 @@ def _ends_or_spins(loop: ast.For) -> bool:
 
 def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     """Yield timers whose period is zero or negative, or probably in milliseconds."""
-    given = sources.written(creation.source, (creation.arguments or {}).get("timer_period_sec"))
+    given = creation.source.written((creation.arguments or {}).get("timer_period_sec"))
     period = sources.value(creation.source, given)
     if (
         given is not None
@@ -137,7 +137,7 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     words = set(text.rpartition(".")[2].lower().split("_"))
     if given is None or not words & _FREQUENCIES or words & _PERIODS:
         return
-    value = sources.value(creation.source, sources.written(creation.source, given))
+    value = sources.value(creation.source, creation.source.written(given))
     if isinstance(value, (int, float)) and value > 1:
         cause = f"Judging by its name, {text} is a frequency, but a timer takes a period in seconds: this one fires every {value:g} s."
         yield Finding("period", cause, creation.source.at(given), f"write 1.0 / {text}")
@@ -180,11 +180,7 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
             # An unreachable yield is how an empty generator is written.
             if any(isinstance(n, (ast.Yield, ast.YieldFrom)) for n in ast.walk(after)):
                 continue
-            where = (
-                f" of {function.name}()"
-                if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
-                else ""
-            )
+            where = f" of {function.name}()" if isinstance(function, Function) else ""
             yield Finding(
                 "unreachable",
                 f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`.",

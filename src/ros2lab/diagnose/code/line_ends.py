@@ -6,9 +6,9 @@ import ast
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
-from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.kinds import Kinds, Scope
+from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import own_nodes
 
 _FILE, _LINES, _LINE, _PARTS = "file", "lines", "line", "parts"  # what an expression may hold
 _ITEM = {_FILE: _LINE, _LINES: _LINE}
@@ -32,10 +32,10 @@ def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
     for source in sources.sources.values():
         if not any(name in source.text for name in ("open(", "stdin", "readline")):
             continue
-        told = set()
+        told, kinds = set(), Kinds(sources)
         for owner, function, node in sources.scoped(source):
             if isinstance(node, ast.Compare) and len(node.ops) == 1:
-                side = _Reader(sources, source, owner, function).unequal(node)
+                side = _Reader(Scope(kinds, source, owner, function)).unequal(node)
                 text = ast.unparse(side) if side is not None else ""
                 if side is not None and (id(function), text) not in told:  # one for all branches
                     told.add((id(function), text))
@@ -51,10 +51,8 @@ def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
 class _Reader:
     """Finds the expressions of a function that hold a file, its lines, a line or parts of a line."""
 
-    def __init__(
-        self, sources: NodeSources, source: PythonSource, owner: NodeClass | None, function: Function | None
-    ) -> None:
-        self._sources, self._source, self._owner, self._function = sources, source, owner, function
+    def __init__(self, scope: Scope) -> None:
+        self._scope, self._source, self._sources = scope, scope.source, scope.kinds.sources
 
     def unequal(self, node: ast.Compare) -> ast.expr | None:
         """Return the side of a comparison that is a line where the other cannot be; None if neither is."""
@@ -84,7 +82,8 @@ class _Reader:
             case ast.Name(id=name):
                 found = self._of_name(name, depth - 1)
             case ast.Attribute() if is_self_attribute(node):
-                found = self._of_attribute(node, depth - 1)
+                pairs = self._scope.assigned(node)
+                found = _agreed([_Reader(scope).kind(value, depth - 1) for scope, value in pairs])
             case ast.Attribute() if self._source.resolve(node) == "sys.stdin":
                 found = _FILE
             case ast.Call():
@@ -125,29 +124,29 @@ class _Reader:
     def _of_own(self, called: ast.expr, depth: int) -> str:
         """Return the kind of what a function of the package returns; empty if it is not always the same."""
         if is_self_attribute(called):
-            method = self._sources.method(self._owner, called.attr)
+            method = self._sources.method(self._scope.owner, called.attr)
             found = (self._source, method) if method is not None else None
         else:
             found = self._sources.functions.get(self._sources.resolve(self._source, called) or "")
         if found is None or found[1].decorator_list:
             return ""
-        inner = _Reader(self._sources, found[0], self._owner, found[1])
+        inner = _Reader(Scope(self._scope.kinds, found[0], self._scope.owner, found[1]))
         returned = [
             node for node in own_nodes(found[1]) if isinstance(node, (ast.Return, ast.Yield, ast.YieldFrom))
         ]
-        kinds = {inner.kind(node.value, depth) if isinstance(node, ast.Return) else "" for node in returned}
-        return kinds.pop() if len(kinds) == 1 else ""
+        return _agreed(
+            [inner.kind(node.value, depth) if isinstance(node, ast.Return) else "" for node in returned]
+        )
 
     def _of_name(self, name: str, depth: int) -> str:
         """Return the kind of a variable; empty if not all its assignments agree."""
-        nodes = own_nodes(self._function or self._source.tree)
+        nodes = own_nodes(self._scope.function or self._source.tree)
         if any(isinstance(n, ast.arg) and n.arg == name for n in nodes):
             return ""
         stores = [
             n for n in nodes if isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)
         ]
-        found = [self._given(nodes, store, depth) for store in stores]
-        return found[0] if found and len(set(found)) == 1 else ""
+        return _agreed([self._given(nodes, store, depth) for store in stores])
 
     def _given(self, nodes: tuple[ast.AST, ...], store: ast.Name, depth: int) -> str:
         """Return the kind of the value that a variable is given; empty if it is unknown."""
@@ -176,18 +175,7 @@ class _Reader:
             return kinds.get(self.kind(value, depth), "")
         return ""
 
-    def _of_attribute(self, node: ast.Attribute, depth: int) -> str:
-        """Return the kind of an attribute of self; empty if not all its assignments agree."""
-        kinds = set()
-        name = dotted(node)
-        for method in self._owner.functions if self._owner else ():
-            inner = _Reader(self._sources, self._source, self._owner, method)
-            stores = [
-                n
-                for n in walk(method)
-                if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store) and dotted(n) == name
-            ]
-            for store in stores:
-                given = [n.value for n in walk(method) if isinstance(n, ast.Assign) and store in n.targets]
-                kinds.add(inner.kind(given[0], depth) if given else "")
-        return kinds.pop() if len(kinds) == 1 else ""
+
+def _agreed(kinds: list[str]) -> str:
+    """Return the kind that all values have; empty if they differ or there are none."""
+    return kinds[0] if len(set(kinds)) == 1 else ""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import walk
+from ros2lab.diagnose.sources.python_source import Function, walk
 
 
 def private_name_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -44,7 +44,7 @@ class _Private:
         self.made: dict[str, ast.AST] = {}
         self.read: dict[str, ast.AST] = {}
         for function in owner.definition.body:
-            if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef)) and _is_private(function.name):
+            if isinstance(function, Function) and _is_private(function.name):
                 self.made[function.name] = function
         for node in walk(owner.definition):
             match node:

@@ -92,7 +92,7 @@ class _Times:
             case ast.Attribute(attr=attr) if attr in _ATTRIBUTES:
                 found = _ATTRIBUTES[attr]
             case ast.Attribute() | ast.Name() if depth:
-                written = self._sources.written(self._source, node)
+                written = self._source.written(node)
                 found = self.unit(written, depth - 1) if written is not node else None
             case ast.Call(func=ast.Name(id=name), args=[first, *_]) if name in _SAME:
                 found = self.unit(first, depth)
@@ -116,7 +116,7 @@ class _Times:
 
     def _number(self, node: ast.expr | None) -> float | None:
         """Return the value of a literal, a variable or a parameter's default; None if it is unknown."""
-        written = self._sources.written(self._source, node)
+        written = self._source.written(node)
         match written:
             case ast.Attribute(
                 attr="value", value=ast.Call(func=ast.Attribute(attr=how), args=[_, default, *_])

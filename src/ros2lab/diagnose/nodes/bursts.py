@@ -81,15 +81,12 @@ def _times(sources: NodeSources, creation: Creation, function: Function, call: a
 
 
 def _turns(sources: NodeSources, creation: Creation, loop: ast.For | ast.AsyncFor) -> int:
-    match loop.iter:
+    match creation.source.written(loop.iter):
         case ast.Call(func=ast.Name(id="range"), args=[end]):
-            value = sources.value(creation.source, sources.written(creation.source, end))
+            value = sources.value(creation.source, creation.source.written(end))
             return value if isinstance(value, int) else 0
         case ast.List(elts=elements) | ast.Tuple(elts=elements):
             return len(elements)
-        case ast.Name() | ast.Attribute():
-            written = sources.written(creation.source, loop.iter)
-            return len(written.elts) if isinstance(written, (ast.List, ast.Tuple)) else 0
     return 0
 
 

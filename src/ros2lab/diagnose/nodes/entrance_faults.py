@@ -231,9 +231,7 @@ def _is_too_slow(entrance: Entrance, length: float) -> bool:
         c for c in entrance.sources.creations if c.method in _CALLED_BACK and c.function in entrance.functions
     ]
     periods = [
-        entrance.sources.value(
-            c.source, entrance.sources.written(c.source, (c.arguments or {}).get("timer_period_sec"))
-        )
+        entrance.sources.value(c.source, c.source.written((c.arguments or {}).get("timer_period_sec")))
         for c in made
     ]
     return len(made) > 1 or any(isinstance(period, (int, float)) and period <= length for period in periods)

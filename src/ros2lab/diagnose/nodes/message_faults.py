@@ -15,6 +15,7 @@ from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.joined_texts import joined
 from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
+from ros2lab.diagnose.sources.python_source import assignments
 from ros2lab.diagnose.sources.spelling import did_you_mean, with_article
 
 _NUMBERS = frozenset(("bool", "int", "float"))
@@ -96,12 +97,12 @@ def _described(kind: str) -> str:
 
 
 def _assignment_faults(scope: Scope, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:
-    for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
-        pairs = [(target, node.value)]
-        if isinstance(target, (ast.Tuple, ast.List)) and isinstance(node.value, (ast.Tuple, ast.List)):
-            pairs = list(zip(target.elts, node.value.elts, strict=False))
+    for target, given in assignments([node]):
+        pairs = [(target, given)]
+        if isinstance(target, (ast.Tuple, ast.List)) and isinstance(given, (ast.Tuple, ast.List)):
+            pairs = list(zip(target.elts, given.elts, strict=False))
         for element, value in pairs:
-            if isinstance(element, ast.Attribute) and value is not None:
+            if isinstance(element, ast.Attribute):
                 yield from _value_faults(scope, scope.kind(element.value), element.attr, value, element)
 
 

@@ -16,7 +16,7 @@ def with_policy(end: End, policy: str, value: str) -> str:
     """Return what to write so that an end has a policy, such as `durability` TRANSIENT_LOCAL."""
     source, given = end.creation.source, (end.creation.arguments or {}).get("qos_profile")
     added = f"{policy}={_CLASSES[policy]}.{value}"
-    written = end.sources.written(source, given)
+    written = source.written(given)
     if isinstance(written, ast.Call) and policy not in {keyword.arg for keyword in written.keywords}:
         profile = f"{ast.unparse(written).removesuffix(')')}, {added})"
     else:

@@ -120,22 +120,14 @@ def server_for(
     if client.name in served or not client.name:
         return None
     of_kind = [end for end in ends if end.is_action is client.is_action]
-    lone = [
-        end
-        for end in of_kind
-        if end.is_server
-        and end.name
-        and end.name not in called
-        and (is_missed or made_in(end) is not made_in(client))  # a node seldom calls itself
-    ]
-    near = [
-        server
-        for server in lone
-        if is_near_miss(client.name, server.name) and (not client.type or server.type in ("", client.type))
-    ]
+    uncalled = [end for end in of_kind if end.is_server and end.name and end.name not in called]
+    # A node seldom calls itself.
+    lone = [end for end in uncalled if is_missed or made_in(end) is not made_in(client)]
+    alike = [end for end in lone if not client.type or end.type in ("", client.type)]
+    near = [end for end in alike if is_near_miss(client.name, end.name)]
     if not near and (server := _only_one_of_its_type(client, of_kind, lone, served)):
         is_own = is_missed or client.type.partition(".")[0] in own
-        is_told = is_own or (is_alone and _are_of_the_samewords_of(client.name, server.name))
+        is_told = is_own or (is_alone and _are_of_the_same_words(client.name, server.name))
         near = [server] if is_told else []
     return next(iter(near), None)
 
@@ -191,7 +183,7 @@ def service_faults(
         yield Finding("topic-near-miss", cause, client.place, fix)
 
 
-def _are_of_the_samewords_of(name: str, other: str) -> bool:
+def _are_of_the_same_words(name: str, other: str) -> bool:
     """Return whether two names differ only in their namespaces or in the order of their words."""
     shorter, longer = sorted((name, other), key=lambda text: len(words_of(text)))
     last, less, more = ({*words_of(text)} for text in (longer.rpartition("/")[2], shorter, longer))

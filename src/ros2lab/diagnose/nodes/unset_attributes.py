@@ -12,6 +12,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import method_of, properties_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
+    Function,
     PythonSource,
     is_property,
     names_read,
@@ -139,7 +140,7 @@ def _kind(definition: ast.ClassDef, sent: ast.expr) -> str:
 def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
     """Say where a name that a class lacks is defined, and what to do about it."""
     for node in owner.source.nodes:
-        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
+        if not isinstance(node, Function) or node.name != name:
             continue
         holder = next((h for h in owner.source.nodes if node in getattr(h, "body", [])), None)
         line = f"line {node.lineno}"
@@ -155,7 +156,7 @@ def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
             )
         inside = (
             f"too far, so it is a function inside {holder.name}()"
-            if isinstance(holder, (ast.FunctionDef, ast.AsyncFunctionDef))
+            if isinstance(holder, Function)
             else "too little, so it is a function outside the class"
         )
         return (

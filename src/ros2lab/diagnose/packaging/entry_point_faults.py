@@ -26,7 +26,7 @@ from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.made_modules import is_made
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, read_text
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
 from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, is_near_miss, nearest
 
@@ -294,11 +294,7 @@ def _missing_function(package: SourcePackage, source: PythonSource, point: Entry
         fix = f"write '{point.name} = {home}:{point.function}', and build again"
         return Finding("entry-point-function", cause, place, fix)
     define = f"define {point.function}(args=None)"
-    functions = [
-        function.name
-        for function in source.tree.body
-        if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
-    ]
+    functions = [function.name for function in source.tree.body if isinstance(function, Function)]
     if not functions:
         what = "there is no such function." if source.text.strip() else "the file is empty."
         fix = f"{define} in {source.shown}, or write the correct function name in setup.py"

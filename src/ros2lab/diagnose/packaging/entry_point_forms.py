@@ -12,6 +12,7 @@ from shlex import quote
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import Function
 from ros2lab.diagnose.sources.setup_script import EntryPoint
 from ros2lab.diagnose.sources.spelling import nearest
 
@@ -157,7 +158,7 @@ def of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
 
 def _functions(package: SourcePackage, module: str) -> list[str]:
     body = package.sources[module].tree.body
-    return [node.name for node in body if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    return [node.name for node in body if isinstance(node, Function)]
 
 
 def function_of(package: SourcePackage, module: str, words: list[str]) -> str:

@@ -13,7 +13,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.joined_texts import joined
 from ros2lab.diagnose.sources.own_functions import unused_function
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.signatures import (
     ANYTHING,
     LIST_OF,
@@ -147,9 +147,7 @@ def _change(old: list[str], new: list[str], right: list[str], wrong: list[str]) 
 
 
 def _has_callback(source: PythonSource) -> bool:
-    return any(
-        isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef)) and n.name == "callback" for n in source.nodes
-    )
+    return any(isinstance(n, Function) and n.name == "callback" for n in source.nodes)
 
 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:

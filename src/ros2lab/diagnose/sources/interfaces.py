@@ -13,7 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
-from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.python_source import Function, read_text
 from ros2lab.diagnose.sources.spelling import nearest, snake_case
 
 # The packages that a student may name, even if they are not installed.
@@ -395,7 +395,7 @@ def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[
     properties: set[str] = set()
     settable: set[str] = set()
     for node in ast.walk(found):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+        if isinstance(node, Function):
             members.add(node.name)
             decorators = {ast.unparse(decorator) for decorator in node.decorator_list}
             if "property" in decorators:

@@ -12,6 +12,7 @@ from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     argument,
+    assignments,
     own_nodes,
     own_parameters,
     parameters,
@@ -82,11 +83,10 @@ def _assigned(function: Function, name_of: Callable[[ast.AST], str | None]) -> _
             followed.add(id(target))
             found.setdefault(name, []).append(value)
 
+    for target, value in assignments(own_nodes(function)):
+        add(target, value)
     for node in own_nodes(function):
-        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
-            for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
-                add(target, node.value)
-        elif isinstance(node, ast.AugAssign):
+        if isinstance(node, ast.AugAssign):
             # Either the sum has the kind of what is added, or the assignments disagree.
             add(node.target, node.value if isinstance(node.op, (ast.Add, ast.Sub, ast.Mult)) else None)
     for node in own_nodes(function):

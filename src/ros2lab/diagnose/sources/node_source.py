@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeGuard
@@ -87,8 +87,7 @@ class NodeClass:
     @cached_property
     def functions(self) -> tuple[Function, ...]:
         """All functions in its body, including a property's getter and setter, which share a name."""
-        kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
-        return tuple(node for node in self.definition.body if isinstance(node, kinds))
+        return tuple(node for node in self.definition.body if isinstance(node, Function))
 
     @cached_property
     def methods(self) -> Mapping[str, Function]:
@@ -143,12 +142,14 @@ class NodeSources:
                     self.classes[f"{name}.{node.name}"] = NodeClass(
                         f"{name}.{node.name}", node, source, bases
                     )
-                elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                elif isinstance(node, Function):
                     self.functions[f"{name}.{node.name}"] = (source, node)
 
     def resolve(self, source: PythonSource, node: ast.AST | None) -> str | None:
         """Return the full name that a name stands for, even if a file re-exports what it imports."""
-        name = source.resolve(node)
+        return self._origin(source.resolve(node))
+
+    def _origin(self, name: str | None) -> str | None:
         for _ in range(5):
             if name is None or name in self.classes or name in self.functions:
                 return name
@@ -162,7 +163,7 @@ class NodeSources:
     def lineage(self, node_class: NodeClass) -> tuple[list[NodeClass], bool, bool]:
         """Return a class with its own bases, whether it is a node, and whether all of its bases are known."""
         chain, is_node, is_known = [node_class], False, True
-        for base in (self._handed(base) for base in node_class.bases):
+        for base in map(self._origin, node_class.bases):
             if base in NODE_CLASSES:
                 is_node = True
             elif base in self.classes and self.classes[base] is not node_class and len(chain) < 20:
@@ -173,12 +174,6 @@ class NodeSources:
             elif base not in ("object", "abc.ABC"):
                 is_known = False
         return chain, is_node, is_known
-
-    def _handed(self, name: str | None) -> str | None:
-        if name is None or name in self.classes:
-            return name
-        module, _, rest = name.rpartition(".")
-        return self.sources[module].names.get(rest, name) if module in self.sources else name
 
     @cached_property
     def nodes(self) -> list[NodeClass]:
@@ -273,7 +268,7 @@ class NodeSources:
             if isinstance(node, ast.ClassDef):
                 inner = self.classes.get(f"{source.name}.{node.name}")
                 yield from self._within(source, node, inner, None)
-            elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            elif isinstance(node, Function):
                 yield from self._within(source, node, owner, node)
             else:
                 yield from self._within(source, node, owner, function)
@@ -285,10 +280,6 @@ class NodeSources:
     def file(self, module: str) -> PythonSource | None:
         """Return the file of a module of the workspace; None if there is none."""
         return self.sources.get(module) or self.beyond.modules.get(module)
-
-    def written(self, source: PythonSource, node: ast.expr | None) -> ast.expr | None:
-        """Return the value of a name that the file assigns only once; any other expression as it is."""
-        return source.written(node) if node is not None else None
 
     def callbacks(self) -> Iterator[tuple[Creation, Function]]:
         """Yield the package's callbacks, each with the call that passes it to ROS."""
@@ -304,7 +295,7 @@ class NodeSources:
             return self.method(creation.owner, given.attr)
         if isinstance(given, ast.Name) and creation.function is not None:
             for node in own_nodes(creation.function):
-                if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name == given.id:
+                if isinstance(node, Function) and node.name == given.id:
                     return node
         found = self.functions.get(self.resolve(creation.source, given) or "")
         return found[1] if found else None
@@ -312,13 +303,9 @@ class NodeSources:
     def node_name(self, creation: Creation) -> str:
         """Return the full name, without the first slash, of a creation's node; empty if not known."""
         owners = self.lineage(creation.owner)[0] if creation.owner else [None]
-        names = {
-            self._whole_name(source, node)
-            for source in {node_class.source if node_class else creation.source for node_class in owners}
-            for owner, function, node in self.scoped(source)
-            if owner in owners and isinstance(node, ast.Call)
-            if self.makes_node(source, owner, function, node)
-        }
+        files = {node_class.source if node_class else creation.source for node_class in owners}
+        made = [(source, call) for source, owner, call in self._made_nodes(files) if owner in owners]
+        names = {self._whole_name(source, call) for source, call in made}
         return names.pop() if len(names) == 1 else ""
 
     def _whole_name(self, source: PythonSource, call: ast.Call) -> str:
@@ -407,13 +394,11 @@ class NodeSources:
         """Return the names of the nodes, each with its file and expression; "" stands for an unknown name."""
         found: dict[str, tuple[PythonSource, ast.expr]] = {}
         unnamed = {id(node_class) for node_class in self.classes.values() if self._might_be_node(node_class)}
-        for source in self.sources.values():
-            for owner, function, node in self.scoped(source):
-                if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
-                    unnamed.discard(id(owner))
-                    given = argument(node, 0, "node_name")
-                    name = self.value(source, given)
-                    found[name if isinstance(name, str) else ""] = (source, given or node)
+        for source, owner, call in self._made_nodes(self.sources.values()):
+            unnamed.discard(id(owner))
+            given = argument(call, 0, "node_name")
+            name = self.value(source, given)
+            found[name if isinstance(name, str) else ""] = (source, given or call)
         # A class without a name for its node, or a file that cannot be read, may use any name.
         is_blank = any(
             source.fault or not (source.text.strip() or source.is_package) for source in self.sources.values()
@@ -425,19 +410,26 @@ class NodeSources:
     def full_names(self) -> dict[str, str]:
         """Return the known full names of nodes, such as `/hall/guide`, by their last parts."""
         found: dict[str, set[str]] = {}
-        for source in self.sources.values():
-            for owner, function, node in self.scoped(source):
-                if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
-                    whole = self._whole_name(source, node)
-                    found.setdefault(whole.rpartition("/")[2], set()).add(f"/{whole}")
+        for source, _, call in self._made_nodes(self.sources.values()):
+            whole = self._whole_name(source, call)
+            found.setdefault(whole.rpartition("/")[2], set()).add(f"/{whole}")
         return {name: full.pop() for name, full in found.items() if name and len(full) == 1}
 
     def _might_be_node(self, node_class: NodeClass) -> bool:
         names = [ast.unparse(base) for base in node_class.definition.bases]
         has_name = "__init__" in node_class.methods and any(
-            self._handed(base) in self.classes for base in node_class.bases
+            base in self.classes for base in map(self._origin, node_class.bases)
         )
         return any(name.endswith("Node") for name in names) and not has_name
+
+    def _made_nodes(
+        self, files: Iterable[PythonSource]
+    ) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Call]]:
+        """Yield the calls of some files that make a node, each with its file and the class around it."""
+        for source in files:
+            for owner, function, node in self.scoped(source):
+                if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
+                    yield source, owner, node
 
     def makes_node(
         self, source: PythonSource, owner: NodeClass | None, function: Function | None, node: ast.Call
@@ -449,4 +441,4 @@ class NodeSources:
         is_init = isinstance(node.func, ast.Attribute) and node.func.attr == "__init__"
         if not is_init or owner is None or function is None or function.name != "__init__":
             return False
-        return bool({self._handed(base) for base in owner.bases} & NODE_CLASSES)
+        return any(base in NODE_CLASSES for base in map(self._origin, owner.bases))

@@ -17,6 +17,7 @@ from ros2lab.diagnose.finding import at
 from ros2lab.diagnose.sources.static_value import bound, dotted
 
 _Kind = TypeVar("_Kind", bound=ast.stmt)
+_Given = TypeVar("_Given", bound=ast.expr | None)
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 DEEPEST = 200  # levels; a deeper tree was not written by hand, and is ignored
@@ -125,10 +126,11 @@ class PythonSource:
         """Return the innermost class around a line."""
         return next(reversed(self.around(line, ast.ClassDef)), None)
 
-    def written(self, node: ast.expr) -> ast.expr:
+    def written(self, node: _Given) -> ast.expr | _Given:
         """Return the value of a name that the file assigns only once; any other expression as it is."""
-        is_name = isinstance(node, (ast.Name, ast.Attribute))
-        values = self.stored.get(ast.unparse(node), ()) if is_name else ()
+        if not isinstance(node, (ast.Name, ast.Attribute)):
+            return node
+        values = self.stored.get(ast.unparse(node), ())
         return (values[0] if len(values) == 1 else None) or node
 
     @cached_property
@@ -162,23 +164,14 @@ class PythonSource:
     @property
     def assigned(self) -> frozenset[str]:
         """The global names that its top-level assignments bind."""
-        targets = [
-            to
-            for statement in self.tree.body
-            if isinstance(statement, ast.Assign)
-            for to in statement.targets
-        ]
-        return frozenset(target.id for target in targets if isinstance(target, ast.Name))
+        pairs = assignments(self.tree.body)
+        return frozenset(target.id for target, _ in pairs if isinstance(target, ast.Name))
 
     @cached_property
     def made(self) -> tuple[tuple[str, ast.Call], ...]:
         """What is assigned the result of a call, each with the call."""
-        return tuple(
-            (ast.unparse(target), node.value)
-            for node in self.nodes
-            if isinstance(node, (ast.Assign, ast.AnnAssign)) and isinstance(node.value, ast.Call)
-            for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
-        )
+        pairs = assignments(self.nodes)
+        return tuple((ast.unparse(target), value) for target, value in pairs if isinstance(value, ast.Call))
 
     def name_of(self, call: ast.Call | None) -> str:
         """Return what a call is assigned to, such as `self.timer`; empty if to nothing."""
@@ -266,11 +259,9 @@ class PythonSource:
 
 def _constants_in(body: Sequence[ast.stmt]) -> Iterator[tuple[str, object]]:
     """Yield the names to which statements assign a constant, each with its value."""
-    for statement in body:
-        value = getattr(statement, "value", None)
-        if isinstance(statement, (ast.Assign, ast.AnnAssign)) and isinstance(value, ast.Constant):
-            targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
-            yield from ((to.id, value.value) for to in targets if isinstance(to, ast.Name))
+    for target, value in assignments(body):
+        if isinstance(target, ast.Name) and isinstance(value, ast.Constant):
+            yield target.id, value.value
 
 
 _BUILTINS = frozenset(
@@ -337,15 +328,17 @@ def contains(node: ast.stmt, line: int) -> bool:
     return node.lineno <= line <= (node.end_lineno or node.lineno)
 
 
+def assignments(nodes: Iterable[ast.AST]) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """Yield the targets of assignments, also of annotated ones, each with the value that it is given."""
+    for node in nodes:
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
+            for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                yield target, node.value
+
+
 def assigned_to(nodes: Iterable[ast.AST], text: str) -> list[ast.expr]:
     """Return the values that statements assign to a name or an attribute, as it is written."""
-    return [
-        node.value
-        for node in nodes
-        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None
-        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
-        if ast.unparse(target) == text
-    ]
+    return [value for target, value in assignments(nodes) if ast.unparse(target) == text]
 
 
 def argument(call: ast.Call, place: int, name: str) -> ast.expr | None:

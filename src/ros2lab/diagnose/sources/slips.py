@@ -80,9 +80,9 @@ class Lines:
         told = f"add `{new.strip()}` {'below' if number else 'above'} this line"
         return Slip(max(number, 1), told, self._with(number + 1, 0, new), cost, why)
 
-    def removed(self, number: int, why: str = "", cost: float = RARE) -> Slip:
+    def removed(self, number: int, cost: float = RARE) -> Slip:
         """Return the removal of a line."""
-        return Slip(number, "remove this line", self._with(number, 1), cost, why)
+        return Slip(number, "remove this line", self._with(number, 1), cost)
 
     def _with(self, number: int, count: int, *new: str) -> str:
         return "\n".join([*self.all[: number - 1], *new, *self.all[number - 1 + count :]])

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import cached_property, lru_cache
 
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, assignments, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -149,14 +149,9 @@ def own_stores(scope: ast.AST) -> set[str]:
     return {n.attr for n in walk(scope) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
 
 
-def values_in(function: Function) -> dict[int, ast.expr | None]:
+def values_in(function: Function) -> dict[int, ast.expr]:
     """Return the value assigned to each target in a function, by the `id` of the target."""
-    return {
-        id(target): node.value
-        for node in walk(function)
-        if isinstance(node, (ast.Assign, ast.AnnAssign))
-        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
-    }
+    return {id(target): value for target, value in assignments(walk(function))}
 
 
 def is_log(node: ast.AST) -> bool:
@@ -168,12 +163,9 @@ def is_log(node: ast.AST) -> bool:
 
 def filled(function: Function) -> Iterator[tuple[str, ast.expr]]:
     """Yield the fields that a function assigns on local messages, each with its value."""
-    for node in own_nodes(function):
-        target = node.targets[0] if isinstance(node, ast.Assign) else None
-        if isinstance(node, ast.Assign) and isinstance(target, ast.Attribute):
-            text = ast.unparse(target)
-            if not text.startswith("self."):
-                yield text, node.value
+    for target, value in assignments(own_nodes(function)):
+        if isinstance(target, ast.Attribute) and not (text := ast.unparse(target)).startswith("self."):
+            yield text, value
 
 
 @lru_cache(maxsize=16)
