@@ -59,13 +59,13 @@ class Period(ast.NodeTransformer):
     """Evaluates a timer's period: replaces names by their values, and parameters by those of the run."""
 
     def __init__(self, timer: Creation, sources: NodeSources, parameters: Mapping[str, Any]) -> None:
-        self._source, self._sources, self._parameters = timer.source, sources, parameters
+        self._source, self._parameters = timer.source, parameters
         self._depth = 0
         given = (timer.arguments or {}).get("timer_period_sec") or ast.Constant(None)
         self.text = ast.unparse(given)
         self._written: list[ast.expr] = [given]
         self.value = self._value(given)
-        known = sources.value(timer.source, sources.written(timer.source, given))
+        known = sources.value(timer.source, timer.source.written(given))
         # A period that is 0 in the sources is reported by the rules for sources.
         self.is_told = isinstance(known, (int, float)) and known <= 0
         self.why, self.fix = self._reason()
@@ -115,8 +115,8 @@ class Period(ast.NodeTransformer):
         return node
 
     def _given(self, node: ast.Name | ast.Attribute) -> ast.expr:
-        written = self._sources.written(self._source, node)
-        if written is None or written is node or self._depth > MOST_NAMES:
+        written = self._source.written(node)
+        if written is node or self._depth > MOST_NAMES:
             return node
         if written not in self._written:
             self._written.append(written)

@@ -8,9 +8,8 @@ from collections.abc import Iterator
 from ros2lab.diagnose.code.unknown_names import Unknown, also_on, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import last_name, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import edits
-from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 _NEAR = 2  # letters that differ
 _SPUN = ("rclpy.spin", "rclpy.spin_once", "rclpy.spin_until_future_complete")
@@ -43,7 +42,7 @@ def as_at_hand(unknown: Unknown) -> tuple[str, str] | None:
 def as_exception(unknown: Unknown) -> tuple[str, str] | None:
     """Read `e` in an `except` that gives the exception no name."""
     node = unknown.node
-    while not isinstance(node, (ast.Module, *FUNCTIONS, ast.ExceptHandler)):
+    while not isinstance(node, (ast.Module, Function, ast.ExceptHandler)):
         node = unknown.above(node)
     word = unknown.name.lower()
     is_exception = any(whole.startswith(word) for whole in ("error", "exception", "exc", "err"))
@@ -73,10 +72,8 @@ def _held(unknown: Unknown, scope: ast.AST, *, is_node: bool) -> Iterator[str]:
                 if _fits(unknown, call, is_node=is_node):
                     yield name
     owner = unknown.above(scope)
-    is_method = isinstance(owner, ast.ClassDef) and isinstance(scope, FUNCTIONS)
-    if not (
-        is_method and isinstance(scope, FUNCTIONS) and [p.arg for p in parameters(scope)][:1] == ["self"]
-    ):
+    is_method = isinstance(owner, ast.ClassDef) and isinstance(scope, Function)
+    if not (is_method and isinstance(scope, Function) and [p.arg for p in parameters(scope)][:1] == ["self"]):
         return
     assert isinstance(owner, ast.ClassDef)
     if is_own_node(unknown, owner.name) and unknown.attributes <= _members(unknown, owner.name):
@@ -107,7 +104,7 @@ def _members(unknown: Unknown, name: str) -> set[str]:
     found = {
         getattr(n, "attr", getattr(n, "name", ""))
         for n in own
-        if is_self_attribute(n) or isinstance(n, FUNCTIONS)
+        if is_self_attribute(n) or isinstance(n, Function)
     }
     return found | {*interfaces.members_of("rclpy.node", "Node")[0]}
 

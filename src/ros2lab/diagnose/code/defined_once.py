@@ -9,7 +9,6 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, defaults_of, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 # Standard modules whose functions return a new value each time; capitalised names are classes.
 _CHANGING = frozenset(("time", "random", "secrets", "uuid"))
@@ -27,7 +26,7 @@ def defined_once(sources: NodeSources) -> Iterator[Finding]:
     """Yield defaults and class fields that all calls or objects share, but each should have for itself."""
     for source in sources.sources.values():
         for owner, _, node in sources.scoped(source):
-            if isinstance(node, FUNCTIONS):
+            if isinstance(node, Function):
                 yield from _defaults(source, owner, node)
             elif isinstance(node, ast.ClassDef):
                 yield from _fields(sources, source, node)

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
-from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 _VALUES = (
     *(ast.Constant, ast.JoinedStr, ast.List, ast.Dict, ast.Set, ast.Tuple, ast.BinOp, ast.Compare),
@@ -22,7 +21,7 @@ def hidden_names(sources: NodeSources) -> Iterator[Finding]:
     """Yield local variables that shadow a name which the same function calls or reads attributes of."""
     for source in sources.sources.values():
         for node in source.nodes:
-            if isinstance(node, FUNCTIONS):
+            if isinstance(node, Function):
                 yield from _hidden_in(source, node)
 
 
@@ -65,7 +64,7 @@ def known_names(source: PythonSource) -> dict[str, str]:
     """Return the builtin, imported and top-level function names of a file, each with a description."""
     found = {name: "one of Python's built-in functions" for name in dir(builtins) if name[:1].islower()}
     found |= {imported.local: "an imported name" for imported in source.imports}
-    defined = [statement for statement in source.tree.body if isinstance(statement, FUNCTIONS)]
+    defined = [statement for statement in source.tree.body if isinstance(statement, Function)]
     return found | {function.name: "a function of this file" for function in defined}
 
 

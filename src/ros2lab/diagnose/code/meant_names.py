@@ -16,7 +16,6 @@ from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.signatures import signature_of
-from ros2lab.diagnose.sources.uses import FUNCTIONS
 
 Reading = tuple[str, str]  # the cause, and the fix
 _FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
@@ -95,7 +94,7 @@ def _as_self(unknown: Unknown) -> Reading | None:
     classes = {node.name for node in around if isinstance(node, ast.ClassDef)}
     if not classes or not unknown.attributes:
         return None
-    functions = (node for node in unknown.source.tree.body if isinstance(node, FUNCTIONS))
+    functions = (node for node in unknown.source.tree.body if isinstance(node, Function))
     for function, node in ((owner, node) for owner in functions for node in own_nodes(owner)):
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id=made))):
@@ -186,7 +185,7 @@ def _home_of(unknown: Unknown, name: str) -> str:
 def _as_own(unknown: Unknown) -> Reading | None:
     """A function or a class of another module of the workspace, which is not imported."""
     for module, other in unknown.own.items():
-        kinds = (*FUNCTIONS, ast.ClassDef)
+        kinds = (Function, ast.ClassDef)
         defined = {node.name for node in other.tree.body if isinstance(node, kinds)} - {"main"}
         if other is not unknown.source and unknown.name in defined:
             return cause_of(unknown), f"write `from {module} import {unknown.name}` at the top"
@@ -219,7 +218,7 @@ def _as_of_python(unknown: Unknown) -> Reading | None:
 def _as_parameter(unknown: Unknown) -> Reading | None:
     """A name that a function passes on without having it, as `rclpy.init(args=args)` in `main()`."""
     name, handed = unknown.name, unknown.above()
-    function = next((scope for scope in unknown.scopes if isinstance(scope, FUNCTIONS)), None)
+    function = next((scope for scope in unknown.scopes if isinstance(scope, Function)), None)
     if not (isinstance(handed, ast.keyword) and handed.arg == name and function):
         return None
     if function.body[0].lineno == function.lineno or function.args.kwarg:
@@ -245,7 +244,7 @@ def _as_of_another_function(unknown: Unknown) -> Reading | None:
     if not any(scope in body for scope in unknown.scopes):
         return None
     for function in body:
-        if isinstance(function, FUNCTIONS) and function not in unknown.scopes:
+        if isinstance(function, Function) and function not in unknown.scopes:
             named = (n for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == unknown.name)
             if any(isinstance(n.ctx, ast.Store) for n in named):
                 cause = f"{unknown.name} is a variable of {function.name}(), and no other function sees what a function assigns."
@@ -298,7 +297,7 @@ def used_too_early(source: PythonSource, name: str, node: ast.AST) -> Reading | 
     if not value:
         return None
     is_global = any(isinstance(n, ast.Global) and name in n.names for n in source.nodes)
-    top = min((n.lineno for n in source.tree.body if isinstance(n, (*FUNCTIONS, ast.ClassDef))), default=1)
+    top = min((n.lineno for n in source.tree.body if isinstance(n, (Function, ast.ClassDef))), default=1)
     number = top if is_global else _outside_loops(unknown).lineno
     return (
         f"Nothing gives {name} a value before this line runs.",

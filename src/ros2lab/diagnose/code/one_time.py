@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, assignments, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses, uses_of
+from ros2lab.diagnose.sources.uses import State, Uses, uses_of
 
 _MAKERS = frozenset(
     ("map", "zip", "filter", "enumerate", "reversed", "iter", "open", "csv.reader", "csv.DictReader")
@@ -28,7 +28,7 @@ def one_time_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from _kept(uses, owner)
     for source in sources.sources.values():
         for node in source.nodes:
-            if isinstance(node, FUNCTIONS):
+            if isinstance(node, Function):
                 yield from _walked_twice(sources, source, node)
 
 
@@ -56,27 +56,16 @@ def _kept(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
 def _walked_twice(sources: NodeSources, source: PythonSource, function: Function) -> Iterator[Finding]:
     """Yield iterators in a variable that are iterated over twice, or in every pass of a loop."""
     nodes = own_nodes(function)
-    stores = [n for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
-    for made in nodes:
-        match made:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value) if _is_once(sources, source, value):
-                pass
-            case _:
-                continue
-        loads = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name and n not in stores]
-        if [store.id for store in stores].count(name) != 1 or not all(
-            _is_all(function, load) for load in loads
-        ):
+    for made, value in assignments(nodes):
+        if not isinstance(made, ast.Name) or not _is_once(sources, source, value):
             continue
-        loads.sort(key=lambda load: (load.lineno, load.col_offset))
-        first = loads[0] if loads else None
-        if first is None:
-            continue
-        around = [
-            n
-            for n in nodes
-            if isinstance(n, _LOOPS) and any(first in walk(s) for s in n.body) and made not in walk(n)
-        ]
+        name = made.id
+        others = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name and n is not made]
+        if not others or not all(_is_all(function, other) for other in others):
+            continue  # also where it is assigned twice
+        loads = sorted(others, key=lambda load: (load.lineno, load.col_offset))
+        first, loops = loads[0], [n for n in nodes if isinstance(n, _LOOPS) and made not in walk(n)]
+        around = [n for n in loops if any(first in walk(s) for s in n.body)]
         if around and not _leaves(around[-1].body):
             yield _finding(source, value, name, "this is inside a loop: from the second pass on")
         elif len(loads) > 1 and _is_sure(function, first, loads[1]):
@@ -145,7 +134,7 @@ def _stops(function: Function) -> bool:
 
 def _is_sure(function: Function, first: ast.AST, second: ast.AST) -> bool:
     """Return whether the first use is always reached, and finished before the second."""
-    kinds = (*_LOOPS, ast.If, ast.Try, ast.IfExp, ast.BoolOp, *FUNCTIONS, ast.Lambda, ast.Match)
+    kinds = (*_LOOPS, ast.If, ast.Try, ast.IfExp, ast.BoolOp, Function, ast.Lambda, ast.Match)
     for node in walk(function):
         if not isinstance(node, kinds) or node is function or first not in walk(node):
             continue

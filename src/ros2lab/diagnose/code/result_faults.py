@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, State, Uses, filled, is_log, own_stores, values_in
+from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log, own_stores, values_in
 
 _TEXT_METHODS = frozenset(("lower", "upper", "strip", "lstrip", "rstrip", "replace"))
 # Builtins that only compute.
@@ -35,7 +35,7 @@ def result_faults(uses: Uses) -> Iterator[Finding]:
     for source in uses.sources.sources.values():
         tried = tried_statements(source)
         for owner, _, node in uses.sources.scoped(source):
-            if isinstance(node, FUNCTIONS):
+            if isinstance(node, Function):
                 yield from _never_sent(uses, source, owner, node)
                 yield from lost_fillings(source, node)
                 yield from _lost_locals(uses, source, owner, node)
@@ -336,7 +336,7 @@ def shown_last(body: list[ast.stmt]) -> list[ast.Call]:
 
 
 def _defines(node: ast.AST, name: str) -> bool:
-    return isinstance(node, FUNCTIONS) and node.name == name
+    return isinstance(node, Function) and node.name == name
 
 
 def _uses_value(node: ast.AST, name: str, is_method: bool) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import MODULE_NAMES, bound_by
 from ros2lab.diagnose.sources.one_run import blocks
-from ros2lab.diagnose.sources.uses import FUNCTIONS
+from ros2lab.diagnose.sources.python_source import Function
 
 _PENALTY = 3.0  # of each oddity, in the cost of a repair
 _TEXT = re.compile(r"""'(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*\"""")
@@ -143,8 +143,8 @@ def _is_annotated_in_vain(node: ast.AST) -> bool:
 
 def _holds_a_method(node: ast.AST) -> bool:
     """Return whether a function contains one with a parameter `self`, which was to be a method."""
-    inner = [n for n in ast.walk(node) if isinstance(n, FUNCTIONS) and n is not node]
-    is_function = isinstance(node, FUNCTIONS)
+    inner = [n for n in ast.walk(node) if isinstance(n, Function) and n is not node]
+    is_function = isinstance(node, Function)
     return is_function and any(n.args.args and n.args.args[0].arg == "self" for n in inner)
 
 
@@ -174,7 +174,7 @@ def _idle(tree: ast.Module, first: int, last: int, new: set[str]) -> Iterator[as
 
 def _lost(tree: ast.Module, first: int, last: int) -> Iterator[str]:
     """Yield names in statements at the top of a file that only its functions bind."""
-    at_top = [node for node in tree.body if not isinstance(node, (*FUNCTIONS, ast.ClassDef))]
+    at_top = [node for node in tree.body if not isinstance(node, (Function, ast.ClassDef))]
     bound = _bound(ast.Module(at_top, [])) | {getattr(node, "name", "") for node in tree.body} | _BUILTINS
     for statement in at_top:
         if _is_within(statement, first, last):

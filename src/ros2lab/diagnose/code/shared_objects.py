@@ -10,7 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses
+from ros2lab.diagnose.sources.uses import Uses
 
 _ADDS = {"append": 0, "appendleft": 0, "add": 0, "insert": 1}  # the position of the added argument
 _EMPTIES = frozenset(("clear", "pop", "popleft", "remove"))
@@ -39,7 +39,7 @@ def shared_objects(uses: Uses) -> Iterator[Finding]:
     """Yield objects that are shared by mistake, so that a later change also changes earlier values."""
     for source in uses.sources.sources.values():
         for node in source.nodes:
-            if isinstance(node, FUNCTIONS):
+            if isinstance(node, Function):
                 yield from _kept_in_loops(source, node)
             if isinstance(node, (ast.Assign, ast.AnnAssign)):
                 yield from _repeated(source, node)

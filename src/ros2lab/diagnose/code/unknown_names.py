@@ -7,8 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ros2lab.diagnose.sources.python_source import PythonSource, children, walk
-from ros2lab.diagnose.sources.uses import FUNCTIONS
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
 
 _LONGEST = 110  # characters of a line that is shown in full
 
@@ -47,7 +46,7 @@ class Unknown:
         found, node = list[ast.AST](), self.node
         while node is not self.source.tree:
             below, node = node, self.above(node)
-            if (isinstance(node, (*FUNCTIONS, ast.Lambda)) and (below in _body(node))) or (
+            if (isinstance(node, (Function, ast.Lambda)) and (below in _body(node))) or (
                 isinstance(node, ast.ClassDef) and not found and below in node.body
             ):
                 found.append(node)
@@ -68,7 +67,7 @@ class Unknown:
     def is_type(self) -> bool:
         """Whether the use is an annotation, a decorator, a base class, or the name of an exception."""
         around = self.above()
-        is_annotation = isinstance(around, (ast.arg, ast.AnnAssign, *FUNCTIONS)) and self.node in (
+        is_annotation = isinstance(around, (ast.arg, ast.AnnAssign, Function)) and self.node in (
             getattr(around, "annotation", None),
             getattr(around, "returns", None),
         )

@@ -13,6 +13,7 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.nodes.parameter_faults import is_for, sections_of
+from ros2lab.diagnose.nodes.partners import name_in
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
@@ -109,7 +110,7 @@ class Started:
 
     def plain(self, topic: str) -> str:
         """Return the full name that a topic has without any launch file."""
-        return topic.replace("~", f"/{self.name}", 1) if topic.startswith("~") else f"/{topic.lstrip('/')}"
+        return f"/{name_in(self.name, topic)}"
 
     def resolved(self, topic: str) -> str:
         """Return the full name of a topic as this node uses it."""
@@ -121,9 +122,7 @@ class Started:
 
     def resolved_alone(self, topic: str) -> str:
         """Return the full name of a topic without remappings."""
-        if topic.startswith("~"):
-            return f"{self.full_name}{topic[1:]}"
-        return topic if topic.startswith("/") else f"{self.namespace}/{topic}"
+        return f"/{name_in(self.full_name.lstrip('/'), topic)}"
 
 
 def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]) -> list[Started]:

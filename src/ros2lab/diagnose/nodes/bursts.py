@@ -14,7 +14,7 @@ from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, is_log
+from ros2lab.diagnose.sources.uses import is_log
 
 # Methods of publishers, nodes and clocks, and of Python's texts and lists, and its functions, that take no time.
 _FAST = {"publish", "get_logger", "get_clock", "now", "to_msg", *dir(str), *dir(list), *dir(builtins)} - {
@@ -69,7 +69,7 @@ def _times(sources: NodeSources, creation: Creation, function: Function, call: a
     """Return how often a call runs per call of its function; 0 if a condition decides or it is unknown."""
     count = 1
     for node in own_nodes(function):
-        if call not in walk(node) or isinstance(node, FUNCTIONS):
+        if call not in walk(node) or isinstance(node, Function):
             continue
         if isinstance(node, (ast.If, ast.While, ast.Try, ast.IfExp, ast.Match, ast.BoolOp, ast.Lambda)):
             return 0

@@ -54,3 +54,16 @@ class Partners:
 def made_in(end: _End) -> object:
     """Return the class that creates an end, or else the function or the file."""
     return end.creation.owner or end.creation.function or end.creation.source
+
+
+def name_in(node: str, written: str) -> str:
+    """Return the full name of a topic or a service, as a node writes it; empty if it is not known.
+
+    Args:
+        node: the full name of the node, without the first slash, as is the result; empty if not known.
+        written: the name, which may begin with a slash or with `~`, the name of the node.
+    """
+    if written.startswith("~"):
+        return f"{node}{written[1:]}" if node else ""
+    space = "" if written.startswith("/") else node.rpartition("/")[0]
+    return f"{space}/{written}".replace("//", "/").lstrip("/")

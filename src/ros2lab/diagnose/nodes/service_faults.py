@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.partners import Partners, made_in
+from ros2lab.diagnose.nodes.partners import Partners, made_in, name_in
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import last_name
 from ros2lab.diagnose.sources.spelling import is_near_miss, words_of
@@ -50,11 +50,7 @@ class ServiceEnd:
     @cached_property
     def name(self) -> str:
         """The full name without the first slash; empty if it is not known."""
-        node = self.sources.node_name(self.creation)
-        if self.written.startswith("~"):
-            return f"{node}{self.written[1:]}" if node else ""
-        space = "" if self.written.startswith("/") else node.rpartition("/")[0]
-        return f"{space}/{self.written}".replace("//", "/").lstrip("/") if self.written else ""
+        return name_in(self.sources.node_name(self.creation), self.written) if self.written else ""
 
     @cached_property
     def type(self) -> str:

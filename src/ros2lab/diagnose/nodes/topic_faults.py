@@ -12,7 +12,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.late_readers import late_readers
 from ros2lab.diagnose.nodes.node_faults import TOPIC_NAME
 from ros2lab.diagnose.nodes.own_answers import answers_itself, by_variable, called_always
-from ros2lab.diagnose.nodes.partners import Partners, made_in
+from ros2lab.diagnose.nodes.partners import Partners, made_in, name_in
 from ros2lab.diagnose.nodes.qos_written import with_policy, with_profile_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
@@ -48,7 +48,8 @@ class End:
     @cached_property
     def name(self) -> str:
         """Its topic, with the name of its node instead of `~`; empty if that is not known."""
-        return _named(self.topic, self.creation, self.sources)
+        node = self.sources.node_name(self.creation)
+        return name_in(node, self.topic) if self.is_private else self.topic
 
     @cached_property
     def space(self) -> str:
@@ -71,14 +72,6 @@ class End:
         """Whether its name begins with a slash, so that no namespace is put before it."""
         written = self.sources.value(self.creation.source, (self.creation.arguments or {}).get("topic"))
         return isinstance(written, str) and written.startswith("/")
-
-
-def _named(written: str, creation: Creation, sources: NodeSources) -> str:
-    """Return a name without its first slash and with its node's name instead of `~`; empty if unknown."""
-    if not written.startswith("~"):
-        return written.lstrip("/")
-    node = sources.node_name(creation)
-    return f"{node}{written[1:]}" if node else ""
 
 
 def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:

@@ -15,7 +15,7 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.diagnose.sources.spelling import words_of
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import FUNCTIONS, Uses, named, uses_of
+from ros2lab.diagnose.sources.uses import Uses, named, uses_of
 
 
 def use_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -109,7 +109,7 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
     """Yield functions and classes that replace an earlier one of the same name in the same block."""
     seen: dict[str, ast.stmt] = {}
     for statement in scope.body:
-        if not isinstance(statement, (*FUNCTIONS, ast.ClassDef)) or statement.decorator_list:
+        if not isinstance(statement, (Function, ast.ClassDef)) or statement.decorator_list:
             continue
         name, first = statement.name, seen.get(statement.name)
         seen[name] = statement
@@ -119,13 +119,13 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
         if any(
             name in named(node)
             for middle in between
-            if not isinstance(middle, FUNCTIONS)
+            if not isinstance(middle, Function)
             for node in walk(middle)
         ):
             continue  # the first one is used in between
         given = [creation for creation, function in uses.sources.callbacks() if function is statement]
         where = f" of {scope.name}" if isinstance(scope, ast.ClassDef) else ""
-        what = f"{name}()" if isinstance(statement, FUNCTIONS) else f"The class {name}"
+        what = f"{name}()" if isinstance(statement, Function) else f"The class {name}"
         if ast.dump(first) == ast.dump(statement):
             continue
         if len(given) > 1:
@@ -134,7 +134,7 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
                 f"write another name here, such as `def {name}_2`, and give self.{name}_2 to "
                 f"{given[-1].method} on line {last.lineno}"
             )
-        elif isinstance(statement, FUNCTIONS) and name != "__init__":
+        elif isinstance(statement, Function) and name != "__init__":
             fix = f"move the lines from line {first.lineno} on into this one, or remove this one"
         else:
             fix = f"merge the two, and remove the one on line {first.lineno}"

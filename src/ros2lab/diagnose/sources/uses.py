@@ -12,7 +12,6 @@ from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeClass, NodeSou
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, assignments, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
-FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 LONGEST_NAME = 200  # characters of a string that may name something
 
 
