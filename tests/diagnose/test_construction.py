@@ -64,3 +64,35 @@ def test_what_lacks_its_constructor_is_told_once(name: str, tmp_path: Path) -> N
     assert not others or name == "no base class"  # of what has none, more is missed
     assert first[0] == code
     assert fix in first[1]
+
+
+TWICE = {
+    "_init_": "class A(Node):\n    def _init_(self):\n        super()._init_('a')\n",
+    "__init_": "class A(Node):\n    def __init_(self, rate=1.0):\n        super().__init_('a')\n        self.rate = rate\n",
+    "init": "class A(Node):\n    def init(self):\n        super().init('a')\n",
+    "of the class": "class A(Node):\n    def _init_(self):\n        Node._init_(self, 'a')\n",
+    "with its class": "class A(Node):\n    def _int_(self):\n        super(A, self)._int_('a')\n",
+}
+
+
+@pytest.mark.parametrize("name", TWICE)
+def test_a_constructor_that_is_misspelt_in_both_places_is_told_in_both(name: str, tmp_path: Path) -> None:
+    lines = TWICE[name].splitlines()
+    told = found(TWICE[name], "A()", tmp_path / "before")
+    assert [code for code, _ in told] == ["super-misspelt"] * 2
+    for number, (_, fix) in zip((1, 2), told, strict=True):
+        indent = len(lines[number]) - len(lines[number].lstrip())
+        lines[number] = " " * indent + fix.removeprefix("write ")
+    assert "super().__init__('a')" in lines[2]
+    assert found("\n".join(lines) + "\n", "A()", tmp_path / "after") == []
+
+
+GUARDS = ["_name_ == '_main_'", "name == 'main'", "__name == '__main'", "_name_ == '__main__'"]
+
+
+@pytest.mark.parametrize("guard", GUARDS)
+def test_a_guard_is_written_whole(guard: str, tmp_path: Path) -> None:
+    files = Files.right(NAMES[1])
+    files.texts[files.path("node")] = f"{HEAD}def main():\n    rclpy.init()\n\n\nif {guard}:\n    main()\n"
+    told = [one for one in of_workspace(files.write(tmp_path)) if one.code == "name-undefined"]
+    assert [one.fix for one in told] == ["write `if __name__ == '__main__':`"]

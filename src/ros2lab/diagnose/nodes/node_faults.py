@@ -25,7 +25,14 @@ from ros2lab.diagnose.sources.node_source import (
     is_self_attribute,
 )
 from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
-from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, returns_value, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    own_nodes,
+    parameters,
+    returns_value,
+    walk,
+)
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
@@ -60,28 +67,29 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
 
 def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     constructor = owner.methods.get("__init__")
-    if constructor is None:
-        misspelt = lost_constructor(sources, owner)
-        if misspelt is not None and any(base in NODE_CLASSES for base in owner.bases):
-            yield Finding(
-                "super-misspelt",
-                f"The method {misspelt.name} is not the constructor, which is __init__, with two underscores on each side of init.",
-                owner.source.at(misspelt),
-                f"write def __init__({ast.unparse(misspelt.args)}):",
-            )
-        return
-    calls = [n for n in walk(constructor) if isinstance(n, ast.Call) and isinstance(n.func, ast.Attribute)]
+    lost = None if constructor else lost_constructor(sources, owner)
+    if lost is not None and any(base in NODE_CLASSES for base in owner.bases):
+        yield Finding(
+            "super-misspelt",
+            f"The method {lost.name} is not the constructor, which is __init__, with two underscores on each side of init.",
+            owner.source.at(lost),
+            f"write def __init__({ast.unparse(lost.args)}):",
+        )
+    function = constructor or lost
+    calls = [n for n in walk(function) if isinstance(n, ast.Call)] if function else []
     for call in calls:
-        if _is_misspelt_super(call.func):
+        if function is not None and _is_misspelt_super(owner.source, call.func):
             yield Finding(
                 "super-misspelt",
                 f"`{ast.unparse(call.func)}` is not how the constructor of Node is called.",
                 owner.source.at(call),
-                f"write {super_call(sources, owner, given_to_super(constructor))}",
+                f"write {super_call(sources, owner, given_to_super(function))}",
             )
             return
         if getattr(call.func, "attr", "") == "__init__":
             yield from _init_call_faults(sources, owner, call)
+    if constructor is None:
+        return
     order = SuperOrder(sources, owner, members_of("rclpy.node", "Node")[0])
     if not order.calls_init():
         yield Finding(
@@ -96,13 +104,14 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
         yield Finding("super-late", cause, owner.source.at(use), fix)
 
 
-def _is_misspelt_super(called: ast.expr) -> bool:
-    """Return whether what is called was meant as `super().__init__`."""
+def _is_misspelt_super(source: PythonSource, called: ast.expr) -> bool:
+    """Return whether what is called was meant as `super().__init__` or `Node.__init__`."""
     match called:
         case ast.Attribute(value=ast.Name(id="super")):
             return True
-        case ast.Attribute(value=ast.Call(func=ast.Name(id="super")), attr=name):
-            return name != "__init__" and re.search(r"ini?t", name) is not None
+        case ast.Attribute(value=base, attr=name) if name != "__init__" and re.search(r"ini?t", name):
+            of_super = isinstance(base, ast.Call) and getattr(base.func, "id", "") == "super"
+            return of_super or source.resolve(base) in NODE_CLASSES
     return False
 
 

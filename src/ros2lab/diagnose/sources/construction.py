@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 
+from ros2lab.diagnose.sources.interfaces import is_module
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import snake_case
@@ -68,7 +69,7 @@ def lost_constructor(sources: NodeSources, node_class: NodeClass) -> Function | 
         node.attr
         for source in sources.sources.values()
         for node in source.nodes
-        if isinstance(node, ast.Attribute)
+        if isinstance(node, ast.Attribute) and not _has_its_own(source, node_class, node.value)
     }
     slips = (
         method for name, method in node_class.methods.items() if _SLIP.fullmatch(name) and name not in used
@@ -83,6 +84,13 @@ def lost_constructor(sources: NodeSources, node_class: NodeClass) -> Function | 
         ),
         None,
     )
+
+
+def _has_its_own(source: PythonSource, node_class: NodeClass, owner: ast.expr) -> bool:
+    """Return whether what an attribute is asked of is no object of a class: `super()`, a base class or a module."""
+    is_super = isinstance(owner, ast.Call) and getattr(owner.func, "id", "") == "super"
+    name = source.resolve(owner) or ""
+    return is_super or name in node_class.bases or is_module(name)
 
 
 def super_call(sources: NodeSources, owner: NodeClass, given: Sequence[ast.expr] = ()) -> str:
@@ -111,12 +119,10 @@ def super_call(sources: NodeSources, owner: NodeClass, given: Sequence[ast.expr]
 def given_to_super(constructor: Function) -> Sequence[ast.expr]:
     """Return the arguments of the call that was meant to be that of the base class's constructor."""
     for node in own_nodes(constructor):
-        if (
-            isinstance(node, ast.Call)
-            and isinstance(node.func, ast.Attribute)
-            and "super" in ast.unparse(node.func)
-        ):
-            return node.args
+        match node:
+            case ast.Call(func=ast.Attribute(attr=name) as called):
+                if "super" in ast.unparse(called) or _SLIP.fullmatch(name):
+                    return [given for given in node.args if getattr(given, "id", "") != "self"]
     return ()
 
 
