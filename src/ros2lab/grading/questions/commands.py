@@ -65,17 +65,14 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     believed = _believed(case, effects) - processed - unsent - by_place
     own = _own_words(part, runs.values(), telling.keys(), alone)
     known = processed | unsent | believed
-    level = _level_of(len(known) + min(len(own), len(part.commands) - len(known)) // 2, part)
-    if level == "all" and (unsent or believed):
+    count = len(known) + min(len(own), len(part.commands) - len(known)) // 2
+    if count == len(part.commands) and (unsent or believed):
         level = "told_apart" if believed else "until_end"
-    elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
-        level = "capitals"
-    elif not known and own:
-        level = "own_words"
-    elif level == "none" and _words(effects, "echoed") and not _compares_in_vain(case):
-        level = "echoed"
-    elif processed and _is_inverted(case, part):
-        level = "inverted"
+    elif not processed:
+        level = _without_effect(case, part, runs.values(), effects, known=known, own=own)
+        level = level or _level_of(count, part)
+    else:
+        level = "inverted" if _is_inverted(case, part) else _level_of(count, part)
     known -= believed if level == "told_apart" else set()
     so = f"; what {listed(sorted(so_already))} is to bring about is so already" if so_already else ""
     seen = _SAID | {
@@ -86,6 +83,24 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     }
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
+
+
+def _without_effect(
+    case: Case,
+    part: Part,
+    runs: Iterable[Run],
+    effects: Mapping[int, Mapping[str, str]],
+    *,
+    known: Collection[str],
+    own: Collection[str],
+) -> str:
+    """Return the level of a node for which no command is seen to have an effect of its own; empty if none applies."""
+    if any(_obeys_capitals(part, run, _alone(case)) for run in runs):
+        return "capitals"
+    if not known and own:
+        return "own_words"
+    is_echo = not known and not own and _words(effects, "echoed") and not _compares_in_vain(case)
+    return "echoed" if is_echo else ""
 
 
 def _own_words(
