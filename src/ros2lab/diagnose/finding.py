@@ -185,3 +185,9 @@ def shown_path(path: Path, root: Path | None) -> str:
 def lines_in_words(first: int, last: int) -> str:
     """Return a range of lines in words: `line 3`, or `lines 3 to 5`."""
     return f"line {first}" if first == last else f"lines {first} to {last}"
+
+
+def line_with(text: str, *words: str, start: int = 1) -> int | None:
+    """Return the number of the first line, from a line on, that contains one of some words; None without any."""
+    lines = enumerate(text.splitlines()[start - 1 :], start)
+    return next((number for number, line in lines if any(word in line for word in words)), None)

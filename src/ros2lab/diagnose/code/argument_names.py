@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, walk
 
 
@@ -48,18 +49,13 @@ def _called(
     sources: NodeSources, source: PythonSource, owner: NodeClass | None, call: ast.Call
 ) -> tuple[Function | None, list[str]]:
     """Return the package's function that a call means, and its parameters' names; None if it is unknown."""
-    if is_self_attribute(call.func):
-        function = sources.method(owner, call.func.attr)
-        is_static = function is not None and bool(function.decorator_list)
-        return (None if is_static else function), [
-            parameter.arg for parameter in parameters(function)[1:]
-        ] if function else []
-    name = sources.resolve(source, call.func) or ""
-    if name in sources.classes:
-        function = sources.method(sources.classes[name], "__init__")
-        return function, [parameter.arg for parameter in parameters(function)[1:]] if function else []
-    function = sources.functions.get(name, (source, None))[1]
-    return function, [parameter.arg for parameter in parameters(function)] if function else []
+    made = sources.classes.get(sources.resolve(source, call.func) or "")
+    function = called_function(sources, source, owner, call.func)
+    function = sources.method(made, "__init__") if made else function
+    is_method = made is not None or is_self_attribute(call.func)
+    if function is None or (is_method and function.decorator_list):
+        return None, []
+    return function, [parameter.arg for parameter in parameters(function)[is_method:]]
 
 
 def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:

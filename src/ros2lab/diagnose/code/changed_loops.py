@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import blocks
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.one_run import blocks, may_leave
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
 _TAKES_OUT = frozenset(("remove", "pop", "popleft", "discard", "popitem", "clear"))
@@ -75,7 +75,7 @@ def _changes(
             continue
         if places and not any(_reads(node, places) for node in walk(changed)):
             continue
-        if by in _ADDS and (len(path) > 1 or _leaves(loop.body)):
+        if by in _ADDS and (len(path) > 1 or may_leave(loop.body)):
             continue  # a conditional addition, as to a list of pending work, comes to an end
         how = f"line {statement.lineno} {'adds to' if by in _ADDS else 'removes items from'} it"
         then = {
@@ -165,12 +165,6 @@ def _is_last(path: _Path) -> bool:
                 break
         is_left = is_left and not is_loop
     return False
-
-
-def _leaves(body: list[ast.stmt]) -> bool:
-    """Return whether a loop's body contains a statement that may end the loop."""
-    kinds = (ast.Break, ast.Return, ast.Raise)
-    return any(isinstance(node, kinds) for statement in body for node in (statement, *own_nodes(statement)))
 
 
 def _reads(node: ast.AST, name: str) -> bool:

@@ -13,7 +13,7 @@ from ros2lab.diagnose.code.placeholders import placeholder_faults
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.one_run import blocks, is_steady
+from ros2lab.diagnose.sources.one_run import blocks, is_steady, may_leave
 from ros2lab.diagnose.sources.python_source import PythonSource, children, given_to, last_name, own_nodes
 from ros2lab.diagnose.sources.spelling import nearest
 
@@ -317,7 +317,7 @@ def chain_faults(source: PythonSource) -> Iterator[Finding]:
                 n
                 for n, statement in enumerate(chain[:-1])
                 if _stored(statement.body) & _stored(rest)
-                and not _leaves(statement.body)
+                and not may_leave(statement.body, ast.Continue)
                 and not _stored(statement.body) & _read(last.test, *rest)
             ]
             if not undone:
@@ -346,11 +346,6 @@ def _chains(block: list[ast.stmt]) -> Iterator[list[ast.If]]:
                     chain = []
             case _:
                 chain = []
-
-
-def _leaves(body: list[ast.stmt]) -> bool:
-    ends = (ast.Return, ast.Raise, ast.Continue, ast.Break)
-    return any(isinstance(node, ends) for statement in body for node in ast.walk(statement))
 
 
 def _read(*nodes: ast.AST) -> set[str]:

@@ -30,14 +30,6 @@ from ros2lab.diagnose.sources.python_source import (
 from ros2lab.diagnose.sources.static_value import dotted
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
-_CREATES = (
-    "create_publisher",
-    "create_subscription",
-    "create_timer",
-    "create_service",
-    "create_client",
-    "add_node",
-)
 _FREQUENCIES = frozenset(("hz", "rate", "freq", "frequency"))
 _PERIODS = frozenset(("period", "interval", "time", "dt", "s", "sec", "secs", "seconds", "ms"))
 _LONGEST_PERIOD = 100  # s; a longer literal that is not a whole number of minutes is probably in ms
@@ -254,7 +246,7 @@ def _disordered(sources: NodeSources, source: PythonSource, block: list[ast.stmt
                 source.at(block[number]),
                 "move it after rclpy.spin(node), to the end of main",
             )
-        is_late = number > first and name.rpartition(".")[2] in _CREATES and not is_ended
+        is_late = number > first and name.rpartition(".")[2] in (*CREATORS, "add_node") and not is_ended
         if is_late and "rclpy.init" not in names[first:number]:
             yield Finding(
                 "life-order",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
+from ros2lab.diagnose.sources.one_run import may_leave
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, assignments, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import State, Uses, uses_of
@@ -16,6 +17,7 @@ _MAKERS = frozenset(
 )
 _TAKERS = frozenset(("list", "tuple", "set", "sorted", "sum", "max", "min", "dict", "frozenset"))
 _LOOPS = (ast.For, ast.AsyncFor, ast.While)
+_PAUSES = (ast.Yield, ast.YieldFrom, ast.Await)
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp)
 
 
@@ -66,7 +68,7 @@ def _walked_twice(sources: NodeSources, source: PythonSource, function: Function
         loads = sorted(others, key=lambda load: (load.lineno, load.col_offset))
         first, loops = loads[0], [n for n in nodes if isinstance(n, _LOOPS) and made not in walk(n)]
         around = [n for n in loops if any(first in walk(s) for s in n.body)]
-        if around and not _leaves(around[-1].body):
+        if around and not may_leave(around[-1].body, *_PAUSES):
             yield _finding(source, value, name, "this is inside a loop: from the second pass on")
         elif len(loads) > 1 and _is_sure(function, first, loads[1]):
             yield _finding(source, value, name, f"line {first.lineno} has used it up: here")
@@ -102,7 +104,7 @@ def _is_all(function: Function, load: ast.AST) -> bool:
     for node in walk(function):
         match node:
             case ast.For(iter=given, body=body) if given is load:
-                return not _leaves(body)
+                return not may_leave(body, *_PAUSES)
             case ast.comprehension(iter=given) if given is load:
                 return any(
                     node in comprehension.generators
@@ -116,14 +118,8 @@ def _is_all(function: Function, load: ast.AST) -> bool:
             case ast.For(iter=ast.Call(func=ast.Name(id="enumerate"), args=[given, *_]), body=body) if (
                 given is load
             ):
-                return not _leaves(body)
+                return not may_leave(body, *_PAUSES)
     return False
-
-
-def _leaves(body: Iterable[ast.stmt]) -> bool:
-    """Return whether a loop's body contains anything that may end or interrupt the loop."""
-    kinds = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.YieldFrom, ast.Await)
-    return any(isinstance(node, kinds) for statement in body for node in walk(statement))
 
 
 def _stops(function: Function) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
+from ros2lab.diagnose.finding import at, line_with
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.sources.static_value import dotted, evaluate
 
@@ -69,8 +70,7 @@ def launch_commands(path: Path, shown: str) -> Iterator[LaunchCommand]:
     text = read_text(path)
     for written in _written(path, text):
         with contextlib.suppress(ValueError):
-            number = next((n for n, line in enumerate(text.splitlines(), 1) if written[:20] in line), 0)
-            place = f"{shown}:{number}" if number else shown
+            place = at(shown, line_with(text, written[:20]))
             words = tuple(Word(word, word, place) for word in shlex.split(written))
             yield LaunchCommand(words, place, is_read_by_shell=False, is_python=False)
 

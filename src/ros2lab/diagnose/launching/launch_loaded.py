@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ros2lab.diagnose.finding import SAID, Finding, at
+from ros2lab.diagnose.finding import SAID, Finding, at, line_with
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
@@ -270,7 +270,9 @@ def _refusals(
         if missing and strange:
             cause = f"<{tag}> needs {' and '.join(missing)}, and {unknown}."
         fix = ", and ".join(_attribute_fixes(strange, missing, known))
-        yield Finding("launch-argument", cause, at(file.shown, _line(path, strange or [tag])), fix)
+        yield Finding(
+            "launch-argument", cause, at(file.shown, line_with(read_text(path), *(strange or [tag]))), fix
+        )
     if told["error"] and not tags:
         read = [*_unread(packages)] if told["error"].get("is_yaml") else []
         yield from read or [_refusal(file, told["error"])]
@@ -361,7 +363,7 @@ def _lacking(
     near = next((other for other in known if is_near_miss(name, other)), None)
     if is_later and not near:
         return
-    place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
+    place = at(file.shown, line_with(read_text(path), f"'{name}'", f'"{name}"', f" {name}") or told["line"])
     fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
     cause = f"{fails}: {name} is {'not installed here' if is_right else 'neither in this workspace nor installed'}."
     how = "install the package that provides it"
@@ -370,8 +372,3 @@ def _lacking(
     fix = how if is_right else f"{how}; if {name} is misspelt, correct it"
     fix = f"write {near} instead of {name}" if near else fix
     yield Finding("launch-package", cause, place, fix, (name,))
-
-
-def _line(path: Path, names: Sequence[str]) -> int | None:
-    lines = read_text(path).splitlines()
-    return next((n for n, line in enumerate(lines, 1) if any(name in line for name in names)), None)

@@ -12,11 +12,11 @@ from typing import Any
 from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import LaunchFile
-from ros2lab.diagnose.launching.started_faults import Started, line_of, started_in
+from ros2lab.diagnose.launching.started_faults import Started, started_in
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, sections_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, line_of, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 

@@ -18,7 +18,7 @@ from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, line_of, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 
@@ -290,15 +290,6 @@ def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
         if last in (*own, node.launched.executable, node.name):
             return node
     return None
-
-
-def line_of(key: str, text: str) -> int | None:
-    """Return the line on which a section of a parameter file begins; None if it is not found."""
-    last = key.rstrip("/").rpartition("/")[2]
-    lines = (line.strip().strip("\"'") for line in text.splitlines())
-    return next(
-        (number for number, line in enumerate(lines, 1) if line.lstrip("/").startswith((last, key))), None
-    )
 
 
 def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:

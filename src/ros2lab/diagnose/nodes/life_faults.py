@@ -19,7 +19,7 @@ from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, own_calls, run_once
+from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, may_leave, own_calls, run_once
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -391,7 +391,6 @@ def _waits_for_another(
 
 def _only_waits(source: PythonSource, loop: ast.While) -> bool:
     """Return whether only the attributes that a loop asks about, or the end of rclpy, can end it."""
-    ends = (ast.Break, ast.Return, ast.Raise)
     asked = [node for node in walk(loop.test) if isinstance(node, (ast.Name, ast.Call))]
     is_of_self = all(
         source.resolve(node.func) == "rclpy.ok"
@@ -401,7 +400,7 @@ def _only_waits(source: PythonSource, loop: ast.While) -> bool:
     )
     calls = [node.func for node in walk(loop) if isinstance(node, ast.Call)]
     may_serve = any("spin" in ast.unparse(called) or is_self_attribute(called) for called in calls)
-    return is_of_self and not may_serve and not any(isinstance(node, ends) for node in own_nodes(loop))
+    return is_of_self and not may_serve and not may_leave([loop])
 
 
 def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function) -> list[Function]:

@@ -17,6 +17,7 @@ from ros2lab.diagnose.sources.parameter_file import (
     UnreadParameterFileError,
     is_other_yaml,
     kind_of,
+    line_of,
     parameter_file_repair,
     read_parameter_file,
 )
@@ -281,23 +282,15 @@ def _nearly_below(content: Mapping[Any, Any]) -> str:
 
 class _Lines:
     def __init__(self, shown: str, text: str) -> None:
-        self.shown, self.lines = shown, text.splitlines()
+        self.shown, self.text = shown, text
 
     def at(self, key: str) -> str:
-        return at(self.shown, self._number(key))
-
-    def at_section(self, key: str) -> str:
-        """Return the place of a section, which may be written with its namespace or below it."""
-        return self.at(key if key.startswith("/") else key.rpartition("/")[2])
+        return at(self.shown, line_of(key, self.text))
 
     def written(self, key: str) -> str:
         """Return the text after a key on its line."""
-        line = self.lines[(self._number(key) or 1) - 1] if self.lines else ""
+        line = [*self.text.splitlines(), ""][(line_of(key, self.text) or 1) - 1]
         return re.split(r"\s#", line.partition(":")[2])[0].strip()
-
-    def _number(self, key: str) -> int | None:
-        found = (n for n, line in enumerate(self.lines, 1) if line.strip().strip("\"'").startswith(key))
-        return next(found, None)
 
 
 def _apart(content: Mapping[Any, Any], full: Mapping[str, str], lines: _Lines) -> Iterator[Finding]:
@@ -306,7 +299,7 @@ def _apart(content: Mapping[Any, Any], full: Mapping[str, str], lines: _Lines) -
     for key in keys:
         runs_as = full.get(key.rstrip("/").rpartition("/")[2], "")
         if runs_as.count("/") > 1 and not any(is_for(section, runs_as) for section in keys):
-            yield other_name(key, runs_as, lines.shown, lines.at_section(key))
+            yield other_name(key, runs_as, lines.shown, lines.at(key))
 
 
 def other_name(key: str, runs_as: str, shown: str, place: str) -> Finding:
@@ -353,7 +346,7 @@ def _other_nodes(
                 "parameter-file-node",
                 f"{lines.shown} sets parameters for a node called {short}, but {'the node is' if len(own) == 1 else 'the nodes are'} "
                 f"called {', '.join(own)} here, so the defaults are kept silently.",
-                lines.at_section(key),
+                lines.at(key),
                 f"write {likely} instead of {short}",
             )
 

@@ -58,22 +58,18 @@ def _quoted(state: State) -> Iterator[Finding]:
     """Yield strings that hold the name of an attribute where its value was meant."""
     for method in state.owner.methods.values():
         for node in own_nodes(method):
-            given: ast.expr | None = None
-            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
-                given = node.value
-            elif (
-                isinstance(node, ast.Call)
-                and getattr(node.func, "attr", "") in (*LOG_METHODS, "publish")
-                and node.args
-            ):
-                given = node.args[0]
-            text = given.value if isinstance(given, ast.Constant) else None
-            if isinstance(text, str) and text in state.stores:
+            match node:
+                case ast.Assign(
+                    targets=[ast.Attribute(attr=name), *_], value=ast.Constant(str(text)) as given
+                ):
+                    is_shown = name == "data"
+                case ast.Call(func=ast.Attribute(attr=name), args=[ast.Constant(str(text)) as given, *_]):
+                    is_shown = name in (*LOG_METHODS, "publish")
+                case _:
+                    continue
+            if text in state.stores and (is_shown or isinstance(node, ast.Assign)):
                 initial = state.stores[text][0][2]
                 is_number = isinstance(initial, ast.Constant) and not isinstance(initial.value, str)
-                is_shown = isinstance(node, ast.Call) or ast.unparse(node).startswith(
-                    ("msg.data", "message.data")
-                )
                 meant = f"str({text})" if is_number and is_shown else text
                 cause = f"{text!r} in quotes is only a string with the name of the attribute {text}, not its value."
                 yield Finding("text-not-filled", cause, state.at(given), f"write {meant} without quotes")

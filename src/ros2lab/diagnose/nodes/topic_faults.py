@@ -176,32 +176,20 @@ def _near_misses(
         if topic in COURSE_TOPICS or {end.is_publisher for end in there} == {True, False}:
             continue
         # The workspace's own topics come before the course's, which contain no node's name.
-        others = {
-            name: ends[0].name
-            for name, ends in by_topic.items()
-            if is_near_miss(topic, name)
-            and {other.is_publisher for other in ends} == {not end.is_publisher}
-            and any(_may_connect(own, other) for own in there for other in ends)
-            and ends[0].space == end.space
-            # A class that uses both names, such as `tx` and `rx`, means both.
-            and {*map(made_in, ends)}.isdisjoint(map(made_in, there))
-            and not _has_partner(name, ends, unnamed, partners)
-        }
+        near = [(name, ends) for name, ends in by_topic.items() if is_near_miss(topic, name)]
+        facing = [(name, ends) for name, ends in near if _may_face(there, ends)]
+        others = [ends[0].name for name, ends in facing if not _has_partner(name, ends, unnamed, partners)]
         course = [
             name
             for name, (kind, _) in COURSE_TOPICS.items()
             if is_near_miss(topic, name) and name not in by_topic and end.type in (None, kind)
         ]
-        meant = [*others.values(), *([] if end.is_private else course)]
+        meant = [*others, *([] if end.is_private else course)]
         wanted = next(iter(meant), None)
         if wanted and not _has_partner(topic, there, unnamed, partners):
             verb = "publishes on" if end.is_publisher else "subscribes to"
-            who = (
-                "it does not reach subscribers to"
-                if end.is_publisher
-                else "it does not receive what is published on"
-            )
-            contrast = f"{who} {wanted!r}" if others else f"the course's topic is {wanted!r}"
+            reached = "reach subscribers to" if end.is_publisher else "receive what is published on"
+            contrast = f"it does not {reached} {wanted!r}" if others else f"the course's topic is {wanted!r}"
             yield Finding(
                 "topic-near-miss",
                 f"This node {verb} {end.name!r}, but {contrast}: the names differ.",
@@ -209,6 +197,15 @@ def _near_misses(
                 f"write {wanted!r} if that is meant (a leading slash may stay)",
                 (end.name, wanted),
             )
+
+
+def _may_face(there: list[End], others: list[End]) -> bool:
+    """Return whether the ends of a topic, which all have one direction, may be meant for those of another."""
+    is_facing = {end.is_publisher for end in others} == {not there[0].is_publisher}
+    may_connect = any(_may_connect(end, other) for end in there for other in others)
+    # A class that uses both names, such as `tx` and `rx`, means both.
+    are_apart = {*map(made_in, others)}.isdisjoint(map(made_in, there))
+    return is_facing and may_connect and others[0].space == there[0].space and are_apart
 
 
 def _may_connect(end: End, other: End) -> bool:

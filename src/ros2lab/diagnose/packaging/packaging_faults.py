@@ -15,7 +15,7 @@ from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.refused_keywords import refused_keywords
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
 from ros2lab.diagnose.packaging.installed import INDEX
@@ -23,7 +23,7 @@ from ros2lab.diagnose.packaging.listed_packages import folder_of, needed_package
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import PythonSource, read_text, read_toml
+from ros2lab.diagnose.sources.python_source import read_text, read_toml
 from ros2lab.diagnose.sources.setup_cfg import cfg_repair, read_cfg
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss
@@ -82,11 +82,10 @@ def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
     if not isinstance(table, dict) or "entry_points" not in setup.lines:
         return
     if not {*table, *table.get("dynamic", ())} & {"scripts", "entry-points"}:
-        number = next(n for n, line in enumerate(text.splitlines(), 1) if "project" in line)
         yield Finding(
             "entry-points-missing",
             "pyproject.toml has a [project] table, so setuptools ignores the entry points in setup.py and installs no executable.",
-            at(package.shown("pyproject.toml"), number),
+            at(package.shown("pyproject.toml"), line_with(text, "project")),
             f"rm {quote(package.shown('pyproject.toml'))}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]",
         )
 
@@ -120,7 +119,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             )
             continue
         if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
-            line = setup.line("package_dir") or _line_with(setup.source, "package_dir", 1)
+            line = setup.line("package_dir") or line_with(setup.source.text, "package_dir")
             yield Finding(
                 "package-folder-missing",
                 f"package_dir makes setup.py look for {name} in another folder, but it is next to setup.py.",
@@ -197,7 +196,7 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
     is_marker = file == f"resource/{package.name}"
     # The name of the package is on other lines, too.
     word = "resource/" if is_marker else file.rpartition("/")[2]
-    line = _line_with(setup.source, word, setup.line("data_files")) or setup.line("data_files")
+    line = line_with(setup.source.text, word, start=setup.line("data_files") or 1) or setup.line("data_files")
     place = at(setup.source.shown, line)
     if is_marker:
         cause = f"The file {file}, which ROS uses to find the package, is missing; it is an empty file and easily lost."
@@ -244,11 +243,6 @@ def _without_spaces(package: SourcePackage, setup: SetupScript, path: Path, fold
     row = f", add ('share/{package.name}/{folder}', ['{new}']) to data_files"
     is_matched = any(fnmatchcase(new, pattern.text) for pattern in setup.patterns)
     return f"mv {quote(package.shown(relative))} {quote(package.shown(new))}{'' if is_matched else row}, and build again"
-
-
-def _line_with(source: PythonSource, word: str, start: int | None) -> int | None:
-    lines = source.text.splitlines()
-    return next((n for n in range(start or 1, len(lines) + 1) if word in lines[n - 1]), None)
 
 
 def _cfg_form(package: SourcePackage) -> Iterator[Finding]:

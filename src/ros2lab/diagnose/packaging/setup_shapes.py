@@ -13,7 +13,7 @@ from pathlib import PurePosixPath
 from shlex import quote
 from typing import Any
 
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging import setup_child
 from ros2lab.diagnose.packaging.file_patterns import folder_taken
 from ros2lab.diagnose.sources.commented_out import without_comments
@@ -88,8 +88,7 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
                 (name,),
             )
             return
-        lines = setup.source.text.splitlines()
-        line = next((n for n, text in enumerate(lines, 1) if name in text), setup.line("name"))
+        line = line_with(setup.source.text, name) or setup.line("name")
         yield Finding(
             "package-name",
             f"setup.py names the package {name}, but package.xml names it {given}.",

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+from ros2lab.diagnose.finding import line_with
 from ros2lab.diagnose.sources.slips import Lines, Slip
 
 # What REP 149 knows: tags of a package, and those that stand in <export>.
@@ -51,8 +52,9 @@ def tag_slips(text: str, keywords: Mapping[str, Any]) -> Iterator[Slip]:
 
 
 def _changes(lines: Lines, keywords: Mapping[str, Any]) -> Iterator[Slip]:
-    begin = next((n for n, line in enumerate(lines.all, 1) if "<export>" in line), 0)
-    end = next((n for n, line in enumerate(lines.all, 1) if "</export>" in line and n >= begin), 0)
+    text = "\n".join(lines.all)
+    begin = line_with(text, "<export>") or 0
+    end = line_with(text, "</export>", start=begin or 1) or 0
     every = [(n, match) for n, line in enumerate(lines.all, 1) for match in _ELEMENT.finditer(line)]
     spots = [(n, match) for n, match in every if not begin <= n <= end]
     own = next((match["content"].strip() for _, match in spots if match["tag"] == "name"), "")
@@ -138,5 +140,4 @@ def _added(lines: Lines, known: Mapping[str, int], keywords: Mapping[str, Any]) 
         if tag == "maintainer":
             new = _maintainer("", "", keywords)
         before = [known[other] for other in _NEEDED[: _NEEDED.index(tag)] if other in known]
-        begin = next((n for n, line in enumerate(lines.all, 1) if "<package" in line), 1)
-        yield lines.added(max(before, default=begin), new)
+        yield lines.added(max(before, default=line_with("\n".join(lines.all), "<package") or 1), new)

@@ -195,3 +195,9 @@ def leaves(statement: ast.stmt) -> bool:
     value = statement.value if isinstance(statement, ast.Expr) else None
     is_exit = isinstance(value, ast.Call) and dotted(value.func) in _EXITS
     return is_exit or isinstance(statement, (ast.Return, ast.Raise))
+
+
+def may_leave(body: Iterable[ast.stmt], *kinds: type[ast.AST]) -> bool:
+    """Return whether statements may end the loop or the function around them, or contain some other kinds of nodes."""
+    ends = (ast.Break, ast.Return, ast.Raise, *kinds)
+    return any(isinstance(node, ends) for statement in body for node in (statement, *own_nodes(statement)))

@@ -277,3 +277,10 @@ def _reason(error: yaml.MarkedYAMLError) -> ParameterFileError:
             "a value begins with *, which stands for another value in YAML, but ROS does not read that"
         )
     return ParameterFileError(error.problem or "it cannot be read", mark.line + 1 if mark else None, fix)
+
+
+def line_of(key: str, text: str) -> int | None:
+    """Return the line of a parameter file with a parameter or a section, which may be below its namespace."""
+    lines = [line.strip().strip("\"'").lstrip("/") for line in text.splitlines()]
+    names = (key.strip("/"), key.rstrip("/").rpartition("/")[2])
+    return next((n for name in names for n, line in enumerate(lines, 1) if line.startswith(name)), None)

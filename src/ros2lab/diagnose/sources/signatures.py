@@ -168,40 +168,39 @@ def signature_by_name(name: str) -> Signature | None:
 
 
 def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature | None:
-    made = [
-        method for method in node.body if isinstance(method, ast.FunctionDef) and method.name == "__init__"
-    ]
-    bases = [source.resolve(base) for base in node.bases]
-    above = [
-        signature
-        for base in bases
-        if depth and base and (found := _definition(base)) and isinstance(found[1], ast.ClassDef)
-        if (signature := _of_class(*found, depth - 1))  # type: ignore[arg-type]
-    ]
-    if not made:
-        return above[0] if above else None
-    own = _of_function(made[-1], is_method=True)
-    if not own.parameters and own.is_open and not above:
-        # As in rclpy's QoS profiles: the keyword arguments are the properties.
-        names = [
-            f.name
-            for f in node.body
-            if isinstance(f, ast.FunctionDef) and f.decorator_list and f.name[0] != "_"
-        ]
-        rows = [
-            Parameter(name, "int" if name == "depth" else "Any", "...", False)
-            for name in dict.fromkeys(names)
-        ]
-        return Signature(tuple(sorted(rows, key=lambda row: row.name != "depth")))
-    if made[-1].args.kwarg is None or not above:
+    made = _method(node, "__init__")
+    bases = [_definition(base) for base in map(source.resolve, node.bases) if depth and base]
+    classes = ((file, base) for file, base in filter(None, bases) if isinstance(base, ast.ClassDef))
+    of_bases = (_of_class(file, base, depth - 1) for file, base in classes)
+    above = next(filter(None, of_bases), None)
+    if made is None:
+        return above
+    own = _of_function(made, is_method=True)
+    if above is None:
+        return own if own.parameters or not own.is_open else _of_properties(node)
+    if made.args.kwarg is None:
         return own
     own_names = {parameter.name for parameter in own.parameters}
     more = tuple(
         replace(parameter, is_positional=False, default=parameter.default or "...")
-        for parameter in above[0].parameters
+        for parameter in above.parameters
         if parameter.name not in own_names
     )
-    return Signature((*own.parameters, *more), above[0].is_open)
+    return Signature((*own.parameters, *more), above.is_open)
+
+
+def _method(node: ast.ClassDef, name: str) -> ast.FunctionDef | None:
+    """Return the last method of a class with a name."""
+    methods = (method for method in reversed(node.body) if isinstance(method, ast.FunctionDef))
+    return next((method for method in methods if method.name == name), None)
+
+
+def _of_properties(node: ast.ClassDef) -> Signature:
+    """Return the signature of a class whose keyword arguments are its properties, such as rclpy's QoS profiles."""
+    methods = [f for f in node.body if isinstance(f, ast.FunctionDef) and f.decorator_list]
+    names = dict.fromkeys(method.name for method in methods if method.name[0] != "_")
+    rows = [Parameter(name, "int" if name == "depth" else "Any", "...", False) for name in names]
+    return Signature(tuple(sorted(rows, key=lambda row: row.name != "depth")))
 
 
 def _of_function(node: Function, *, is_method: bool) -> Signature:
@@ -231,20 +230,10 @@ def _definition(name: str) -> tuple[PythonSource, ast.ClassDef | Function] | Non
             found = _definition(module) if "." in module else None
             if found is None or not isinstance(found[1], ast.ClassDef):
                 return None
-            return next(
-                (
-                    (found[0], method)
-                    for method in reversed(found[1].body)
-                    if isinstance(method, ast.FunctionDef) and method.name == rest
-                ),
-                None,
-            )
-        kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-        own = [
-            definition
-            for definition in source.tree.body
-            if isinstance(definition, kinds) and definition.name == rest
-        ]
+            method = _method(found[1], rest)
+            return (found[0], method) if method else None
+        defined = [node for node in source.tree.body if isinstance(node, (ast.ClassDef, Function))]
+        own = [definition for definition in defined if definition.name == rest]
         if own:
             return source, own[-1]
         handed_on = source.names.get(rest)
