@@ -80,7 +80,7 @@ class Deeds:
 
     def _is_read(self, creation: Creation) -> bool | None:
         """Return whether a subscription's callback reads its message; None if the callback is not known."""
-        given = (creation.arguments or {}).get("callback")
+        given = creation.given("callback")
         function = given if isinstance(given, ast.Lambda) else self._sources.function_of(creation, given)
         if function is None:
             return None
@@ -91,7 +91,7 @@ class Deeds:
         ]
         if not names:
             return function.args.vararg is not None
-        kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type"))
+        kind = self._sources.resolve(creation.source, creation.given("msg_type"))
         fields = fields_of(kind)
         wrong = {
             node.value

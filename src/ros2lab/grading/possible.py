@@ -191,7 +191,7 @@ class Possible:
     def _callbacks(self) -> Mapping[Function, set[str]]:
         found: dict[Function, set[str]] = defaultdict(set)
         for creation, function in self._sources.callbacks():
-            given = (creation.arguments or {}).get("msg_type")
+            given = creation.given("msg_type")
             kind = self._sources.resolve(creation.source, given) or ""
             found[function].add(kind if creation.method == "create_subscription" else "")
         return found

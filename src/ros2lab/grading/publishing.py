@@ -78,7 +78,7 @@ class Publishing:
                     return None
                 else:
                     waiting += self._kept(load)
-        kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type")) or ""
+        kind = self._sources.resolve(creation.source, creation.given("msg_type")) or ""
         return [call for call in found if self._is_of(kind, call)]
 
     def rhythm(self, uses: Sequence[ast.Call]) -> Rhythm:
@@ -90,7 +90,7 @@ class Publishing:
 
     def is_finite(self, creation: Creation) -> bool:
         """Return whether each number in the messages may be finite, by what is assigned to it."""
-        kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type")) or ""
+        kind = self._sources.resolve(creation.source, creation.given("msg_type")) or ""
         given: dict[str, Values] = {}
         for node in self._code:
             match node:

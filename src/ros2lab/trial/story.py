@@ -64,7 +64,7 @@ def _missed(seen: Seen, topic: str, called: Called) -> str:
         return ", on which nobody published"
     callbacks = []
     for end in seen.ends(topic, is_publisher=False):
-        function = end.sources.function_of(end.creation, (end.creation.arguments or {}).get("callback"))
+        function = end.sources.function_of(end.creation, end.creation.given("callback"))
         callbacks.append((end.creation.source, function.lineno if function else 0))
     ran: set[PythonSource] = {source for source, _ in called}
     is_known = bool(callbacks) and all(line and source in ran for source, line in callbacks)

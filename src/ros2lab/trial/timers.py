@@ -61,7 +61,7 @@ class Period(ast.NodeTransformer):
     def __init__(self, timer: Creation, sources: NodeSources, parameters: Mapping[str, Any]) -> None:
         self._source, self._parameters = timer.source, parameters
         self._depth = 0
-        given = (timer.arguments or {}).get("timer_period_sec") or ast.Constant(None)
+        given = timer.given("timer_period_sec") or ast.Constant(None)
         self.text = ast.unparse(given)
         self._written: list[ast.expr] = [given]
         self.value = self._value(given)

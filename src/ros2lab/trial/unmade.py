@@ -122,7 +122,7 @@ def unmade_ends(seen: Seen, run: Run, called: Called) -> list[Unmade]:
         return []
     found = []
     for creation in _promised(entrance):
-        topic = entrance.sources.value(creation.source, (creation.arguments or {}).get("topic"))
+        topic = entrance.sources.value(creation.source, creation.given("topic"))
         side = {"create_publisher": run.publishes, "create_subscription": run.subscribes}.get(creation.method)
         if side is None or not isinstance(topic, str) or _last(topic) in map(_last, side):
             continue
@@ -225,7 +225,7 @@ def _silent(seen: Seen, run: Run, entrance: Entrance, owner: NodeClass) -> Itera
     heard = {_last(topic) for other in (run, *seen.together) for topic in seen.heard(other)}
     for creation in _promised(entrance):
         is_own = creation.owner in lineage and "lifecycle" in ast.unparse(creation.call.func)
-        topic = entrance.sources.value(creation.source, (creation.arguments or {}).get("topic"))
+        topic = entrance.sources.value(creation.source, creation.given("topic"))
         is_there = isinstance(topic, str) and _last(topic) in map(_last, run.publishes)
         if is_own and is_there and _last(topic) not in heard:
             yield topic

@@ -47,7 +47,7 @@ def sources_around(error: ErrorText, look: Look) -> list[NodeSources]:
 def _called_callbacks(every: list[NodeSources], *, gives_none: bool) -> Iterator[Finding]:
     """Yield callbacks that are written as calls, of which only the error tells what they return."""
     for sources in every:
-        created = [(c.source, c.call, (c.arguments or {}).get("callback")) for c in sources.creations]
+        created = [(c.source, c.call, c.given("callback")) for c in sources.creations]
         for source in sources.sources.values():
             calls = [node for node in source.nodes if isinstance(node, ast.Call) and node.args]
             created += [

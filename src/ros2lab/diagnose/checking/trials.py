@@ -270,7 +270,7 @@ def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
     for package in look.packages:
         known = look.sources(package)
         for creation, function in known.callbacks() if source in package.sources.values() else ():
-            given = (creation.arguments or {}).get("msg_type")
+            given = creation.given("msg_type")
             names = own_parameters(function)
             if creation.method == "create_subscription" and given and creation.source is source and names:
                 is_open = names[0].annotation is None and names[0].lineno == names[0].end_lineno

@@ -88,7 +88,7 @@ def _ends_or_spins(loop: ast.For) -> bool:
 
 def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     """Yield timers whose period is zero or negative, or probably in milliseconds."""
-    given = creation.source.written((creation.arguments or {}).get("timer_period_sec"))
+    given = creation.source.written(creation.given("timer_period_sec"))
     period = sources.value(creation.source, given)
     if (
         given is not None
@@ -114,7 +114,7 @@ def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
 
 def _runs_once(sources: NodeSources, creation: Creation) -> bool:
     """Return whether a timer may be stopped in its callback, so that it runs only once, as soon as possible."""
-    function = sources.function_of(creation, (creation.arguments or {}).get("callback"))
+    function = sources.function_of(creation, creation.given("callback"))
     nodes = [*walk(function)] if function else []
     ends = {getattr(node, "attr", "") for node in nodes} & {"shutdown", "try_shutdown", "exit"}
     is_left = bool(ends) or any(isinstance(node, ast.Raise) for node in nodes)
@@ -124,7 +124,7 @@ def _runs_once(sources: NodeSources, creation: Creation) -> bool:
 
 def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     """Yield timers whose period is named like a frequency and is at least 1."""
-    given = (creation.arguments or {}).get("timer_period_sec")
+    given = creation.given("timer_period_sec")
     text = dotted(given) or ""
     words = set(text.rpartition(".")[2].lower().split("_"))
     if given is None or not words & _FREQUENCIES or words & _PERIODS:

@@ -147,7 +147,7 @@ def _publisher(uses: Uses, owner: NodeClass | None, kind: str) -> str:
         creation.kept
         for creation in uses.sources.creations
         if creation.owner is owner and creation.method == "create_publisher"
-        if creation.source.resolve((creation.arguments or {}).get("msg_type")) == kind
+        if creation.source.resolve(creation.given("msg_type")) == kind
     } - {""}
     return found.pop() if len(found) == 1 else ""
 
@@ -276,7 +276,7 @@ def _of_string(uses: Uses, source: PythonSource, message: ast.expr) -> bool:
     """Return whether an expression is a message of std_msgs' String: received as such, or made here."""
     kinds = {source.resolve(call.func) for text, call in source.made if text == ast.unparse(message)}
     kinds |= {
-        source.resolve((creation.arguments or {}).get("msg_type"))
+        source.resolve(creation.given("msg_type"))
         for creation, function in uses.sources.callbacks()
         if getattr(message, "id", "") in [parameter.arg for parameter in parameters(function)]
     }

@@ -159,7 +159,7 @@ class _Known:
             for creation in sources.creations
             if creation.method == "create_service"
         ]
-        names = ((creation.arguments or {}).get("srv_name") for creation in creations)
+        names = (creation.given("srv_name") for creation in creations)
         return [f"/{str(n.value).lstrip('/')}" for n in names if isinstance(n, ast.Constant)]
 
     def default(self, parameter: str) -> object:

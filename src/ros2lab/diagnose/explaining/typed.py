@@ -325,7 +325,7 @@ def _service(name: str, look: Look) -> Iterator[Finding]:
         for package in look.packages
         for creation in look.sources(package).creations
         if creation.method == "create_service"
-        and isinstance(given := (creation.arguments or {}).get("srv_name"), ast.Constant)
+        and isinstance(given := creation.given("srv_name"), ast.Constant)
     ]
     if not any(server.lstrip("/") == name.lstrip("/") for server in servers):
         known = f"they offer {', '.join(servers)}" if servers else "they offer none"

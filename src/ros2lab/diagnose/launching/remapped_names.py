@@ -129,9 +129,7 @@ def _names(files: Sequence[NodeSources]) -> set[str]:
         for sources in files
         for creation in sources.creations
         if creation.method != "create_timer"
-        for value in [
-            next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
-        ]
+        for value in [creation.given("topic", "srv_name")]
     ]
     names = [sources.value(source, value) for source, value, sources in given]
     return {name.lstrip("/") for name in names} if all(isinstance(name, str) for name in names) else set()

@@ -77,7 +77,7 @@ class Started:
         """The ends of topics in its file, each with its full name without and with the launch file."""
         found = []
         for end in filter(self._may_have, ends_of(self.sources)):
-            written = self.sources.value(end.creation.source, (end.creation.arguments or {}).get("topic"))
+            written = self.sources.value(end.creation.source, end.creation.given("topic"))
             if isinstance(written, str):
                 found.append((end, self.plain(written), self.resolved(written)))
         return found

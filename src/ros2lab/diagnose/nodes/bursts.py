@@ -100,7 +100,7 @@ def _depth_node(creation: Creation) -> ast.expr:
 
 def _depth(sources: NodeSources, creation: Creation) -> int | None:
     """Return the queue depth of a publisher or subscription; None if it is not known."""
-    given = (creation.arguments or {}).get("qos_profile")
+    given = creation.given("qos_profile")
     found = definition(sources, creation, given)
     if found is None or policies_of(sources, creation).get("history") != "KEEP_LAST":
         return None
@@ -115,7 +115,7 @@ def _depth(sources: NodeSources, creation: Creation) -> int | None:
 
 def _reads_all(sources: NodeSources, creation: Creation) -> bool:
     """Return whether a callback counts, collects or shows its messages, so that none may be lost."""
-    function = sources.function_of(creation, (creation.arguments or {}).get("callback"))
+    function = sources.function_of(creation, creation.given("callback"))
     for node in walk(function) if function else ():
         match node:
             case ast.AugAssign():

@@ -46,7 +46,7 @@ def has_others_than(sources: NodeSources, owner: NodeClass | None, function: Fun
     """Return whether a node has a callback other than a function."""
     family = sources.lineage(owner)[0] if owner else []
     return any(
-        sources.function_of(creation, (creation.arguments or {}).get("callback")) is not function
+        sources.function_of(creation, creation.given("callback")) is not function
         for creation in sources.creations
         if creation.owner in family and "callback" in CREATORS[creation.method]
     )

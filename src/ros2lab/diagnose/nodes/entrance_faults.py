@@ -230,10 +230,7 @@ def _is_too_slow(entrance: Entrance, length: float) -> bool:
     made = [
         c for c in entrance.sources.creations if c.method in _CALLED_BACK and c.function in entrance.functions
     ]
-    periods = [
-        entrance.sources.value(c.source, c.source.written((c.arguments or {}).get("timer_period_sec")))
-        for c in made
-    ]
+    periods = [entrance.sources.value(c.source, c.source.written(c.given("timer_period_sec"))) for c in made]
     return len(made) > 1 or any(isinstance(period, (int, float)) and period <= length for period in periods)
 
 

@@ -190,7 +190,7 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
 
 
 def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
-    value = (creation.arguments or {}).get("msg_type")
+    value = creation.given("msg_type")
     if value is None:
         return
     name = sources.resolve(creation.source, value)
@@ -213,7 +213,7 @@ def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
 
 
 def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
-    value = next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
+    value = creation.given("topic", "srv_name")
     name = sources.value(creation.source, value)
     if isinstance(name, str) and not TOPIC_NAME.fullmatch(name):
         better = re.sub(r"[_/]*/[_/]*", "/", re.sub(r"[^A-Za-z0-9_~{}/]+", "_", name.strip())).rstrip("/_")
@@ -332,7 +332,7 @@ def _fits(creation: Creation, accepts: range) -> bool:
 def _with_callback(sources: NodeSources, function: Function) -> Iterator[Creation]:
     """Yield what is made with a callback."""
     for creation in sources.creations:
-        given = (creation.arguments or {}).get("callback")
+        given = creation.given("callback")
         if given is not None and sources.function_of(creation, given) is function:
             yield creation
 

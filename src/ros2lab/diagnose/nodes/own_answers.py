@@ -20,7 +20,7 @@ def answers_itself(topic: str, there: Sequence[End]) -> Iterator[Finding]:
     """Yield callbacks that always publish on the topic they listen to, and so call themselves endlessly."""
     for listener in (end for end in there if not end.is_publisher and end.type):
         sources, creation = listener.sources, listener.creation
-        callback = sources.function_of(creation, (creation.arguments or {}).get("callback"))
+        callback = sources.function_of(creation, creation.given("callback"))
         calls = dict(called_always(sources, creation.owner, callback)) if callback else {}
         for end in there:
             is_alike = (end.type, end.is_absolute) == (listener.type, listener.is_absolute)
@@ -65,7 +65,7 @@ def by_variable(ends: Sequence[End]) -> dict[tuple[Function, str], list[End]]:
     """Group the ends whose topic is known only at run time by their function and the topic's expression."""
     found: dict[tuple[Function, str], list[End]] = {}
     for end in ends:
-        written, function = (end.creation.arguments or {}).get("topic"), end.creation.function
+        written, function = end.creation.given("topic"), end.creation.function
         if not end.topic and written is not None and function is not None and _is_stable(written, function):
             found.setdefault((function, ast.unparse(written)), []).append(end)
     return found

@@ -14,7 +14,7 @@ _CLASSES = {"durability": "DurabilityPolicy", "reliability": "ReliabilityPolicy"
 
 def with_policy(end: End, policy: str, value: str) -> str:
     """Return what to write so that an end has a policy, such as `durability` TRANSIENT_LOCAL."""
-    source, given = end.creation.source, (end.creation.arguments or {}).get("qos_profile")
+    source, given = end.creation.source, end.creation.given("qos_profile")
     added = f"{policy}={_CLASSES[policy]}.{value}"
     written = source.written(given)
     if isinstance(written, ast.Call) and policy not in {keyword.arg for keyword in written.keywords}:
@@ -27,7 +27,7 @@ def with_policy(end: End, policy: str, value: str) -> str:
 
 def with_profile_of(end: End, other: End) -> str:
     """Return what to write so that an end has the profile that another takes from rclpy; empty if it takes none."""
-    given = (other.creation.arguments or {}).get("qos_profile")
+    given = other.creation.given("qos_profile")
     module, _, name = (other.sources.resolve(other.creation.source, given) or "").rpartition(".")
     return _written(end, name, [name]) if module == "rclpy.qos" and name else ""
 
@@ -35,7 +35,7 @@ def with_profile_of(end: End, other: End) -> str:
 def _written(end: End, profile: str, names: list[str]) -> str:
     """Return the call that makes an end, with a profile as an expression, and the import of its names."""
     call, source = end.creation.call, end.creation.source
-    given = (end.creation.arguments or {}).get("qos_profile")
+    given = end.creation.given("qos_profile")
     changed = copy.deepcopy(call)
     for before, argument in zip(call.args, [*changed.args], strict=True):
         if before is given:

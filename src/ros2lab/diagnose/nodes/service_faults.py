@@ -37,13 +37,13 @@ class ServiceEnd:
     @property
     def place(self) -> str:
         """Where the name is written."""
-        named = (self.creation.arguments or {}).get("srv_name")
+        named = self.creation.given("srv_name")
         return self.creation.source.at(named or self.creation.call)
 
     @property
     def written(self) -> str:
         """The name as the code writes it; empty if it is not known."""
-        named = (self.creation.arguments or {}).get("srv_name")
+        named = self.creation.given("srv_name")
         value = self.sources.value(self.creation.source, named)
         return value if isinstance(value, str) else ""
 
@@ -55,7 +55,7 @@ class ServiceEnd:
     @cached_property
     def type(self) -> str:
         """The full name of its type; empty if it is not known."""
-        given = (self.creation.arguments or {}).get("srv_type")
+        given = self.creation.given("srv_type")
         return self.sources.resolve(self.creation.source, given) or ""
 
     @property
@@ -70,7 +70,7 @@ class ServiceEnd:
 
     def renamed(self, name: str) -> str:
         """Return the call that creates it with another name, as it is written."""
-        call, named = self.creation.call, (self.creation.arguments or {}).get("srv_name")
+        call, named = self.creation.call, self.creation.given("srv_name")
         given = [repr(name) if argument is named else ast.unparse(argument) for argument in call.args]
         given += [f"{k.arg}={name!r}" if k.value is named else ast.unparse(k) for k in call.keywords]
         return f"{ast.unparse(call.func)}({', '.join(given)})"

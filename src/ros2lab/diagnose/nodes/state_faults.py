@@ -293,7 +293,7 @@ def _call_of(state: State, name: str, takes: list[str]) -> str:
         return ""
     creation, function = received[0]
     message = parameters(function)[1].arg
-    kind = (creation.source.resolve((creation.arguments or {}).get("msg_type")) or "").rpartition(".")[2]
+    kind = (creation.source.resolve(creation.given("msg_type")) or "").rpartition(".")[2]
     is_whole = takes[0] in ("msg", "message", kind.lower())
     is_plain = kind in ("String", "Bool") or kind.startswith(("Int", "UInt", "Float"))
     what = f"{message}.data" if is_plain and not is_whole else message

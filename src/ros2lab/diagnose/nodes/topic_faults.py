@@ -42,7 +42,7 @@ class End:
     @property
     def place(self) -> str:
         """Where the topic is named."""
-        named = (self.creation.arguments or {}).get("topic")
+        named = self.creation.given("topic")
         return self.creation.source.at(named or self.creation.call)
 
     @cached_property
@@ -70,7 +70,7 @@ class End:
     @property
     def is_absolute(self) -> bool:
         """Whether its name begins with a slash, so that no namespace is put before it."""
-        written = self.sources.value(self.creation.source, (self.creation.arguments or {}).get("topic"))
+        written = self.sources.value(self.creation.source, self.creation.given("topic"))
         return isinstance(written, str) and written.startswith("/")
 
 
@@ -341,7 +341,7 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
 def timers_of(end: End) -> Iterator[tuple[Creation, float]]:
     """Yield the timers that publish on a topic with every call, with their periods in s where known."""
     for timer in publishing_timers(end):
-        seconds = end.sources.value(timer.source, (timer.arguments or {}).get("timer_period_sec"))
+        seconds = end.sources.value(timer.source, timer.given("timer_period_sec"))
         if isinstance(seconds, (int, float)):
             yield timer, float(seconds)
 
@@ -368,7 +368,7 @@ def _timers(end: End) -> Iterator[tuple[Creation, Function]]:
         return
     for creation in end.sources.creations:
         is_timer = creation.method == "create_timer" and creation.owner is end.creation.owner
-        given = (creation.arguments or {}).get("callback")
+        given = creation.given("callback")
         function = end.sources.function_of(creation, given) if is_timer else None
         if function is not None:
             yield creation, function

@@ -44,7 +44,7 @@ class Kinds:
         """The message type of a callback's parameter, by the `id` of the parameter."""
         found: dict[int, set[str]] = {}
         for creation, function in self.sources.callbacks():
-            given = (creation.arguments or {}).get("msg_type")
+            given = creation.given("msg_type")
             name = self.sources.resolve(creation.source, given)
             names = own_parameters(function)
             if creation.method == "create_subscription" and names and name and interfaces.is_interface(name):

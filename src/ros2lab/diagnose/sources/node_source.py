@@ -64,6 +64,11 @@ class Creation:
     function: Function | None
     source: PythonSource
 
+    def given(self, *names: str) -> ast.expr | None:
+        """Return the argument for the first of these parameters that has one; None if that is not known."""
+        arguments = self.arguments or {}
+        return next((arguments[name] for name in names if name in arguments), None)
+
     @property
     def kept(self) -> str:
         """What it is assigned to, such as `self.pub`; empty if to nothing."""
@@ -284,8 +289,7 @@ class NodeSources:
     def callbacks(self) -> Iterator[tuple[Creation, Function]]:
         """Yield the package's callbacks, each with the call that passes it to ROS."""
         for creation in self.creations:
-            given = (creation.arguments or {}).get("callback")
-            function = self.function_of(creation, given)
+            function = self.function_of(creation, creation.given("callback"))
             if function is not None:
                 yield creation, function
 

@@ -14,7 +14,7 @@ _VALUES = frozenset(("VOLATILE", "TRANSIENT_LOCAL", "RELIABLE", "BEST_EFFORT", "
 
 def policies_of(sources: NodeSources, creation: Creation) -> Mapping[str, str]:
     """Return the policies of a quality of service; one that is not known is missing or empty, and is no default."""
-    given = (creation.arguments or {}).get("qos_profile")
+    given = creation.given("qos_profile")
     if "qos_overriding_options" in (creation.arguments or {}):
         return {}  # parameters may change it
     if given is not None and isinstance(sources.value(creation.source, given), int):
