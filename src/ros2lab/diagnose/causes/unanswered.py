@@ -23,7 +23,7 @@ _DEEPEST = 3  # functions followed that return the result
 
 def of_unanswered(error: ErrorText, look: Look) -> Finding | None:
     """Say why a request got no response in the time that the code waits; None if that is not the error."""
-    match = _OF_NONE.match(error.reports[-1].message) if error.reports else None
+    match = _OF_NONE.match(error.report.message) if error.report else None
     own = error.own if match else []
     spot = spot_at(place_of(own[:1], look), look) if own else None
     if match is None or spot is None:

@@ -28,7 +28,7 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_n
 
 def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
     """Return what is wrong where a value, class or function used on an error's line was made."""
-    report = error.reports[-1] if error.reports else ErrorReport("", "")
+    report = error.report or ErrorReport("", "")
     frames = own_frames(report.frames)
     spot = spot_at(place_of(frames[:1], look), look)
     if frames:

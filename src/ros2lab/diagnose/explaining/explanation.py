@@ -267,18 +267,19 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
             f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)
         ]
     # Wrong types raise built-in exceptions; a library's own exceptions explain themselves.
-    is_pythons = not error.reports or hasattr(builtins, error.reports[-1].kind)
-    said = error.reports[-1].message if error.reports else ""
+    last = error.report or ErrorReport("", "")
+    is_pythons = not error.reports or hasattr(builtins, last.kind)
     early = [*called_at_once(look)] if named and is_pythons else []
-    asked = [*early, *type_faults(look, [*known, *early], named, said)] if named and is_pythons else []
+    asked = (
+        [*early, *type_faults(look, [*known, *early], named, last.message)] if named and is_pythons else []
+    )
     found = [finding for finding in asked if finding.place in named]
-    innermost = error.reports[-1].frames[-1:] if error.reports else ()
-    if not found and not own_frames(innermost):
+    if not found and not own_frames(last.frames[-1:]):
         for shown, path in paths.items():
             # A line with a known fault is not checked again.
             told = {finding.place for finding in known if stops_node(finding)}
             lines = {int(place.rpartition(":")[2]) for place in {*named} - told if _file(place) == shown}
-            found += call_faults(read_source(path, path.stem, shown), lines, said, stands_trial)
+            found += call_faults(read_source(path, path.stem, shown), lines, last.message, stands_trial)
     return found
 
 
@@ -292,7 +293,7 @@ def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
     # A fault that does not stop the node does not explain an exception.
     is_code = {finding: bool(error.reports) and ".py:" in finding.place for finding in known}
     # An exception raised inside a library may come from when or by whom it is called.
-    inner = error.reports[-1].frames[-1:] if error.reports else ()
+    inner = error.report.frames[-1:] if error.report else ()
     is_librarys = bool(inner) and not own_frames(inner)
     on_it = [
         finding

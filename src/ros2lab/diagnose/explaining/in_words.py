@@ -44,7 +44,7 @@ def said_of(
         told = told or no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
     if told or meaning.cause:
         return [told or _in_words(meaning, groups, place, error, look)]
-    report = error.reports[-1] if error.reports else ErrorReport("", "")
+    report = error.report or ErrorReport("", "")
     hint = re.search(r"Did you mean: '(.+?)'", line)
     if report.kind in ("SyntaxError", "IndentationError", "TabError"):
         return [_of_syntax(report, look)]

@@ -11,7 +11,7 @@ from ros2lab.diagnose.sources.interfaces import members_of
 
 def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
     """Return the known finding that the file of an error hides a member of Node; None if there is none."""
-    frames = error.reports[-1].frames if error.reports else ()
+    frames = error.report.frames if error.report else ()
     own = own_frames(frames)
     if not own or frames[-1] in own:
         return None
@@ -28,7 +28,7 @@ def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Find
 
 def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
     """Say that the failing method hides a method of Node that rclpy calls itself; None if it does not."""
-    frames = error.reports[-1].frames if error.reports else ()
+    frames = error.report.frames if error.report else ()
     own = own_frames(frames)
     if len(own) < 2 or frames.index(own[0]) - frames.index(own[1]) < 2:  # they call each other directly
         return None
