@@ -14,7 +14,7 @@ from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
-from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
 from ros2lab.diagnose.sources.uses import State, Uses, is_log
 
 _COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
@@ -94,23 +94,18 @@ def _never_read(state: State) -> Iterator[Finding]:
 def _never_equal(state: State) -> Iterator[Finding]:
     """Yield strings that an attribute is compared with but never set to."""
     for name, stores in state.stores.items():
-        given = {value.value: node for _, node, value in stores if isinstance(value, ast.Constant)}
+        given = {v.value if isinstance(v, ast.Constant) else UNKNOWN: node for _, node, v in stores}
         are_texts = len(given) > 1 and all(isinstance(text, (str, type(None))) for text in given)
-        is_known = all(isinstance(value, ast.Constant) for *_, value in stores)
-        if not (are_texts and is_known) or name.rpartition(".")[2] in state.uses.stored_of_others:
+        if not are_texts or name.rpartition(".")[2] in state.uses.stored_of_others:
             continue
-        compared = {
-            constant.value: constant
-            for node in walk(state.owner.definition)
-            if isinstance(node, ast.Compare) and dotted(node.left) == name
-            for comparator in node.comparators
-            for constant in walk(comparator)
-            if isinstance(constant, ast.Constant)
-        }
+        asked = [n for n in walk(state.owner.definition) if isinstance(n, ast.Compare)]
+        sides = [side for node in asked if dotted(node.left) == name for side in node.comparators]
+        parts = [part for side in sides for part in walk(side) if isinstance(part, ast.Constant)]
+        compared = {part.value: part for part in parts if isinstance(part.value, str)}
         known = ", ".join(repr(value) for value in given)
         unused = [value for value in given if isinstance(value, str) and value not in compared]
         for text, node in compared.items():
-            if not isinstance(text, str) or text in given:
+            if text in given:
                 continue
             near = nearest(text, unused, 0.6)
             cause = f"{name} is compared with {text!r}, but is only ever set to {known}."
