@@ -53,17 +53,18 @@ def effects_of(
     refuses = bool(unknown - known - said_by_itself(run))
     is_arbitrary = logs_arbitrarily(part, run)
     telling, is_changing = telling_lines(part, run), changing(part, run, alone, echoes)
-    for word in said:
+    for word, lines in said.items():
         command = by_text[word]
         own = {template(line, word) for line in telling[word]} if has_own_log else set()
         if not command.is_alive and unknown_word(part) not in by_text:
             own -= set[str].intersection(
                 known, *said.values()
             )  # these lines show that it was received, but not that it was obeyed
-        elsewhere = set[str]().union(*(lines for other_word, lines in said.items() if other_word != word))
+        elsewhere = set[str]().union(*(others for other_word, others in said.items() if other_word != word))
         # A line that this word shares with unknown ones, but with no other word, says that it is unknown.
         is_refused = bool(unknown & (_warnings(run, command) | (own - elsewhere)))
-        is_apart = not is_arbitrary and (own - unknown or (own and refuses))
+        is_known = refuses and not _is_like_unknown(part, run, lines)
+        is_apart = not is_arbitrary and (own - unknown or (own and is_known))
         if is_changing[numbers[word]] or is_apart:
             found[word] = "processed"
         elif own:
@@ -86,6 +87,13 @@ def _control(part: Part, run: Run) -> set[str]:
             if any(times) and (len(times) > 1 or text == unknown_word(part))
         )
     )
+
+
+def _is_like_unknown(part: Part, run: Run, lines: set[str]) -> bool:
+    """Return whether an unknown word brings just the same lines each time: the node takes it for the command."""
+    seen = ((command.text, templates(run, command)) for command in run.commands)
+    times_by_word = _by_unknown(part, seen).values()
+    return any(len(times) > 1 and all(said == lines for said in times) for times in times_by_word)
 
 
 def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, list[set[Any]]]:
@@ -119,6 +127,14 @@ def unknown_word(part: Part) -> str:
 def lines_of(run: Run, command: CommandSeen) -> set[str]:
     """Return the log lines after a command, without what a program prints when the command ends it."""
     return {_line(run, text) for level, text in command.log if command.is_alive or level != "PRINT"}
+
+
+def lines_of_unknown(part: Part, run: Run) -> set[str]:
+    """Return the lines after the first unknown word at any time, and after another one each time."""
+    seen = ((command.text, lines_of(run, command)) for command in run.commands)
+    times_by_word = _by_unknown(part, seen)
+    ever = set[str]().union(*times_by_word.pop(unknown_word(part), ()))
+    return ever.union(*(set.intersection(*times) for times in times_by_word.values() if len(times) > 1))
 
 
 def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:

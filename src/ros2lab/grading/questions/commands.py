@@ -176,13 +176,7 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
 
 def _logged(part: Part, run: Run) -> set[str]:
     """Return the commands with a line that does not also follow an unknown word."""
-    strange = reactions.unknown_word(part)
-    unknown = {
-        line
-        for command in run.commands
-        if command.text == strange
-        for line in reactions.lines_of(run, command)
-    }
+    unknown = reactions.lines_of_unknown(part, run)
     return {word for word, lines in reactions.telling_lines(part, run).items() if lines - unknown}
 
 
