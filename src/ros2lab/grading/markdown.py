@@ -36,7 +36,6 @@ _SHOWN = frozenset(
         "cite",
         "code",
         "dd",
-        "del",
         "details",
         "dfn",
         "div",
@@ -73,13 +72,11 @@ _SHOWN = frozenset(
         "rt",
         "rtc",
         "ruby",
-        "s",
         "samp",
         "section",
         "small",
         "source",
         "span",
-        "strike",
         "strong",
         "sub",
         "summary",
@@ -101,13 +98,13 @@ _SHOWN = frozenset(
 )
 _FOOTNOTE = re.compile(r"\[\^([^\]\s]+)\]")
 _HIDDEN = re.compile(r"\shidden(?![\w-])|display\s*:\s*none", re.IGNORECASE)
-_PARSER = MarkdownIt("commonmark").enable("table")
+_PARSER = MarkdownIt("commonmark").enable(["table", "strikethrough"])
 
 
 def shown(text: str) -> str:
     """Return a text without what its page does not show.
 
-    These are comments, hidden elements, attributes of tags, and the addresses and titles of links. Colours,
+    These are comments, hidden elements, what is struck out, attributes of tags, and the addresses and titles of links. Colours,
     sizes and positions hide nothing: GitHub shows a text without them, and leaves out styles and `<font>`.
 
     Headlines, code and code fences keep their marks.
@@ -152,7 +149,7 @@ def _ended(texts: Iterable[str]) -> set[str]:
 
 
 def _words(tokens: Iterable[Token]) -> Iterator[str]:
-    tokens, hidden = [*tokens], list[str]()
+    tokens, hidden, struck = [*tokens], list[str](), 0
     ended = _ended(token.content for token in tokens if token.type == "html_inline")
     for token in tokens:
         if token.type == "html_inline":
@@ -160,7 +157,8 @@ def _words(tokens: Iterable[Token]) -> Iterator[str]:
             # Without an end in its paragraph, it may not be a tag: `--ros-args -r __node:=<title>`.
             is_tag = tag is not None and tag[2].lower() in ended
             yield _without_tags(_seen(token.content, hidden, ended) if is_tag else token.content)
-        if hidden:
+        struck += {"s_open": 1, "s_close": -1}.get(token.type, 0)
+        if hidden or struck:
             continue
         match token.type:
             case "text":

@@ -23,6 +23,12 @@ _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?
 _SET_UP = re.compile(rf"pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE)
 _RUN = re.compile(rf"python3? +[^\s<]*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
 _STARTS = ("ros2 run ", "ros2 launch ")
+LEAST_WORDS = 2  # of a README's own, as of a description
+_CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
+_COMMENT = re.compile(r"(?<!\S)#.*")
+# What is written as names of code, topics, files and addresses are.
+_OF_CODE = re.compile(r"[\w./:-]*(?:[_/]|\w\.\w|[a-z][A-Z])[\w./:-]*", re.ASCII)
+_WORD = re.compile(r"[^\W\d_a-zA-Z]|[^\W\d_]{2,}")  # in some scripts, a single letter is a word
 _NAME_ENDS = r"(?!_?[A-Za-z0-9])"  # letters of scripts that use no spaces may follow
 
 
@@ -35,10 +41,11 @@ def readme_is_about_this_package(case: Case) -> Answer:
         return Answer("missing", seen, ("files.readme",), "README")
     if not _has_code(case):
         return Answer("nothing", seen, ("files.readme", "build.executables"), "README")
+    told = _told(case)
     words = _names(case) | {topic.lstrip("/") for topic in _topics(case)}
     is_named = any(_is_named(word, text) for word in words)
     is_ours = is_named or (case.evidence.files.readme_names and not foreign)
-    is_thin = len(" ".join(text.split())) < SHORTEST
+    is_thin = len(" ".join(told.split())) < SHORTEST
     level = "thin" if is_thin else "another" if not is_ours else "older" if foreign else "this"
     if _is_another(case):
         level = "another"
@@ -167,6 +174,7 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
     """Whether the README names the topics and nodes of the package.
 
     Those that play a part must be named; any other name of the package is better than nothing.
+    Names in a text of names alone count only where they stand in a command.
     """
     text, wanted = case.evidence.files.readme, [*_wanted(case)]
     seen = {"unnamed": _NOTHING, "which": ""}
@@ -176,13 +184,28 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
         # A README about another package may name the topics and nodes of that one.
         seen = {"unnamed": "any topic or node", "which": " about this package" if text else ""}
         return Answer("none", seen, ("files.readme",), "README")
+    text, is_bare = _told(case), _told(case) != text
     unnamed = [*dict.fromkeys(subject for subject, names in wanted if not _is_any_named(names, text))]
     unnamed = unnamed if wanted else [_NOTHING]
     is_any = any(_is_any_named(names, text) for _, names in wanted) or _is_any_named(
         _names(case) - {case.package}, text
     )
     level = "all" if not unnamed else "some" if is_any else "none"
-    return Answer(level, seen | {"unnamed": listed(unnamed)}, ("files.readme",), "README")
+    seen = {"unnamed": listed(unnamed), "which": " with words of its own" if is_bare else ""}
+    return Answer(level, seen, ("files.readme",), "README")
+
+
+def _told(case: Case) -> str:
+    """Return the text of a README; only its commands if it has names, but hardly a word that says something of them."""
+    files = case.evidence.files
+    text = _CODE.sub(lambda code: " ".join(_COMMENT.findall(code[0])), files.readme)
+    for command in sorted(files.readme_commands, key=len, reverse=True):
+        text = text.replace(command, " ")
+    kinds = {part.type_name for part in case.assignment.parts.values()}
+    names = {*_names(case), *_topics(case), *_programs(case), *files.readme_names, *kinds}
+    known = {word.lower() for name in names for word in _WORD.findall(name.replace("_", " "))}
+    own = {word.lower() for word in _WORD.findall(_OF_CODE.sub(" ", text))} - known
+    return files.readme if len(own) >= LEAST_WORDS else "\n".join(files.readme_commands)
 
 
 def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
