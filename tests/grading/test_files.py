@@ -758,7 +758,7 @@ def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> Non
         "USED = [Bare().bare, Commented().inside, told, dotted]\n"
     )
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": module})
-    assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [0, 2]}
+    assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [0, 2], "about": [0, 1]}
 
 
 @pytest.mark.parametrize("file", ["status.py", "nodes/status.py"])
@@ -766,7 +766,7 @@ def test_modules_that_setup_does_not_lead_to_are_described_all_the_same(
     look: Callable[[Texts], Files], file: str
 ) -> None:
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, file: STATUS, "test/test_it.py": STATUS})
-    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2]}
+    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2], "about": [4, 4]}
     assert found.handlers["of an end"]
 
 
@@ -1206,7 +1206,7 @@ def test_a_manifest_that_would_take_minutes_is_passed_over(
 def test_loose_files_are_described_and_have_no_facts(look: Callable[[Texts], Files]) -> None:
     found = look({"status.py": STATUS, "README.md": "how to"})
     assert (found.manifest, found.setup, found.readme) == ({}, {}, "how to")
-    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2]}
+    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2], "about": [4, 4]}
     assert found.handlers["of an end"]
 
 

@@ -9,6 +9,7 @@ import itertools
 import re
 import textwrap
 import tokenize
+import unicodedata
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ LEAST_RECORDING = 40  # bytes, packed
 MOST_NAMES = 20
 MOST_NAMES_OF_ONE = 3  # definitions that may share a docstring
 LONGEST_ARTICLE = 3  # letters
+STEM = 4  # letters, in which words of one family agree, in many languages
 MOST_FILES = 500  # that are searched for names
 
 _README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
@@ -43,6 +45,7 @@ _DESCRIPTION = re.compile(
     r"<description\b(?s:.*?)(?:</description|\Z)|\bdescription\s*[:=]\s*(?:(['\"])(?s:.*?)\1|[^\n]*)"
 )
 _LETTERS = re.compile(r"[^\W\d_]+")
+_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
@@ -190,17 +193,29 @@ def _code_of(text: str, suffix: str) -> str:
     return _DESCRIPTION.sub("", COMMENT.sub("", text))
 
 
-def described(sources: Iterable[PythonSource], code: Code = ()) -> dict[str, list[int]]:
+def described(sources: Iterable[PythonSource], code: Code = (), readme: str = "") -> dict[str, list[int]]:
     """Count the modules, classes and functions with a docstring or a comment, and all of them, by kind.
+
+    Under `about` are those of which a word also stands in the code of their file or in the README, and all that
+    have a docstring or a comment.
 
     Args:
         sources: the modules.
         code: the nodes that run. A described definition that never runs, or does nothing, is not counted.
+        readme: the text of the README.
     """
     running = {node for _, node in code}
-    found = [definition for source in sources for definition in _describable(source, running)]
+    by_source = {source: [*_describable(source, running)] for source in sources}
+    found = [definition for definitions in by_source.values() for definition in definitions]
     said = _said_of_many(found) | _generated(found)
-    counts = {"modules": [0, 0], "classes": [0, 0], "functions": [0, 0]}
+    counts = {"modules": [0, 0], "classes": [0, 0], "functions": [0, 0], "about": [0, 0]}
+    for source, definitions in by_source.items():
+        known = _stems(_code_of(source.text, ".py")) | _stems(readme)
+        used = [definition for definition in definitions if definition.texts and not definition.is_vain]
+        counts["about"][0] += sum(
+            any(_is_about(text, known) for text in definition.texts) for definition in used
+        )
+        counts["about"][1] += len(used)
     for definition in found:
         is_described = any(said.isdisjoint((text, definition.rest(text))) for text in definition.texts)
         if is_described and definition.is_vain:
@@ -209,6 +224,18 @@ def described(sources: Iterable[PythonSource], code: Code = ()) -> dict[str, lis
             counts[definition.kind][0] += is_described
             counts[definition.kind][1] += 1
     return counts
+
+
+def _stems(text: str) -> set[str]:
+    """Return the beginnings of a text's longer words, also of those of which a name is made."""
+    words = _LETTERS.findall(_HUMP.sub(" ", text).lower())
+    return {word[:STEM] for word in words if len(word) >= STEM}
+
+
+def _is_about(text: str, known: Collection[str]) -> bool:
+    """Return whether a text and some code have a word in common; none is asked for in a script that code has not."""
+    is_latin = all(unicodedata.name(letter, "").startswith("LATIN") for letter in text if letter.isalpha())
+    return not is_latin or not _stems(text).isdisjoint(known)
 
 
 @dataclass(frozen=True)

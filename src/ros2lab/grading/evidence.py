@@ -65,7 +65,8 @@ class Files:
             package.
         setup: the same for setup.py, setup.cfg and the marker.
         sources: how many modules, classes and functions of the Python code have a docstring or a comment, by
-            kind as [described, all].
+            kind as [described, all]; under `about`, how many of these have a word in common with the code or
+            the README, and how many there are.
         sources_beside: the same for each of the other graded packages, which `sources` includes.
         readme: the README's text, shortened; empty if there is none.
         readme_names: the package's classes, functions and files that it names.

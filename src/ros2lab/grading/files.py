@@ -105,9 +105,9 @@ class _PackageReader:
         return {
             "manifest": lambda: manifest_facts(self.package, names, self.assignment.dependencies),
             "setup": lambda: setup_facts(self.package),
-            "sources": lambda: described(self.sources, self.code),
+            "sources": lambda: described(self.sources, self.code, texts),
             "sources_beside": lambda: {
-                package.name: described(package.own_sources, self.code) for package in graded[1:]
+                package.name: described(package.own_sources, self.code, texts) for package in graded[1:]
             },
             "readme_names": lambda: named_in(texts, self.sources),
             "launch_files": lambda: self._shown(self.launches),
@@ -189,7 +189,7 @@ def _loose(
     """Return the facts in files outside a package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     readers: dict[str, Callable[[], Any]] = {
-        "sources": lambda: described(loose, [*running(loose)]),
+        "sources": lambda: described(loose, [*running(loose)], texts),
         "readme_names": lambda: named_in(texts, loose),
         "handlers": lambda: _handlers(loose, [*running(loose)]),
         "compared": lambda: compared(node for _, node in running(loose)),

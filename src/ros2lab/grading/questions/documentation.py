@@ -15,6 +15,7 @@ from ros2lab.grading.readme import is_placeholder
 _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
+LEAST_TEXTS, LEAST_ABOUT = 10, 0.25  # docstrings and comments, and how many of them are about the code
 _NOTHING = "what was asked for, of which nothing was seen"
 
 # A container or a script of the student's may do both; we do not try what it does.
@@ -232,9 +233,12 @@ def _is_any_named(names: Collection[str], text: str) -> bool:
     return any(_is_named(name, text) for name in names if name.strip("/"))
 
 
-@question("most some few nothing none", "described all")
+@question("most some few foreign nothing none", "described all")
 def code_is_described(case: Case) -> Answer:
-    """Whether classes and functions, or a module without any, have a docstring or a comment."""
+    """Whether classes and functions, or a module without any, have a docstring or a comment.
+
+    Where of many hardly one has a word in common with the code or the README, they are about something else.
+    """
     sources = case.evidence.files.sources
     pairs = [sources.get(kind, [0, 0]) for kind in ("classes", "functions")]
     modules = sources.get("modules", [0, 0])
@@ -244,7 +248,11 @@ def code_is_described(case: Case) -> Answer:
         return Answer("nothing", {"described": "", "all": ""}, ("build.executables",))
     share = described / count if count else 0.0
     level = "most" if share >= MOST else "some" if share >= SOME else "few" if share else "none"
-    return Answer(level, {"described": str(described), "all": str(count)}, ("files.sources",))
+    about, texts = sources.get("about", [0, 0])
+    if texts >= LEAST_TEXTS and about / texts < LEAST_ABOUT and level in ("most", "some"):
+        level, described, count = "foreign", about, texts
+    seen = {"described": str(described), "all": str(count)}
+    return Answer(level, seen, ("files.sources",))
 
 
 def _has_code(case: Case) -> bool:
