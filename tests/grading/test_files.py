@@ -1101,6 +1101,33 @@ _TRIED = {  # what a method tries, and what it catches first and then; the last 
     "its node": ("super().__init__('node')", ["Exception"], True),
     "a node's own error": ("super().__init__('node')", ["InvalidNodeNameException"], True),
     "an assertion": ("assert self.count", ["AssertionError"], True),
+    "an empty message": ("message = String()", ["ImportError"], False),
+    "a division that is none": ("msg.linear.x = 0.2 * len([1])", ["ZeroDivisionError"], False),
+    "a look at a field": ("self.word = msg.data", ["LookupError"], False),
+    "what publishing never raises": ("self.publisher_.publish(msg)", ["ZeroDivisionError"], False),
+    "an end of nothing": ("if msg.data == 'go':\n    self.count = self.count % 3", ["StopIteration"], False),
+    "a function of its own": (
+        "def say(n):\n    return f'at {n}'\n\nself.word = say(3)",
+        ["UnicodeError"],
+        False,
+    ),
+    "a text that cannot be sent": ("self.publisher_.publish(msg)", ["UnicodeEncodeError"], True),
+    "a remainder": ("self.count = 12 % msg.step", ["ZeroDivisionError"], True),
+    "a place in a list": ("self.word = msg.data.split()[1]", ["IndexError"], True),
+    "a letter of a text": ("self.word = msg.data[0]", ["IndexError"], True),
+    "a function of its own that fails": (
+        "def say(n):\n    return STATES[n]\n\nself.word = say(word)",
+        ["KeyError"],
+        True,
+    ),
+    "one that parses": ("def say(n):\n    return float(n)\n\nself.word = say(word)", ["ValueError"], True),
+    "one that refuses": (
+        "def say(n):\n    if n < 0:\n        raise KeyError(n)\n    return n\n\nself.word = say(3)",
+        ["KeyError"],
+        True,
+    ),
+    "a next one": ("self.word = next(self.words)", ["StopIteration"], True),
+    "an unknown call": ("self.word = work(msg.data)", ["ZeroDivisionError"], True),
     "a format": ("print(f'{self.count:d}')", ["ValueError"], True),
 }
 
@@ -1112,7 +1139,7 @@ def test_a_handler_of_what_never_fails_handles_nothing(
     tried = textwrap.indent(body, "    ")
     caught = "".join(f"except {kind}:\n    print('caught')\n" for kind in kinds)
     method = textwrap.indent(f"try:\n{tried}\n{caught}", "        ")
-    text = f"import rclpy\n\n\n{_OWN}class A:\n    def __init__(self, msg, word):\n{method}\n    def later(self):\n        pass\n\nA(1, 2)\n"
+    text = f"import rclpy\nfrom std_msgs.msg import String\n\n\n{_OWN}class A:\n    def __init__(self, msg, word):\n{method}\n    def later(self):\n        pass\n\nA(1, 2)\n"
     texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
     found = look(texts | {"robot_controller/node.py": text}).handlers
     last = text[: text.rindex("except ")].count("\n") + 1

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import ast
 import builtins
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
 
 from ros2lab.diagnose.sources.node_source import LOG_METHODS
+from ros2lab.diagnose.sources.python_source import Function
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.grading.paths import is_made_of_constants
 from ros2lab.handlers import ENDS, EVERY_ERROR, Handlers
@@ -32,6 +34,31 @@ _OF_PARTS = (
     ast.Expr, ast.Assign, ast.AnnAssign, ast.NamedExpr, ast.Return, ast.If, ast.IfExp, ast.JoinedStr, ast.BoolOp,
     ast.UnaryOp, ast.Compare, ast.List, ast.Tuple, ast.Set, ast.Dict, ast.keyword,
 )  # fmt: skip
+# What raises these errors besides calls: https://docs.python.org/3/library/exceptions.html
+_ONLY_BY: dict[str, tuple[type[ast.AST], ...]] = {
+    "AssertionError": (ast.Assert,),
+    "ImportError": (ast.Import, ast.ImportFrom),
+    "ModuleNotFoundError": (ast.Import, ast.ImportFrom),
+    **dict.fromkeys(("LookupError", "IndexError", "KeyError"), (ast.Subscript,)),
+    "StopIteration": (),
+    **dict.fromkeys(("UnicodeError", "UnicodeDecodeError", "UnicodeEncodeError"), ()),
+    "ZeroDivisionError": (ast.Div, ast.FloorDiv, ast.Mod, ast.Pow),
+}
+# What raises such an error only by what is in it, unless it is named above.
+_PLAIN = (
+    ast.Attribute,
+    ast.Subscript,
+    ast.Slice,
+    ast.BinOp,
+    ast.AugAssign,
+    ast.operator,
+    ast.FormattedValue,
+    ast.Name,
+)
+_SIZES = frozenset(("len", "bool", "str", "repr", "isinstance"))  # raise none of these errors
+_NEVER_BY_PUBLISHING = _ONLY_BY.keys() - {
+    "ImportError", "ModuleNotFoundError", "UnicodeError", "UnicodeDecodeError", "UnicodeEncodeError",
+}  # fmt: skip
 _FIRM_OPERATORS = (ast.Add, ast.Sub, ast.Mult)
 
 
@@ -49,8 +76,15 @@ class VainHandlers:
             for node in nodes
             if isinstance(node, ast.ClassDef)
         }
-        self._functions = {
-            node.name for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+        self._functions: dict[str, list[Function]] = {}
+        for node in nodes:
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                self._functions.setdefault(node.name, []).append(node)
+        self._messages = {
+            alias.asname or alias.name
+            for node in nodes
+            if isinstance(node, ast.ImportFrom) and (node.module or "").endswith(".msg")
+            for alias in node.names
         }
         self._set_by = {
             id(inner): attributes
@@ -79,7 +113,9 @@ class VainHandlers:
             is_vain = (
                 is_taken
                 or all(map(self._is_never_made, errors))
-                or _Tried(errors, self._functions, self._set_by.get(id(node), ())).is_vain(node.body)
+                or _Tried(errors, self._functions, self._set_by.get(id(node), ()), self._messages).is_vain(
+                    node.body
+                )
             )
             if errors and is_vain:
                 vain.append(handler)
@@ -116,13 +152,17 @@ class _Tried:
 
     Attributes:
         errors: the names of the errors that are caught.
-        computed: the names of what the files compute when an attribute is asked for, and of all functions.
+        computed: all functions, by name, which may be what the files compute when an attribute is asked for.
         always_set: the attributes that the node has whenever it comes here.
+        messages: the names of the classes of messages.
+        entered: the names of the functions whose bodies are being looked at.
     """
 
-    errors: Collection[str]
-    computed: Collection[str]
+    errors: AbstractSet[str]
+    computed: Mapping[str, Sequence[Function]]
     always_set: Collection[str] = ()
+    messages: Collection[str] = ()
+    entered: frozenset[str] = frozenset()
 
     def is_vain(self, body: Sequence[ast.stmt]) -> bool:
         """Return whether nothing of a block can raise such an error, or it does so whatever comes."""
@@ -134,12 +174,21 @@ class _Tried:
         return not {*names}.isdisjoint(self.errors)
 
     def _may_fail(self, node: ast.AST) -> bool:
-        if isinstance(node, _FIRM):
+        if isinstance(node, _FIRM) or _is_of_constants(node):
             return False
+        if isinstance(node, _PLAIN) and self._is_by_others(node):
+            return any(map(self._may_fail, ast.iter_child_nodes(node)))
         if isinstance(getattr(node, "ctx", None), ast.Store) and isinstance(node, (ast.Tuple, ast.List)):
             return True  # there may be more values, or fewer
         parts = ast.iter_child_nodes(node) if isinstance(node, _OF_PARTS) else self._parts(node)
         return parts is None or any(map(self._may_fail, parts))
+
+    def _is_by_others(self, node: ast.AST) -> bool:
+        """Return whether all of the errors are known to come from something else than such a node."""
+        is_computed = isinstance(node, ast.Attribute) and node.attr in self.computed
+        return not is_computed and all(
+            name in _ONLY_BY and not isinstance(node, _ONLY_BY[name]) for name in self.errors
+        )
 
     def _parts(self, node: ast.AST) -> Iterable[ast.AST] | None:
         """Return what may fail of a node; None if it may itself."""
@@ -151,8 +200,6 @@ class _Tried:
                 parts = None if self._is_computed(node) else ()
             case ast.Try():
                 parts = _of_try(node)
-            case ast.BinOp(left=ast.Constant(), right=ast.Constant()):
-                parts = ()
             case (
                 ast.FormattedValue(value=value, format_spec=None)
                 | ast.Subscript(value=ast.Constant() | ast.Dict() | ast.List() as value, slice=ast.Constant())
@@ -177,16 +224,41 @@ class _Tried:
         """Return what is given to a call that does not fail by itself; None if it may."""
         given = [*call.args, *call.keywords]
         match call.func:
-            case ast.Attribute(attr=name, value=logger) if name in LOG_METHODS and _is_logger(logger):
+            case ast.Attribute(attr=name, value=of):
+                parts = self._given_to_method(name, of, given)
+            case ast.Name(id=name):
+                parts = given if self._is_firm(name, given) else None
+            case _:
+                parts = None
+        return [] if parts is None and is_made_of_constants(call) else parts
+
+    def _given_to_method(self, name: str, of: ast.expr, given: Sequence[ast.AST]) -> Sequence[ast.AST] | None:
+        match of:
+            case logger if name in LOG_METHODS and _is_logger(logger):
                 return given
-            case ast.Attribute(attr="__init__", value=ast.Call(func=ast.Name(id="super"))):
+            case ast.Call(func=ast.Name(id="super")) if name == "__init__":
                 is_pythons = all(hasattr(builtins, name) for name in self.errors)
                 return given if is_pythons and not self._catches(*_OF_A_NODE) else None
-            case ast.Attribute(attr=name, value=of) if name in _KNOWN and not given:
+            case _ if name in _KNOWN and not given:
                 return [of]
-            case ast.Name(id="print"):
-                return None if self._catches("OSError", "BrokenPipeError", "UnicodeEncodeError") else given
-        return [] if is_made_of_constants(call) else None
+            case _ if name == "publish" and name not in self.computed and self.errors <= _NEVER_BY_PUBLISHING:
+                return [of, *given]
+        return None
+
+    def _is_firm(self, name: str, given: Sequence[ast.AST]) -> bool:
+        """Return whether a function or class raises no such error by itself."""
+        if name in self.computed:
+            return name not in self.entered and self._is_firm_inside(name)
+        if name == "print":
+            return not self._catches("OSError", "BrokenPipeError", "UnicodeEncodeError")
+        return (name in self.messages and not given) or (name in _SIZES and self.errors <= {*_ONLY_BY})
+
+    def _is_firm_inside(self, name: str) -> bool:
+        """Return whether the only function of a name raises no such error, whatever it is given."""
+        only, *others = self.computed[name]
+        inside = replace(self, entered=self.entered | {name})
+        is_plain = isinstance(only, ast.FunctionDef) and not others and not only.decorator_list
+        return is_plain and inside.is_vain(only.body)
 
 
 def _always_set(node: ast.ClassDef) -> set[str]:
@@ -223,6 +295,14 @@ def _after_making(node: ast.ClassDef) -> Iterator[ast.Try]:
     for name, method in methods.items():
         if name not in {"__init__", *calls}:
             yield from (part for part in ast.walk(method) if isinstance(part, ast.Try))
+
+
+def _is_of_constants(node: ast.AST) -> bool:
+    """Return whether a node computes the same, or fails, whatever comes."""
+    match node:
+        case ast.BinOp(left=ast.Constant(), right=ast.Constant()):
+            return True
+    return False
 
 
 def _is_self(node: ast.Attribute) -> bool:
