@@ -6,9 +6,11 @@ the share of `nodes_are_installed` that is for being installed.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
+
 from ros2lab.assignments import Part
 from ros2lab.diagnose.finding import Finding
-from ros2lab.grading.evidence import NO_WORD
+from ros2lab.grading.evidence import NO_WORD, Run
 from ros2lab.grading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -202,7 +204,7 @@ def _crashed(case: Case, part: Part) -> list[str]:
 
 
 def _idle(case: Case) -> list[str]:
-    """Return the executables named for a part that run on without a node, or deaf, while other programs play it."""
+    """Return the executables named for a part that run on without a node, deaf or silent, while others play it."""
     alone = {
         run.programs[0]: run
         for run in case.evidence.runs
@@ -212,10 +214,31 @@ def _idle(case: Case) -> list[str]:
         name
         for name, players in case.players.items()
         if name in alone and players and not case.executables[name].absent
-        if all(player.program != name for player in players)
-        # Whoever takes the commands plays their part, but for the deaf.
-        if not alone[name].nodes or alone[name].commanded == case.assignment.parts[name].topic
+        if _is_silent(case, name, alone)
+        or (
+            all(player.program != name for player in players)
+            # Whoever takes the commands plays their part, but for the deaf.
+            and (not alone[name].nodes or alone[name].commanded == case.assignment.parts[name].topic)
+        )
     ]
+
+
+def _is_silent(case: Case, name: str, alone: Mapping[str, Run]) -> bool:
+    """Return whether an executable only advertises its part's topic, on which one named for another part publishes.
+
+    What relays messages is silent alone, too, but then no other program publishes what it relays.
+    """
+    topics = {player.topic for player in case.players[name] if player.program == name}
+    if not case.assignment.parts[name].is_publisher or not topics or _comes(alone[name], topics):
+        return False
+    others = alone.keys() & case.players.keys() - {name}
+    return any(_comes(alone[other], topics) for other in others)
+
+
+def _comes(run: Run, topics: Collection[str]) -> bool:
+    return any(
+        heard.count for stretch in run.stretches for topic, heard in stretch.items() if topic in topics
+    )
 
 
 def _has_right_points(case: Case, *, is_whole: bool) -> bool:

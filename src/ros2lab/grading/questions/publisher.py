@@ -21,7 +21,7 @@ TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
 
 
 @question(
-    "right close off far irregular growing once silent written missing",
+    "right close off far irregular growing once empty silent written missing",
     "period topic",
     nodes.CODES | frozenset(("period",)),
     ("publisher",),
@@ -44,7 +44,13 @@ def has_its_period(case: Case, part: Part) -> Answer:
         total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
         level = "silent" if not total else "once" if total == 1 else "irregular"
         return _rhythm(level, (players or everybody)[0])
-    return _of_periods(case, part, found)
+    return _rhythm("empty", found[0][0]) if _is_empty(players) else _of_periods(case, part, found)
+
+
+def _is_empty(players: Sequence[Player]) -> bool:
+    """Return whether all that was heard is texts without a letter."""
+    values = [value for player in players for heard in player.heard for value in heard.values]
+    return bool(values) and all(value == {"data": ""} for value in values)
 
 
 def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -> Answer:
