@@ -26,6 +26,8 @@ from ros2lab.grading.told_again import told_by_place
 VERY_MANY = "very many commands"
 FLOOD = " x "  # part of the observer's name for them
 
+_IDLE = ("echoed", "none")  # levels of a node in which no command does anything, so that none can do harm
+
 _SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": ""}
 
 # Findings about comparisons that are always or never true: they tell no words apart.
@@ -202,7 +204,7 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
         level, key = "untried", player.key
     elif mover is not None:
         level, seen["command"] = "moves", _named(mover.text, "unknown command")
-    elif not _is_answered(case, part):
+    elif not _is_answered(case, part) or commands_are_processed(case, part).level in _IDLE:
         level = "unseen"
     elif _is_deaf(part, player.run):
         level, seen["command"] = "deaf", _last_answered(part, player.run)
