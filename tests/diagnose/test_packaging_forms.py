@@ -174,12 +174,36 @@ def applied(found: Finding, text: str) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("written", ["rclpy, std_msgs", "rclpy std_msgs", "rclpy;std_msgs"])
+@pytest.mark.parametrize("written", ["rclpy, sensor_msgs", "rclpy sensor_msgs", "rclpy;sensor_msgs"])
 def test_a_tag_declares_one_package(tmp_path: Path, written: str) -> None:
     files = Files.right(NAMES[1]).change("package.xml", RCLPY, f"<depend>{written}</depend>")
     found = of_workspace(files.write(tmp_path))
     assert [finding.code for finding in found] == ["dependency-joined"]
-    assert found[0].fix == f"write `{RCLPY}<depend>std_msgs</depend>`"
+    assert found[0].fix == f"write `{RCLPY}<depend>sensor_msgs</depend>`"
+
+
+@pytest.mark.parametrize(
+    ("written", "left"),
+    [
+        ("sensor_msgs.msg", ["sensor_msgs"]),
+        ("sensor_msgs/msg/String", ["sensor_msgs"]),
+        ("sensor_msgs::msg", ["sensor_msgs"]),
+        ("rclpy.node", []),
+        ("rclpy.action, sensor_msgs.msg", ["sensor_msgs"]),
+        ("rclpy and sensor_msgs", ["sensor_msgs"]),
+        ("rclpy.sensor_msgs", ["sensor_msgs"]),
+        ("sensor_msgs>=1.0", ["sensor_msgs"]),
+        ("rclpy python3-numpy", ["python3-numpy"]),
+    ],
+)
+def test_what_is_imported_of_a_package_is_declared_as_the_package(
+    tmp_path: Path, written: str, left: list[str]
+) -> None:
+    shown = f"<depend>{written.replace('>', '&gt;')}</depend>"
+    files = Files.right(NAMES[1]).change("package.xml", RCLPY, f"{RCLPY}\n  {shown}")
+    (found,) = of_workspace(files.write(tmp_path))
+    new = "".join(f"<depend>{name}</depend>" for name in left)
+    assert found.fix == (f"write `{new}`" if new else "remove this line: rclpy is declared as well")
 
 
 def test_a_dependency_inside_export_is_moved(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import itertools
+import keyword
 import re
 import sys
 from collections.abc import Collection, Iterator
@@ -256,13 +257,8 @@ def _dependency_faults(
         yield Finding("dependency-joined", cause, place, fix, (name,))
     for name in declared:
         place = at(shown, manifest_line(package, name))
-        if len(names := re.findall(r"[\w-]+", name)) > 1:
-            text = read_text(package.folder / "package.xml")
-            written = re.search(rf"<(\w+)[^<>]*>\s*{re.escape(name)}\s*<", text)
-            tag = written[1] if written else "depend"
-            rows = "".join(f"<{tag}>{joined}</{tag}>" for joined in names)
-            cause = f"One tag declares one package, but here it is {name!r}, so none of the {len(names)} is declared."
-            yield Finding("dependency-joined", cause, place, f"write `{rows}`", (*names,))
+        if len(re.findall(r"[\w-]+", name)) > 1:
+            yield from _joined(package, name, place, declared, known)
             continue
         if name in known:
             continue
@@ -289,6 +285,26 @@ def _dependency_faults(
     yield from _undeclared(
         package, {*declared} | package.conditional, known - {*plain}, set(workspace_names) - {*plain}
     )
+
+
+def _joined(
+    package: SourcePackage, written: str, place: str, declared: Collection[str], known: Collection[str]
+) -> Iterator[Finding]:
+    """Yield how to declare the packages that are written in one tag, as a list or as what Python imports of them."""
+    paths = [re.split(r"[./:]+", path) for path in re.findall(r"[^\W\d][\w./:-]*", written)]
+    parts = [part for path in paths for part in [p for p in path if p in known] or path[:1]]
+    names = [*dict.fromkeys(part for part in parts if not keyword.iskeyword(part))]
+    new = [name for name in names if name not in declared]
+    text = read_text(package.folder / "package.xml")
+    tags = re.search(rf"<(\w+)[^<>]*>\s*{re.escape(written)}\s*<", text)
+    tag = tags[1] if tags else "depend"
+    cause = f"A tag declares one package by its name, but {written!r} is not the name of one"
+    cause = f"{cause}, so it does not declare {' and '.join(names)}."
+    rows = "".join(f"<{tag}>{name}</{tag}>" for name in new)
+    are = "are" if len(names) > 1 else "is"
+    fix = f"write `{rows}`" if new else f"remove this line: {' and '.join(names)} {are} declared as well"
+    if names:
+        yield Finding("dependency-joined", cause, place, fix, (*names,))
 
 
 def _of_ros_2(name: str) -> str:
