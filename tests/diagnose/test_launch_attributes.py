@@ -28,6 +28,8 @@ def fixes(folder: Path, name: str, text: str) -> list[str]:
         ('pkg="my_bot" exec="talker" nmae="a"', "write name instead of nmae"),
         ('pkg="my_bot" exec="talker" parameters="a"', "remove parameters"),
         ('pkg="my_bot" exec="talker" required="true"', "remove required"),
+        ('pkg="my_bot" exec="talker" executable="talker"', "remove executable, and keep the right value as exec, which is there as well"),
+        ('pkg="my_bot" exec="talker" name="a" nmae="b"', "remove nmae, and keep the right value as name, which is there as well"),
     ],
 )  # fmt: skip
 def test_what_was_meant_by_an_attribute_of_xml(tmp_path: Path, written: str, fix: str) -> None:

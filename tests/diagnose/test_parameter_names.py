@@ -34,6 +34,8 @@ def changed(changes: Changes) -> Files:
     [
         ([(FILE, "speed", "max_speed")], 3, "write speed instead of max_speed, or declare it: self.declare_parameter('max_speed', 0.3)"),
         ([(FILE, GIVEN, f"{GIVEN}    turn: 1.0\n")], 4, "declare it: self.declare_parameter('turn', 1.0)"),
+        ([(FILE, GIVEN, f"{GIVEN}    max_speed: 1.0\n")], 4, "declare it: self.declare_parameter('max_speed', 1.0)"),
+        ([(FILE, GIVEN, f"{GIVEN}    speeed: 1.0\n")], 4, "remove speeed, and keep the right value as speed"),
         ([(FILE, GIVEN, f"{GIVEN}    wheel:\n      radius: 1.0\n")], 5, "'wheel.radius', 1.0"),
         ([(FILE, "velocity_publisher:", "/**:"), (FILE, GIVEN, f"{GIVEN}    turn: 1.0\n")], 4, "'turn'"),
         ([(FILE, GIVEN, f"{GIVEN}status_publisher:\n  ros__parameters:\n    speed: 1.0\n"), ("node", "        self.count = 0", "        self.count = self.declare_parameter('first', 0).value")], 6, "declare it: self.declare_parameter('speed', 1.0)"),
@@ -53,6 +55,11 @@ def test_the_launch_file_gives_what_the_node_does_not_declare(tmp_path: Path) ->
     assert "robot.launch.py" in found.place
     assert "velocity_publisher declares speed" in found.cause
     assert "write speed instead of max_speed" in found.fix
+
+
+def test_the_launch_file_gives_a_parameter_under_both_spellings(tmp_path: Path) -> None:
+    (found,) = found_in(changed([(LAUNCH, "[config]", "[config, {'speed': 1.0, 'sped': 2.0}]")]), tmp_path)
+    assert found.fix.startswith("remove sped, and keep the right value as speed, which is there as well")
 
 
 @pytest.mark.parametrize(

@@ -331,7 +331,10 @@ class _Loading:
             if "launch_xml" not in entity.__module__ or "Entity" not in str(options.get("data_type")):
                 self.asked.setdefault(element.type_name, set()).add(name)
             try:
-                return get(element, name, **options)
+                value = get(element, name, **options)
+                if value is not None:
+                    vars(element).setdefault("given", []).append(name)
+                return value
             except AttributeError:
                 if options.get("data_type", str) is not str:
                     raise
@@ -344,7 +347,9 @@ class _Loading:
             except ValueError as error:
                 names = re.findall(r"'([\w-]+)'", str(error).partition(": ")[2])
                 known = sorted(self.asked.get(element.type_name, ()))
-                self.faults.append({"tag": element.type_name, "unexpected": names, "known": known})
+                given = vars(element).get("given", [])
+                fault = {"tag": element.type_name, "unexpected": names, "known": known, "given": given}
+                self.faults.append(fault)
 
         entity.get_attr, entity.assert_entity_completely_parsed = get_attr, checked
 

@@ -24,7 +24,7 @@ from ros2lab.diagnose.sources.interfaces import PACKAGES, launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_other_yaml, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_source, read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, with_article
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, with_article, write_instead
 from ros2lab.scratch import scratch_folder
 
 
@@ -269,7 +269,11 @@ def _refusals(
         cause = f"<{tag}> {unknown}." if strange else f"<{tag}> lacks its attribute {' and '.join(missing)}."
         if missing and strange:
             cause = f"<{tag}> needs {' and '.join(missing)}, and {unknown}."
-        fix = ", and ".join(_attribute_fixes(strange, missing, known))
+        given: dict[str, list[str]] = {}
+        for fault in faults:
+            for name in fault.get("unexpected", ()):
+                given.setdefault(name, []).extend(fault["given"])
+        fix = ", and ".join(_attribute_fixes(strange, missing, known, given))
         yield Finding(
             "launch-argument", cause, at(file.shown, line_with(read_text(path), *(strange or [tag]))), fix
         )
@@ -278,7 +282,9 @@ def _refusals(
         yield from read or [_refusal(file, told["error"])]
 
 
-def _attribute_fixes(strange: Sequence[str], missing: Sequence[str], known: Collection[str]) -> Iterator[str]:
+def _attribute_fixes(
+    strange: Sequence[str], missing: Sequence[str], known: Collection[str], given: Mapping[str, Sequence[str]]
+) -> Iterator[str]:
     """Yield what to do with the attributes that an element does not have, and with those that it lacks."""
     lacking = [*missing]
     for name in strange:
@@ -287,7 +293,7 @@ def _attribute_fixes(strange: Sequence[str], missing: Sequence[str], known: Coll
             meant = lacking[0]
         if meant in lacking:
             lacking.remove(meant)
-        yield f"write {meant} instead of {name}" if meant else f"remove {name}"
+        yield write_instead(meant, name, given[name]) if meant else f"remove {name}"
     if lacking:
         yield f"write {' and '.join(lacking)} here"
 
@@ -295,7 +301,7 @@ def _attribute_fixes(strange: Sequence[str], missing: Sequence[str], known: Coll
 def _attribute_meant(name: str, known: Collection[str]) -> str | None:
     """Return the attribute that a name misspells, writes out or shortens: `exec` for `executable`, `namespace` for `ns`."""
     alike = [o for o in known if o[0] == name[0] and (_is_within(o, name) or _is_within(name, o))]
-    return nearest(name, known, 0.6) or max(alike, key=len, default=None)
+    return nearest(name, known, 0.75) or max(alike, key=len, default=None) or nearest(name, known, 0.6)
 
 
 def _is_within(short: str, long: str) -> bool:

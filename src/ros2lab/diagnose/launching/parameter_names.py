@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, line_of, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, write_instead
 
 Packages = Mapping[str, tuple[SourcePackage, NodeSources]]
 # The sources of a package, and the module in which a node is made.
@@ -43,7 +43,7 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
                     # A misspelt parameter is reported elsewhere.
                     if not any(is_near_miss(name, declared) for declared in alike):
                         place = at(package.shown(inner), _line(name, key, text))
-                        yield from _fault("The file", name, value, takers, place)
+                        yield from _fault("The file", (name, value), values, takers, place)
     for file in launch_files:
         yield from _of_launch_file(file, packages)
 
@@ -68,7 +68,8 @@ def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
             launched = nodes[-1].launched
             homes = [(node.sources, node.module) for node in nodes]
             value = dict(_flat(launched.values))[name]
-            yield from _fault("The launch file", name, value, homes, nodes[0].launched.place)
+            place = nodes[0].launched.place
+            yield from _fault("The launch file", (name, value), launched.values, homes, place)
 
 
 def _homes(packages: Packages, launch_files: Sequence[LaunchFile]) -> Mapping[str, list[_Home]]:
@@ -116,7 +117,10 @@ def _line(name: str, section: str, text: str) -> int | None:
     return next((number for number, line in lines if written.search(line)), first)
 
 
-def _fault(giver: str, name: str, value: Any, takers: Collection[_Home], place: str) -> Iterator[Finding]:
+def _fault(
+    giver: str, given: tuple[str, Any], among: Mapping[Any, Any], takers: Collection[_Home], place: str
+) -> Iterator[Finding]:
+    name, value = given
     if name.partition(".")[0] in every_node.PARAMETERS:
         return
     declared: dict[str, Any] = {}
@@ -131,12 +135,13 @@ def _fault(giver: str, name: str, value: Any, takers: Collection[_Home], place: 
         node = " and ".join(dict.fromkeys(module.rpartition(".")[2] for _, module in takers))
         cause = f"{giver} sets the parameter {name}, but {node} does not declare it, so ROS ignores it; {node} declares {', '.join(sorted(declared))}."
         declare = f"self.declare_parameter({name!r}, {value!r})"
-        close = nearest(name, declared, 0.5)
+        others = {other for other, _ in _flat(among)}
+        close = nearest(name, [*declared], 0.7) or nearest(name, {*declared} - others, 0.5)
         yield Finding(
             "parameter-name",
             cause,
             place,
-            f"write {close} instead of {name}, or declare it: {declare}"
+            f"{write_instead(close, name, others)}, or declare it: {declare}"
             if close
             else f"declare it: {declare}",
         )

@@ -16,7 +16,7 @@ from ros2lab.diagnose.sources.joined_texts import joined
 from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.sources.python_source import assignments
-from ros2lab.diagnose.sources.spelling import did_you_mean, with_article
+from ros2lab.diagnose.sources.spelling import did_you_mean, nearest, with_article, write_instead
 
 _NUMBERS = frozenset(("bool", "int", "float"))
 # The kinds of values that a value of a plain kind can equal.
@@ -203,13 +203,19 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             "message-field",
             f"{short} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
-            _deeper(fields, inner, name, node)
-            if inner
-            else f"write one of: {', '.join(fields)}"
-            if fields
-            else f"remove {name}, or use another message type",
+            _deeper(fields, inner, name, node) if inner else _one_of(fields, name, scope, node),
             (str(message),),
         )
+
+
+def _one_of(fields: Mapping[str, str], name: str, scope: Scope, node: ast.AST) -> str:
+    """Say which field is to be written instead of a name, of those that the call does not give yet."""
+    calls = (call for call in scope.source.nodes if isinstance(call, ast.Call) and node in call.keywords)
+    given = {keyword.arg for call in calls for keyword in call.keywords}
+    if (near := nearest(name, fields)) and near in given:
+        return write_instead(near, name, given)
+    left = [field for field in fields if field not in given]
+    return f"write one of: {', '.join(left)}" if left else f"remove {name}, or use another message type"
 
 
 def _deeper(fields: Mapping[str, str], inner: Sequence[str], name: str, node: ast.AST) -> str:

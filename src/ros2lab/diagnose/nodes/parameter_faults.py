@@ -22,7 +22,7 @@ from ros2lab.diagnose.sources.parameter_file import (
     read_parameter_file,
 )
 from ros2lab.diagnose.sources.python_source import PythonSource, argument, children, read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, write_instead
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 
@@ -322,7 +322,7 @@ def _content_faults(
         yield from _other_nodes(wrong, sections, sorted(name for name in offered if name), declared, lines)
     for values in (sections[key] for key in sections if key not in wrong or "" in names):
         for name, value in values.items():
-            yield from _value_faults(name, value, declared or {}, lines)
+            yield from _value_faults(name, value, values, declared or {}, lines)
 
 
 def _other_nodes(
@@ -336,12 +336,16 @@ def _other_nodes(
 
     A file may also be for somebody else's node, or be read by the code itself.
     """
-    for key in wrong if own else ():
+    told = {key.rpartition("/")[2] for key in sections}
+    free = [name for name in own if name not in told]
+    for key in wrong if free else ():
         short = key.rpartition("/")[2]
-        near = next((name for name in own if is_near_miss(short, name)), None)
+        if any(is_near_miss(short, name) for name in told & {*own}):
+            continue  # that node has its section
+        near = next((name for name in free if is_near_miss(short, name)), None)
         if near or (sections[key] and declared and sections[key].keys() <= declared.keys()):
-            alike = [name for name in own if {*name.split("_")} & {*short.split("_")}]
-            likely = near or " or ".join(alike if len(alike) == 1 else own)
+            alike = [name for name in free if {*name.split("_")} & {*short.split("_")}]
+            likely = near or " or ".join(alike if len(alike) == 1 else free)
             yield Finding(
                 "parameter-file-node",
                 f"{lines.shown} sets parameters for a node called {short}, but {'the node is' if len(own) == 1 else 'the nodes are'} "
@@ -351,7 +355,9 @@ def _other_nodes(
             )
 
 
-def _value_faults(name: Any, value: Any, declared: Mapping[str, Any], lines: _Lines) -> Iterator[Finding]:
+def _value_faults(
+    name: Any, value: Any, section: Mapping[Any, Any], declared: Mapping[str, Any], lines: _Lines
+) -> Iterator[Finding]:
     """Yield why a node does not take a value: it has another type, or a name that is nearly one of the node's."""
     default = declared.get(name, UNKNOWN)
     wanted, given = kind_of(default), kind_of(value)
@@ -367,9 +373,9 @@ def _value_faults(name: Any, value: Any, declared: Mapping[str, Any], lines: _Li
     if near and name not in declared:
         yield Finding(
             "parameter-name",
-            f"The file sets the parameter {name}, but the node declares {near}, which keeps its default.",
+            f"The file sets the parameter {name}, but the node declares {near}{', which keeps its default' * (near not in section)}.",
             lines.at(name),
-            f"write {near} instead of {name}",
+            write_instead(near, name, section),
         )
 
 

@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
-from ros2lab.diagnose.sources.spelling import alike, differs, nearest
+from ros2lab.diagnose.sources.spelling import alike, differs, nearest, write_instead
 from ros2lab.diagnose.sources.static_value import UNKNOWN, is_known
 
 _LONGEST = 60.0  # s that setuptools may take on a busy machine; usually it takes less than 1 s
@@ -115,7 +115,7 @@ def _keywords(setup: SetupScript) -> Iterator[Finding]:
         elif keyword not in _FORMER:
             wanted = nearest(keyword, better, 0.6)
             cause = f"setup() has no keyword argument {keyword} and ignores it"
-            fix = f"write {wanted} instead of {keyword}" if wanted else f"remove {keyword}"
+            fix = write_instead(wanted, keyword, setup.lines) if wanted else f"remove {keyword}"
             yield _value(setup, keyword, cause, fix)
 
 

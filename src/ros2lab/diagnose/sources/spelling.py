@@ -6,7 +6,7 @@ import difflib
 import functools
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path, PurePosixPath
 
 
@@ -33,6 +33,19 @@ def snake_case(name: str) -> str:
 def with_article(noun: str) -> str:
     """Return a noun with `a` or `an` before it, such as `an Odometry`, but `a UInt8`."""
     return f"{'an' if noun[:1] in tuple('AEIOaeio') else 'a'} {noun}"
+
+
+def write_instead(wanted: str, written: str, taken: Collection[object]) -> str:
+    """Return the fix of a misspelt name, which may have been written correctly beside it.
+
+    Args:
+        wanted: the name that was meant.
+        written: the name as it is written.
+        taken: the names beside it, of which there may be only one each.
+    """
+    if wanted in taken:
+        return f"remove {written}, and keep the right value as {wanted}, which is there as well"
+    return f"write {wanted} instead of {written}"
 
 
 def did_you_mean(name: object, known: Iterable[object]) -> str:
