@@ -19,6 +19,7 @@ from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, given_to, parameters, read_text
+from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.spelling import nearest
 
 _OPTION = "automatically_declare_parameters_from_overrides"
@@ -319,4 +320,5 @@ def _without(use: _Use) -> str:
         text = f"{use.node}.get_parameter({ast.unparse(use.named)})"
         return f"write `{text}` instead of `{ast.unparse(use.call)}`"
     last = statement.end_lineno or statement.lineno
-    return "remove this line" if last == statement.lineno else f"remove lines {statement.lineno} to {last}"
+    what = "this line" if last == statement.lineno else f"lines {statement.lineno} to {last}"
+    return removal(use.source, statement, what)

@@ -17,6 +17,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     parameters,
 )
+from ros2lab.diagnose.sources.removal import removal
 
 _CODE = "rclpy-init-missing"
 
@@ -58,13 +59,13 @@ def of_init_twice(error: ErrorText, look: Look) -> Finding | None:
         return None
     other, (source, init) = next(iter(found.items()))
     is_kept = failed.function.name == "main" or Spot(source, init.lineno).function is None
-    place, written = (other, ast.unparse(init)) if is_kept else (_at(failed), ast.unparse(here[1]))
+    place, removed = (other, (source, init)) if is_kept else (_at(failed), here)
     kept = _at(failed) if is_kept else other
     return Finding(
         "rclpy-init-twice",
         f"rclpy.init() is called twice in one program: {other} and {_at(failed)}.",
         place,
-        f"remove `{written}` here; the call at {kept} stays",
+        f"{removal(*removed)} here; the call at {kept} stays",
     )
 
 

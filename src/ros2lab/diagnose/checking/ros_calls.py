@@ -7,8 +7,8 @@ import ast
 from ros2lab.diagnose.checking.type_words import made_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.one_run import blocks
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
+from ros2lab.diagnose.sources.removal import removal
 
 _GIVEN = {"create_subscription": "each message", "create_service": "each request"}
 _DESTROYED = ("publisher", "subscription", "client", "service", "timer")
@@ -41,8 +41,7 @@ def _instead(spot: Spot, statement: ast.Expr, node: str) -> str:
     if node and (is_repeated or not spins):
         turn = "spin_once" if is_repeated else "spin"
         return f"write `rclpy.{turn}({node})` instead of `{text}`"
-    is_alone = any([statement] in blocks(n) for n in (spot.source.nodes if spot.source else ()))
-    return f"write `pass` instead of `{text}`" if is_alone else f"remove `{text}`"
+    return removal(spot.source, statement) if spot.source else f"remove `{text}`"
 
 
 def _spins(source: PythonSource | None, function: Function | None, statement: ast.stmt) -> bool:
@@ -72,7 +71,7 @@ def of_class_method(call: ast.Call, spot: Spot) -> tuple[str, str] | None:
     if kind in _DESTROYED and [*map(type, call.args)] == [ast.Constant]:
         cause = f"{name} is the class itself and not a node, and what {function.attr}() takes is the {kind}, not its name."
         why = f": {made}.destroy_node() destroys its {kind}s, too" if made else ""
-        return cause, f"remove `{ast.unparse(call)}`{why}"
+        return cause, f"{removal(spot.source, call)}{why}"
     if not made or any(isinstance(value, ast.Name) and value.id in (made, "self") for value in call.args):
         return None
     written = ast.unparse(call).replace(f"{name}.", f"{made}.", 1)

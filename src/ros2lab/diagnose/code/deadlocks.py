@@ -20,6 +20,8 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     returns_value,
 )
+from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.uses import own_stores
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
 _FREE = frozenset(("MultiThreadedExecutor", "ReentrantCallbackGroup"))
@@ -192,7 +194,7 @@ def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> 
     block = next((statements for statements in held if first.statement in statements), function.body)
     is_whole = block is function.body and not any(isinstance(wait.future, ast.Constant) for wait in waits)
     if all(isinstance(wait.future, ast.Constant) for wait in waits):
-        fix = f"remove `{text}`: rclpy calls the callbacks it waits for once {function.name}() has returned"
+        fix = _unspun(callback, first)
     elif callback.owes and callback.may_be_async:
         fix = _awaited(callback, waits)
     elif is_whole and not callback.owes:
@@ -200,6 +202,40 @@ def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> 
     else:
         fix = _in_threads(callback, waits, sources)
     return Finding("callback-waits", cause, source.at(first.node), fix)
+
+
+def _unspun(callback: _Callback, wait: _Wait) -> str:
+    """Say what to do instead of spinning in a callback, such as in a loop until another callback has been called."""
+    function = callback.function
+    for loop in own_nodes(function):
+        if isinstance(loop, ast.While) and wait.statement in own_nodes(loop):
+            for name, setting in set_elsewhere(callback.owner, [function], loop):
+                return where_set(name, setting[0])
+    why = f"rclpy calls the callbacks it waits for once {function.name}() has returned"
+    return f"{removal(callback.source, wait.node)}: {why}"
+
+
+def set_elsewhere(
+    owner: NodeClass | None, functions: Sequence[Function], loop: ast.While
+) -> Iterator[tuple[str, list[Function]]]:
+    """Yield the attributes that a loop waits for, each with the other methods that set it.
+
+    Args:
+        owner: the class of the loop.
+        functions: the methods that run while the loop does.
+        loop: the loop.
+    """
+    asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
+    for name in sorted(asked - own_stores(loop)):
+        methods = owner.methods.values() if owner else ()
+        free = (method for method in methods if method.name != "__init__" and method not in functions)
+        if setting := [method for method in free if name in own_stores(method)]:
+            yield name, setting
+
+
+def where_set(name: str, method: Function) -> str:
+    """Say what to do instead of waiting for an attribute that another callback sets."""
+    return f"do the work that needs self.{name} in {method.name}(), once it has been set"
 
 
 def _later(source: PythonSource, function: Function, first: _Wait) -> str:

@@ -12,6 +12,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import own_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, is_property, parameters
+from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
 
 _SHIFTS = (ast.LShift, ast.RShift)  # objects of libraries use them to put one after the other
@@ -32,7 +33,11 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
             cause = f"`{text}` only compares, and its result is not used."
             is_target = isinstance(left, (ast.Name, ast.Attribute, ast.Subscript))
             fix = f"write {ast.unparse(left)} = {ast.unparse(right)}"
-            fix = fix if is_target else "use it as the condition of an if, or remove the line"
+            fix = (
+                fix
+                if is_target
+                else f"use it as the condition of an if, or {removal(source, value, 'the line')}"
+            )
             yield Finding("comparison-unused", cause, source.at(value), fix)
         # Tutorials write `self.subscription` alone to avoid a warning; it is an attribute, not a function.
         case ast.Attribute() | ast.Name() if text not in source.stored and _is_function(source, value):
@@ -49,9 +54,8 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
             kinds = (ast.Call, ast.Await, ast.Yield, *_SHIFTS)
             if not any(isinstance(n, kinds) for n in ast.walk(value)):
                 cause = f"`{text}` is computed, but its result is not used."
-                yield Finding(
-                    "no-effect", cause, source.at(value), "assign it to a variable, or remove the line"
-                )
+                fix = f"assign it to a variable, or {removal(source, value, 'the line')}"
+                yield Finding("no-effect", cause, source.at(value), fix)
 
 
 def _is_function(source: PythonSource, value: ast.Name | ast.Attribute) -> bool:

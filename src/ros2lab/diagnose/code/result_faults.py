@@ -20,6 +20,7 @@ from ros2lab.diagnose.sources.python_source import (
     parameters,
     walk,
 )
+from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log, own_stores, values_in
 
@@ -247,7 +248,11 @@ def _result_lost(
     else:
         return
     cause = f"`{text}` returns a new value and changes nothing, and the return value is not used."
-    fix = f"write {target} = {text}" if target else "use what it returns, or remove this line"
+    fix = (
+        f"write {target} = {text}"
+        if target
+        else f"use what it returns, or {removal(source, value, 'this line')}"
+    )
     yield Finding("no-effect", cause, source.at(value), fix)
 
 

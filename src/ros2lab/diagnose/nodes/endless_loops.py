@@ -11,6 +11,7 @@ from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass, NodeSource
 from ros2lab.diagnose.sources.one_run import may_leave
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.uses import is_log
 
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
@@ -34,12 +35,11 @@ def endless_loops(
             if not isinstance(node, ast.While) or (not has_others and not is_late and _does_something(node)):
                 continue  # the only thing that the node does is done in this loop
             if _is_endless(sources, source, owner, node):
-                yield Finding(
-                    "endless-loop",
-                    f"In {what}, a loop runs forever, so {lost}.",
-                    source.at(node),
-                    "remove the loop, and run its body in a timer callback: create_timer(period, self.callback)",
-                )
+                fix = removal(source, node, "the loop")
+                if not all(isinstance(statement, ast.Pass) for statement in node.body):
+                    fix += ", and run its body in a timer callback: create_timer(period, self.callback)"
+                cause = f"In {what}, a loop runs forever, so {lost}."
+                yield Finding("endless-loop", cause, source.at(node), fix)
 
 
 def has_others_than(sources: NodeSources, owner: NodeClass | None, function: Function) -> bool:

@@ -12,6 +12,7 @@ from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
 
 _CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
@@ -87,7 +88,7 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
             "rclpy-init-twice",
             "rclpy.init() is called twice in one program.",
             extra.source.at(extra.call),
-            f"remove `{ast.unparse(extra.call)}` on line {extra.call.lineno}; the one in {kept.function.name}() stays",
+            f"{removal(extra.source, extra.call)} on line {extra.call.lineno}; the one in {kept.function.name}() stays",
         )
 
 

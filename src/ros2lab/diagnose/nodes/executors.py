@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import Call, Entrance
 from ros2lab.diagnose.sources.python_source import given_to, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.removal import removal
 
 # These spin with rclpy's own executor and then remove the node from it again.
 _FOR_A_WHILE = frozenset(("rclpy.spin_once", "rclpy.spin_until_future_complete"))
@@ -24,7 +25,7 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
             is_same = later.function is added.function and _node(later) == _node(added)
             if is_same and executor != _executor(later) and later.call.lineno > added.call.lineno:
                 cause = f"A node can be in only one executor: this line takes {_node(added)} away from {executor}, which then calls none of its callbacks."
-                fix = f"remove `{ast.unparse(later.call)}`, or add another node there"
+                fix = f"{removal(later.source, later.call)}, or add another node there"
                 yield Finding("not-spinning", cause, later.source.at(later.call), fix)
         for turn in entrance.calls:
             if (
@@ -88,7 +89,7 @@ def _taken_away(added: Call, turn: Call, entrance: Entrance) -> Finding:
         written = f"{_executor(added)}.{turn.short}({', '.join(rest)})"
     fix = f"write `{written}` instead of `{ast.unparse(turn.call)}`"
     if _begun_before(entrance, added):
-        fix = f"remove `{ast.unparse(turn.call)}`: {_executor(added)} already spins {node} in its thread"
+        fix = f"{removal(turn.source, turn.call)}: {_executor(added)} already spins {node} in its thread"
         if is_until and rest:
             fix = f"write `while not {rest[0]}.done(): time.sleep(0.01)` instead of `{ast.unparse(turn.call)}`, because {_executor(added)} already spins {node} in its thread; with `import time` at the top"
     of_file = "" if added.source is turn.source else f" of {added.source.shown}"

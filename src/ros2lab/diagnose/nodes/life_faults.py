@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 
+from ros2lab.diagnose.code.deadlocks import set_elsewhere, where_set
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.endless_loops import (
     endless_loops,
@@ -29,8 +30,9 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.qualities import policies_of
+from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import own_stores, uses_of
+from ros2lab.diagnose.sources.uses import uses_of
 
 _TRANSITIONS = frozenset(
     f"on_{transition}"
@@ -145,7 +147,7 @@ def _shut_down(sources: NodeSources, source: PythonSource, function: Function) -
         is_last = node in walk(function.body[-1])
         if is_always_reached(function, node) and not is_last:
             cause = f"{function.name}() calls {name}() before its other lines, so the node ends the first time that it is called."
-            fix = "remove it; write `raise SystemExit` where the program should end, and rclpy.try_shutdown() at the end of main"
+            fix = f"{removal(source, node)}; write `raise SystemExit` where the program should end, and rclpy.try_shutdown() at the end of main"
             yield Finding("shutdown-in-callback", cause, source.at(node), fix)
         elif again := next(_ended_again(sources, source), None):
             cause = f"{function.name}(), which spin() calls, shuts rclpy down, so `rclpy.shutdown()` on line {again.lineno} then fails: it is already shut down."
@@ -194,7 +196,7 @@ def _needs_asyncio(
                     "callback-waits",
                     f"{what[0].upper()}{what[1:]} is run by rclpy, which has no asyncio event loop, so {name}() fails.",
                     source.at(node),
-                    "remove this line, and use create_timer(period, self.callback) for what should happen later",
+                    f"{removal(source, node)}, and use create_timer(period, self.callback) for what should happen later",
                 )
 
 
@@ -347,7 +349,7 @@ def _waits(
                     "spin-inside",
                     f"{what[0].upper()}{what[1:]} spins, so it never returns and nothing after it is reached.",
                     source.at(node),
-                    "remove it here, and write rclpy.spin(node) in main, after the node is made",
+                    f"{removal(source, node)} here, and write rclpy.spin(node) in main, after the node is made",
                 )
             elif is_free or id(node) in repeated:
                 continue
@@ -374,19 +376,18 @@ def _waits_for_another(
     if owner is None or uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
     uses = uses_of(sources)
-    others = [m for m in owner.methods.values() if m.name != "__init__" and m not in functions]
     for loop in (node for function in functions for node in own_nodes(function)):
         if not isinstance(loop, ast.While) or not _only_waits(source, loop):
             continue
         asked = {n.attr for n in walk(loop.test) if is_self_attribute(n)}
-        for name in sorted(asked - own_stores(loop)) if asked.isdisjoint(uses.stored_of_others) else ():
-            setting = [method for method in others if name in own_stores(method)]
+        for name, setting in (
+            set_elsewhere(owner, functions, loop) if asked.isdisjoint(uses.stored_of_others) else ()
+        ):
             # What no executor calls may be called by a library, in a thread of its own.
-            if setting and all(id(method) in uses.callbacks for method in setting):
-                first = setting[0].name
-                cause = f"In {what}, a loop waits for self.{name}, which {first}() sets; but rclpy calls {first}() only after this one returns, so it waits forever."
-                fix = f"do the work that needs self.{name} in {first}(), once it has been set"
-                yield Finding("callback-waits", cause, source.at(loop), fix)
+            if all(id(method) in uses.callbacks for method in setting):
+                first = setting[0]
+                cause = f"In {what}, a loop waits for self.{name}, which {first.name}() sets; but rclpy calls {first.name}() only after this one returns, so it waits forever."
+                yield Finding("callback-waits", cause, source.at(loop), where_set(name, first))
 
 
 def _only_waits(source: PythonSource, loop: ast.While) -> bool:

@@ -33,6 +33,7 @@ from ros2lab.diagnose.sources.python_source import (
     returns_value,
     walk,
 )
+from ros2lab.diagnose.sources.removal import removal
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
@@ -311,7 +312,7 @@ def _parameter_fault(
     for other in _with_callback(sources, function):
         if other is not creation and other.method in _CALLED_WITH and _fits(other, accepts):
             place = creation.source.at(creation.call)
-            fix = f"remove this line, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
+            fix = f"{removal(creation.source, creation.call, 'this line')}, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
             break
     yield Finding("callback-arguments", cause, place, fix)
 
