@@ -261,6 +261,7 @@ ROWS = "            'talk = a.talk:main',\n"
             "'talk = ' + package_name + '.talk:main'\n 'hear = a.hear:main'\n",
             "`'talk = ' + package_name + '.talk:main',`",
         ),
+        ("'talk = a\" 5.talk:main'\n 'hear = a\" 5.hear:main'\n", "`'talk = a.talk:main',`"),
         ("'talk = a.talk:main, hear = a.hear:main'\n", "'talk = a.talk:main', 'hear = a.hear:main'"),
         ("'talk = '\n 'a.talk:main', 'hear = a.hear:main'\n", ""),
         ("'talk == a.talk:main', 'hear = a.hear:main'\n", ""),

@@ -39,6 +39,28 @@ def test_an_entry_point_with_its_parts_in_another_order(tmp_path: Path, written:
     assert (first.code, first.fix) == ("entry-point-spec", f"write {POINT}")
 
 
+@pytest.mark.parametrize(
+    ("written", "name"),
+    [
+        ("ears:my_bot.eers:main", "ears"),
+        ("ears; my_bot.eers:main", "ears"),
+        ("ears -> my_bot/ears.py:main", "ears"),
+        ("hear:eers:main", "hear"),
+        ("my_bot.ears:main", "ears"),
+        ('hear = my_bot" 5.ears:main', "hear"),
+        ('my_bot = my_bot" 5.ears:main', "my_bot"),
+        ("hear = my_bot.eers:main()", "hear"),
+        ("my ears = my_bot.ears:main", "my_ears"),
+    ],
+)
+def test_an_entry_point_is_written_with_its_own_name_and_a_module_that_exists(
+    tmp_path: Path, written: str, name: str
+) -> None:
+    files = Files.right(NAMES[1]).change("setup.py", "'ears = my_bot.ears:main'", repr(written))
+    first = of_workspace(files.write(tmp_path))[0]
+    assert (first.code, first.fix) == ("entry-point-spec", f"write '{name} = my_bot.ears:main'")
+
+
 def test_a_module_with_a_hyphen_in_its_name(tmp_path: Path) -> None:
     files = Files.right(NAME)
     text = files.texts.pop(files.path("listener"))

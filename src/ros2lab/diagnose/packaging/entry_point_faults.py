@@ -17,6 +17,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.packaging.entry_point_forms import (
     can_be_named,
     function_of,
+    meant_file,
     of_its_parts,
     put_in_order,
     wrong_form,
@@ -28,7 +29,7 @@ from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
-from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, is_near_miss, nearest
+from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, nearest
 
 _ALIKE = 0.6  # how similar the names of an executable and of its module usually are, at least
 
@@ -321,7 +322,7 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
     known = [name for name in installed if name.rpartition(".")[2] == wanted.stem]
     if not known and (lies := _lies(package, wanted)):
         return _renamed(package, point, lies, wanted, place)
-    close = _meant_file(package, point, known or installed)
+    close = meant_file(package, point, known or installed)
     if close and not can_be_named(close):
         return _renamed(package, point, package.sources[close].path or wanted, wanted, place)
     return _no_such_module(package, point, place, close, known, is_own=is_own)
@@ -339,17 +340,6 @@ def _renamed(package: SourcePackage, point: EntryPoint, lies: Path, wanted: Path
         f"{make}mv {quote(shown[0])} {quote(shown[1])}, then colcon build --packages-select {package.name}",
         (shown[0],),
     )
-
-
-def _meant_file(package: SourcePackage, point: EntryPoint, modules: Sequence[str]) -> str | None:
-    """Return the likely module of an entry point; that of another one is likely only for a misspelling."""
-    points = package.setup.entry_points if package.setup else None
-    taken = {other.module for other in points or () if other is not point}
-    free = {name.rpartition(".")[2]: name for name in modules if name not in taken}
-    for wanted in (point.module.rpartition(".")[2], point.name):
-        if close := nearest(wanted, free) or (wanted if wanted in free else None):
-            return free[close]
-    return next((name for name in modules if name in taken and is_near_miss(point.module, name)), None)
 
 
 def _lies(package: SourcePackage, wanted: Path) -> Path | None:

@@ -7,6 +7,8 @@ import io
 import itertools
 import re
 import tokenize
+from collections.abc import Sequence
+from dataclasses import replace
 from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, at
@@ -14,7 +16,7 @@ from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function
 from ros2lab.diagnose.sources.setup_script import EntryPoint
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 
 def can_be_named(module: str) -> bool:
@@ -24,7 +26,6 @@ def can_be_named(module: str) -> bool:
 
 def wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
     """Explain an entry point that is not of the form `name = package.module:function`."""
-    name, _, rest = point.text.partition("=")
     if joined := _without_comma(package, point):
         rows = [f"`{written},` on line {number}" for number, written in joined]
         after = " and ".join(f"line {number}" for number, _ in joined)
@@ -46,18 +47,37 @@ def wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding
         )
     if meant := of_its_parts(package, point):
         return put_in_order(package, point, meant, place)
+    cause = f"The entry point {point.text!r} {_why(point.text)}."
+    return Finding("entry-point-spec", cause, place, f"write {_in_form(package, point)!r}")
+
+
+def _in_form(package: SourcePackage, point: EntryPoint) -> str:
+    """Return an entry point in the right form, if possible with a module that exists."""
+    name, _, rest = point.text.partition("=")
     module = re.sub(r"[^\w.]", "", rest.replace("/", ".").partition(":")[0]).removesuffix(".py")
     if not rest:
-        name, _, module = point.text.partition(":")
-        module = module.partition(":")[0].strip()
-    module = module or f"{package.name}.{name.strip()}"
+        words = re.findall(r"[\w./-]+", point.text)
+        paths = [word for word in words if "." in word or "/" in word] or words[1:-1]
+        module = paths[0].replace("/", ".").removesuffix(".py") if paths else ""
+        name = words[0] if words and words[0] not in paths else module.rpartition(".")[2]
+    name = re.sub(r"[^\w.-]+", "_", name.strip())
+    module = module or f"{package.name}.{name}"
+    if module not in package.sources:
+        modules = [other for other in package.sources if other != package.name and can_be_named(other)]
+        module = meant_file(package, replace(point, name=name, module=module), modules) or module
     written = point.text.rpartition(":")[2] if ":" in point.text else ""
-    return Finding(
-        "entry-point-spec",
-        f"The entry point {point.text!r} {_why(point.text)}.",
-        place,
-        f"write '{name.strip()} = {module}:{meant_function(package, module, written)}'",
-    )
+    return f"{name} = {module}:{meant_function(package, module, written)}"
+
+
+def meant_file(package: SourcePackage, point: EntryPoint, modules: Sequence[str]) -> str | None:
+    """Return the likely module of an entry point; that of another one is likely only for a misspelling."""
+    points = package.setup.entry_points if package.setup else None
+    taken = {other.module for other in points or () if other.line != point.line}
+    free = {name.rpartition(".")[2]: name for name in modules if name not in taken}
+    for wanted in (point.module.rpartition(".")[2], point.name):
+        if close := wanted if wanted in free else nearest(wanted, free):
+            return free[close]
+    return next((name for name in modules if name in taken and is_near_miss(point.module, name)), None)
 
 
 def _without_comma(package: SourcePackage, point: EntryPoint) -> list[tuple[int, str]]:
@@ -77,8 +97,20 @@ def _without_comma(package: SourcePackage, point: EntryPoint) -> list[tuple[int,
         if is_next and is_own and ":" in former:
             # The end of an expression, such as a sum, is shown with the rest of its line.
             before = lines[line - 1].partition(former)[0].lstrip()
-            found.append((line, before + former if before.rstrip().endswith("+") else former))
+            is_end = before.rstrip().endswith("+")
+            found.append((line, before + former if is_end else _corrected(package, former)))
     return found
+
+
+def _corrected(package: SourcePackage, code: str) -> str:
+    """Return the code of a string with an entry point in the right form."""
+    text = code.strip("'\"")
+    name, _, target = text.partition("=")
+    is_right = re.fullmatch(r"\s*[\w-]+\s*", name) and re.fullmatch(r"\s*[\w.{}]+:[\w.{}]+\s*", target)
+    if is_right or code[0] not in "'\"" or "\\" in code:
+        return code
+    point = EntryPoint(text, None)
+    return repr(of_its_parts(package, point) or _in_form(package, point))
 
 
 def _strings(text: str) -> list[tuple[int, str, bool]]:
@@ -143,6 +175,7 @@ def of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
         for module in spelt:
             if module in package.sources and (function := function_of(package, module, words[end:])):
                 return f"{name.strip()} = {module}:{function}"
+    is_named = "=" in point.text and re.fullmatch(r"[\w\s-]+", name)
     parts = re.findall(r"[\w.-]+", point.text)
     for part in parts:
         modules = (module for module in (part, f"{package.name}.{part}") if module in package.sources)
@@ -151,7 +184,7 @@ def of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
             rest = [word for word in parts if word != part]
             function = next((word for word in rest if word in functions), "")
             names = [word for word in rest if word != function and "." not in word]
-            if function and len(names) == 1:
+            if function and len(names) == 1 and (not is_named or names[0] == name.strip()):
                 return f"{names[0]} = {module}:{function}"
     return ""
 
