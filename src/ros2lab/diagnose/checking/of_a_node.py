@@ -6,10 +6,13 @@ import ast
 import re
 from collections.abc import Mapping
 
+from ros2lab.diagnose.code.at_hand import holders
+from ros2lab.diagnose.code.unknown_names import Unknown
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import CREATORS
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.signatures import signature_by_name
 from ros2lab.diagnose.sources.spelling import nearest
 
 _MAKERS: Mapping[str, tuple[str, ...]] = {**CREATORS, "create_rate": ("frequency",)}
@@ -30,7 +33,7 @@ def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
         name: what the line uses of rclpy.
         spot: the line.
     """
-    source, node = spot.source, _node(spot)
+    source = spot.source
     for used in spot.nodes:
         match used:
             case ast.Call(func=ast.Attribute(attr=method, value=ast.Attribute(attr=attr))) if attr == name:
@@ -41,6 +44,7 @@ def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
                 continue
         if source is None or source.resolve(call.func) not in (f"rclpy.{name}", f"rclpy.{name}.{last}"):
             continue
+        node = _node(spot, call)
         written = _made(name, node, call, source) or _asked(name, last, node, call)
         if written:
             return (
@@ -48,7 +52,8 @@ def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
                 f"write `{written}` instead of `{ast.unparse(call)}`",
             )
         homes = [home for home in interfaces.inner_homes_of(name) if home.startswith("rclpy.")]
-        if homes and last == name:
+        signature = signature_by_name(f"{homes[0]}.{name}") if homes else None
+        if homes and last == name and (signature is None or signature.accepts(call)):
             made = f"{name}{ast.unparse(call).removeprefix(ast.unparse(call.func))}"
             return (
                 f"rclpy itself has no {name}: it is in {homes[0]}.",
@@ -127,25 +132,22 @@ def _asked(name: str, last: str, node: str, call: ast.Call) -> str:
         what = getter.removeprefix("get_").removesuffix("()")
         for member in interfaces.members_of(*home)[0]:
             is_of_class = last != name and member == last  # Time.now of a clock
+            is_of_class |= name == last == member  # rclpy.info()
             is_of_prefix = last == name and len(member) > 3 and name.endswith(member)
             prefix = name.removesuffix(member).rstrip("_")
             if is_of_class or (is_of_prefix and prefix and what.startswith(prefix)):
                 return f"{node}.{getter}.{member}{rest}"
     methods = interfaces.members_of("rclpy.node", "Node")[0]
     known = [method for method in methods if method.startswith("get_") and not name[:1].isupper()]
-    method = nearest(name, known, 0.75) if last == name else None
+    method = nearest(name, known, 0.75) if last == name and name not in known else None
     value = ".value" if method == "get_parameter" else ""
     return f"{node}.{method}{rest}{value}" if method else ""
 
 
-def _node(spot: Spot) -> str:
+def _node(spot: Spot, call: ast.Call) -> str:
     """Return how a line names its node: self in a class, else the variable that holds one."""
     function = spot.function
     if function is not None and [argument.arg for argument in function.args.args[:1]] == ["self"]:
         return "self"
-    for statement in function.body if function is not None else ():
-        match statement:
-            case ast.Assign(targets=[ast.Name(id=kept)], value=ast.Call(func=func)):
-                if ast.unparse(func).rpartition(".")[2] in ("Node", "create_node"):
-                    return kept
-    return "node"
+    held = holders(Unknown(spot.source, "", call), set(), is_node=True) if spot.source else []
+    return next(iter(held), "node")

@@ -10,10 +10,13 @@ from collections.abc import Iterator
 from ros2lab.diagnose.checking.checked_copies import first_that_stands
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, type_of
 from ros2lab.diagnose.checking.type_words import plain
+from ros2lab.diagnose.code.at_hand import holders
+from ros2lab.diagnose.code.unknown_names import Unknown
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 
+_MOST = 3  # variables whose types are asked for
 _KNOWN = interfaces.PACKAGES | sys.stdlib_module_names  # modules whose functions say what they take
 
 
@@ -52,6 +55,28 @@ def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str
     for function, clause in _functions(source, name):
         for values in ([*own, *given, *named], [*given, *named]):
             yield f"{function}({', '.join(values)})", clause
+    for holder in _at_hand(source, call, name):
+        if holder not in own:
+            yield f"{holder}.{name}({', '.join([*given, *named])})", f"{holder} has it"
+
+
+def _at_hand(source: PythonSource, call: ast.Call, name: str) -> Iterator[str]:
+    """Yield the objects around a call that have a method, or may have it by a type that is known."""
+    unknown = Unknown(source, name, call)
+    held = holders(unknown, {name})
+    yield from held
+    own = own_nodes(unknown.scopes[0])
+    made = {
+        target.id: node.value
+        for node in own
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and node.lineno < call.lineno
+        for target in node.targets
+        if isinstance(target, ast.Name) and target.id not in held
+    }
+    for variable, value in [*made.items()][-_MOST:]:
+        kind = type_of(source, value)
+        if kind and not UNKNOWN_TYPE.search(kind):
+            yield variable
 
 
 def _functions(source: PythonSource, name: str) -> Iterator[tuple[str, str]]:

@@ -9,6 +9,7 @@ from ros2lab.diagnose.code.unknown_names import Unknown, also_on, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.spelling import edits
 
 _NEAR = 2  # letters that differ
@@ -28,15 +29,29 @@ def as_at_hand(unknown: Unknown) -> tuple[str, str] | None:
     is_node = any(_is_spun(unknown, use) for use in unknown.uses)
     if not (unknown.attributes or is_node) or f"self.{unknown.name}" in unknown.source.stored:
         return None
-    for scope in unknown.scopes:
-        names = [*dict.fromkeys(_held(unknown, scope, is_node=is_node))]
-        if names:
-            if names[0] not in unknown.loaded and edits(names[0], unknown.name) <= _NEAR:
-                return None  # it may be misspelt where it is assigned
-            cause = f"{cause_of(unknown)} Did you mean {names[0]}?"
-            fix = unknown.with_text(unknown.node, names[0]) + also_on(unknown, names[0])
-            return (cause, fix) if len(names) == 1 else None
-    return None
+    names = holders(unknown, unknown.attributes, is_node=is_node)
+    if len(names) != 1 or (names[0] not in unknown.loaded and edits(names[0], unknown.name) <= _NEAR):
+        return None  # it may be misspelt where it is assigned
+    cause = f"{cause_of(unknown)} Did you mean {names[0]}?"
+    return cause, unknown.with_text(unknown.node, names[0]) + also_on(unknown, names[0])
+
+
+def as_method(unknown: Unknown) -> tuple[str, str] | None:
+    """Read the name as a method of the only object around it that has it: `get_logger()` for `node.get_logger()`."""
+    call, name = unknown.above(), unknown.name
+    if not unknown.is_called or not isinstance(call, ast.Call) or f"self.{name}" in unknown.source.stored:
+        return None
+    names = holders(unknown, {name})
+    if len(names) != 1 and not (names and name.startswith("get_")):
+        return None
+    whole = f"{names[0]}.{name}"
+    signature = signature_of(
+        unknown.source, ast.Call(ast.parse(whole).body[0].value, call.args, call.keywords)
+    )
+    if signature and not signature.accepts(call):
+        return None
+    cause = f"{name} is a method, so it is called with its object before it, which is {names[0]} here."
+    return cause, unknown.with_text(unknown.node, whole)
 
 
 def as_exception(unknown: Unknown) -> tuple[str, str] | None:
@@ -63,34 +78,45 @@ def is_own_node(unknown: Unknown, name: str) -> bool:
     )
 
 
-def _held(unknown: Unknown, scope: ast.AST, *, is_node: bool) -> Iterator[str]:
-    """Yield the variables of a scope, and the attributes of `self`, that have all that is asked for."""
+def holders(unknown: Unknown, wanted: set[str], *, is_node: bool = False) -> list[str]:
+    """Return the variables and attributes of `self` of the innermost scope that surely have some members.
+
+    Args:
+        unknown: what stands where one of them is meant.
+        wanted: the members.
+        is_node: whether it must be a node.
+    """
+    found = ([*dict.fromkeys(_held(unknown, scope, wanted, is_node=is_node))] for scope in unknown.scopes)
+    return next(filter(None, found), [])
+
+
+def _held(unknown: Unknown, scope: ast.AST, wanted: set[str], *, is_node: bool) -> Iterator[str]:
     line = getattr(unknown.node, "lineno", 0)
     for node in own_nodes(scope):
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call) if node.lineno < line:
-                if _fits(unknown, call, is_node=is_node):
+                if _fits(unknown, call, wanted, is_node=is_node):
                     yield name
     owner = unknown.above(scope)
     is_method = isinstance(owner, ast.ClassDef) and isinstance(scope, Function)
     if not (is_method and isinstance(scope, Function) and [p.arg for p in parameters(scope)][:1] == ["self"]):
         return
     assert isinstance(owner, ast.ClassDef)
-    if is_own_node(unknown, owner.name) and unknown.attributes <= _members(unknown, owner.name):
+    if is_own_node(unknown, owner.name) and wanted <= _members(unknown, owner.name):
         yield "self"
     for node in walk(owner):
         match node:
             case ast.Assign(
                 targets=[ast.Attribute(value=ast.Name(id="self"), attr=name)], value=ast.Call() as call
-            ) if _fits(unknown, call, is_node=is_node):
+            ) if _fits(unknown, call, wanted, is_node=is_node):
                 yield f"self.{name}"
 
 
-def _fits(unknown: Unknown, call: ast.Call, *, is_node: bool) -> bool:
+def _fits(unknown: Unknown, call: ast.Call, wanted: set[str], *, is_node: bool) -> bool:
     name = last_name(call.func)
     members = _members(unknown, name)
     is_made = is_own_node(unknown, name) or name == "create_node"
-    return (is_made or not is_node) and bool(members) and unknown.attributes <= members
+    return (is_made or not is_node) and bool(members) and wanted <= members
 
 
 def _members(unknown: Unknown, name: str) -> set[str]:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
-from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception
+from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception, as_method
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.first_values import compared, first_value
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
@@ -52,6 +52,7 @@ def meant(
         _as_alias,
         as_exception,
         as_foreign,
+        as_method,
         _as_import,
         _as_path,
         _as_of_another_function,
@@ -179,7 +180,10 @@ def _home_of(unknown: Unknown, name: str) -> str:
     used = [imported.target.rpartition(".")[0] for imported in imports if imported.is_from]
     used += ["setuptools"] * unknown.source.shown.endswith("setup.py")
     has = (module for module in dict.fromkeys(used) if name in (interfaces.importable_names(module) or ()))
-    return next(has, "")
+    found = next(has, "")
+    # A module also offers what it imports itself.
+    inner = interfaces.inner_homes_of(name) if found.startswith("rclpy.") else ()
+    return inner[0] if len(inner) == 1 else found
 
 
 def _as_own(unknown: Unknown) -> Reading | None:

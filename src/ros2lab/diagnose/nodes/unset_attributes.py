@@ -6,8 +6,10 @@ import ast
 import re
 from collections.abc import Collection, Iterator
 
+from ros2lab.diagnose.code.at_hand import holders
 from ros2lab.diagnose.code.attribute_chains import chain_fault
 from ros2lab.diagnose.code.first_values import compared, first_value
+from ros2lab.diagnose.code.unknown_names import Unknown
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import method_of, properties_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
@@ -36,6 +38,12 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     like = [member for member in public if may_mean(name, member, public)]
     close = None if where else nearest(name, owner.attributes) or nearest(name, like)
     is_called = any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
+    if is_called and not where and close not in owner.methods:
+        held = [holder for holder in holders(Unknown(owner.source, name, node), {name}) if holder != "self"]
+        if len(held) == 1:
+            cause = f"{owner.definition.name} has no {what} {name}: {held[0]} has it."
+            fix = f"write {held[0]}.{name} instead of self.{name}"
+            return Finding("attribute-missing", cause, owner.source.at(node), fix)
     if not where and not is_called:
         fix = f"set self.{name} in __init__, or fix its spelling"
         close = _as_used(owner, node, close) if close else None

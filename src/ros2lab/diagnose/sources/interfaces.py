@@ -355,14 +355,14 @@ def methods_of(class_name: str) -> str:
 
 
 @lru_cache(maxsize=32)
-def inner_homes_of(class_name: str) -> tuple[str, ...]:
-    """Return the modules of rclpy that define a class, inner modules included."""
+def inner_homes_of(name: str) -> tuple[str, ...]:
+    """Return the modules of rclpy that define a class or a function, inner modules included."""
     folder = folder_of("rclpy")
     files = sorted(folder.rglob("*.py")) if folder else []
     found = [
         path
         for path in files
-        if re.search(rf"^class {re.escape(class_name)}\b", read_text(path), re.MULTILINE)
+        if re.search(rf"^(?:class|def) {re.escape(name)}\b", read_text(path), re.MULTILINE)
     ]
     return tuple(".".join(path.relative_to(folder.parent).with_suffix("").parts) for path in found if folder)
 

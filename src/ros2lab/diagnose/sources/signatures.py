@@ -84,6 +84,17 @@ class Signature:
         """Return the parameter with this name; None if there is none."""
         return next((parameter for parameter in self.parameters if parameter.name == name), None)
 
+    def accepts(self, call: ast.Call) -> bool:
+        """Return whether the number and the names of the arguments of a call fit; true if it unpacks some."""
+        keywords = {keyword.arg for keyword in call.keywords}
+        if None in keywords or any(isinstance(value, ast.Starred) for value in call.args):
+            return True
+        places = [parameter.name for parameter in self.parameters if parameter.is_positional]
+        given = {*places[: len(call.args)], *keywords}
+        needed = {parameter.name for parameter in self.parameters if not parameter.default}
+        known = self.is_open or keywords <= {parameter.name for parameter in self.parameters}
+        return len(call.args) <= len(places) and needed <= given and known
+
     @property
     def shown(self) -> str:
         """The parameters as in a call: required ones by position, and all others as `name=...`."""
