@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ros2lab.diagnose import of_text
-from ros2lab.diagnose.packaging.listed_packages import not_built
+from ros2lab.diagnose.code.listed_packages import not_built
 from ros2lab.diagnose.sources.package import SourcePackage
 
 MANIFEST = "<package format='3'><name>bot</name><version>0.0.1</version><description>d</description><maintainer email='a@b.c'>a</maintainer><license>MIT</license><export><build_type>ament_python</build_type></export></package>"

@@ -75,3 +75,23 @@ def test_a_module_of_the_workspace_may_be_found_once_it_is_installed(tmp_path: P
 def test_a_module_is_no_package(tmp_path: Path) -> None:
     (found,) = told("[config]", tmp_path, "get_package_share_directory('robot_node')")
     assert found.code == "launch-package"
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "fix"),
+    [
+        ("launch/common.py", "from common import TURN", "mv src/my_bot/launch/common.py src/my_bot/my_bot/common.py, write `from my_bot.common import TURN` on line 9, and build again"),
+        ("launch/common.py", "import common", "mv src/my_bot/launch/common.py src/my_bot/my_bot/common.py, write `from my_bot import common` on line 9, and build again"),
+        ("launch/parts/names.py", "from parts.names import TURN", "mv src/my_bot/launch/parts src/my_bot/my_bot/parts, write `from my_bot.parts.names import TURN` on line 9, and build again"),
+        ("common.py", "from common import TURN", "write `py_modules=['common'],` in setup(), and build again"),
+        ("tools_of_mine/names.py", "from tools_of_mine.names import TURN", "touch src/my_bot/tools_of_mine/__init__.py, and build again"),
+    ],
+)  # fmt: skip
+def test_a_module_of_the_workspace_that_launch_does_not_find(
+    tmp_path: Path, file: str, before: str, fix: str
+) -> None:
+    files = right_workspace().put(file, "TURN = 1\n")
+    files.change("launch/robot.launch.py", "    config = ", f"    {before}\n    config = ")
+    (found,) = (one for one in of_workspace(files.write(tmp_path)) if one.code == "launch-package")
+    assert found.fix == fix
+    assert "neither in this workspace" not in found.cause

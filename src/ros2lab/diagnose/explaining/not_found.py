@@ -10,13 +10,13 @@ from shlex import quote
 
 from ros2lab.diagnose.code.bare_imports import bare_import
 from ros2lab.diagnose.code.imports import names_of
+from ros2lab.diagnose.code.listed_packages import not_built
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
 from ros2lab.diagnose.explaining.unbuilt import not_yet_built
 from ros2lab.diagnose.finding import Finding, at, stops_build
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.packaging.layout_faults import hidden, outside
-from ros2lab.diagnose.packaging.listed_packages import not_built
 from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot

@@ -19,6 +19,7 @@ from ros2lab.diagnose.finding import SAID, Finding, at, line_with
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
+from ros2lab.diagnose.launching.own_modules import own_module
 from ros2lab.diagnose.nodes.parameter_faults import unread_file
 from ros2lab.diagnose.sources.interfaces import PACKAGES, launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -367,7 +368,8 @@ def _lacking(
     is_right = top in PACKAGES or any(top in package.declared for package in packages)
     known = () if is_right else (*own, *sorted(PACKAGES))
     near = next((other for other in known if is_near_miss(name, other)), None)
-    if is_later and not near:
+    here = own_module(path, name, packages) if is_module and not is_right else None
+    if is_later and not near and not here:
         return
     place = at(file.shown, line_with(read_text(path), f"'{name}'", f'"{name}"', f" {name}") or told["line"])
     fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
@@ -377,4 +379,6 @@ def _lacking(
         how = f"install it (sudo apt install ros-jazzy-{top.replace('_', '-')}), or put its source into src"
     fix = how if is_right else f"{how}; if {name} is misspelt, correct it"
     fix = f"write {near} instead of {name}" if near else fix
+    if here:
+        cause, fix = f"{fails}: {here[0]}", here[1]
     yield Finding("launch-package", cause, place, fix, (name,))

@@ -11,6 +11,7 @@ from shlex import quote
 
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
+from ros2lab.diagnose.code.listed_packages import folder_of, needed_packages, not_listed
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.refused_keywords import refused_keywords
 from ros2lab.diagnose.code.syntax import syntax_finding
@@ -19,7 +20,6 @@ from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
 from ros2lab.diagnose.packaging.installed import INDEX
-from ros2lab.diagnose.packaging.listed_packages import folder_of, needed_packages, not_listed
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
