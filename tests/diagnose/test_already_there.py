@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from workspace_files import NAMES, Files
 
+from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 
@@ -57,3 +58,24 @@ def test_a_section_of_another_name_is_for_nobody_known_beside_the_right_one(tmp_
     section = "{name}:\n  ros__parameters:\n    period: 1.0\n"
     files.put("config/more.yaml", section.format(name="talker") + section.format(name="talkerr"))
     assert not [f for f in found(files, tmp_path) if f.code == "parameter-file-node"]
+
+
+AREA = "\n\ndef area(width, height):\n    return width * height\n\n\nclass"
+
+
+@pytest.mark.parametrize(
+    ("lines", "fix"),
+    [
+        ("print(area(width=1, height=2, widht=3))", "remove widht, and keep the right value as width, which is there as well"),
+        ("print(area(1.0))", "add a value for height in the parentheses of area(...): nothing here is called height"),
+        ("self.height = 2\n        self.size = area(1)", "add self.height in the parentheses of area(...)"),
+        ("height = 2\n        self.size = area(1) * height", "write `area(1, height)`"),
+    ],
+)  # fmt: skip
+def test_an_argument_is_named_that_can_be_given(tmp_path: Path, lines: str, fix: str) -> None:
+    """A call is told with what there is: an argument given already, and a value that the code has."""
+    files = Files.right(NAMES[1]).change("node", "\n\nclass", AREA)
+    files.change("node", "        self.count = 0", f"        self.count = 0\n        {lines}")
+    codes = ("argument-unknown", "argument-missing")
+    told = of_workspace(files.write(tmp_path))
+    assert [finding.fix for finding in told if finding.code in codes] == [fix]

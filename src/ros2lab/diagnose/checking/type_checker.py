@@ -28,7 +28,8 @@ from ros2lab.diagnose.nodes.unset_attributes import unset
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.spelling import nearest, write_instead
 
 
 def type_faults(
@@ -84,6 +85,11 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         return Finding(code, told[0], place, told[1])
     if rule == "unknown-argument" and (moved := moved_keyword(spot.source, call, name)):
         return Finding(code, f"{cause} It is one of {moved[0]}().", place, moved[1])
+    given = [keyword.arg for keyword in call.keywords]
+    if rule == "unknown-argument" and (near := nearest(name, {*given} - {name})):
+        fix = write_instead(near, name, given)
+    if rule == "missing-argument":
+        fix = _to_add(short, name.split(", "), spot)
     made = ast.unparse(call.func)
     if code == "argument-missing" and made in _classes(spot.source) and made != short:
         cause, fix = _without_constructor(made, short, name)
@@ -102,6 +108,27 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     lines = missing_imports(spot.source, good)
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
     return Finding(code, cause, place, f"{ways[good]}{more}" if good else fix)
+
+
+def _to_add(short: str, names: list[str], spot: Spot) -> str:
+    """Say which arguments to add to a call: variables of the same names, if there are any."""
+    source, function = spot.source, spot.function
+    assert source is not None
+    own = own_nodes(function) if function else ()
+    stored = [
+        n.id
+        for n in (*own, *own_nodes(source.tree))
+        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+    ]
+    known = {*stored, *(argument.arg for argument in (parameters(function) if function else ()))}
+    is_method = function is not None and [a.arg for a in parameters(function)][:1] == ["self"]
+    own_name = {name: f"self.{name}" for name in names if is_method and f"self.{name}" in source.stored}
+    found = [name if name in known else own_name.get(name, "") for name in names]
+    if all(found):
+        return f"add {' and '.join(found)} in the parentheses of {short}(...)"
+    lacking = [name for name, there in zip(names, found, strict=True) if not there]
+    what = f"a value for {' and one for '.join(names)}"
+    return f"add {what} in the parentheses of {short}(...): nothing here is called {' or '.join(lacking)}"
 
 
 def _without_constructor(made: str, base: str, name: str) -> tuple[str, str]:

@@ -46,7 +46,7 @@ def as_method(unknown: Unknown) -> tuple[str, str] | None:
         return None
     whole = f"{names[0]}.{name}"
     signature = signature_of(
-        unknown.source, ast.Call(ast.parse(whole).body[0].value, call.args, call.keywords)
+        unknown.source, ast.Call(ast.parse(whole, mode="eval").body, call.args, call.keywords)
     )
     if signature and not signature.accepts(call):
         return None

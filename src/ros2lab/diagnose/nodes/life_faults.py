@@ -365,7 +365,7 @@ def _waits(
                     source.at(node),
                     "do the next step in a timer callback, with create_timer(period, self.callback), instead of waiting"
                     if name == "time.sleep"
-                    else "make the request in a separate thread, and let the callback only use the result",
+                    else f"call {name}() in a separate thread, and let the callback only use the result",
                 )
 
 
