@@ -33,7 +33,7 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     if run.ended:
         word = word_that_ended(run)
         parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
-    parts = [*parts, *_unserved(seen, seen.main(name))] or ["published and subscribed to nothing"]
+    parts = [*parts, *_unserved(seen, seen.main(name))] or ["neither published nor subscribed to anything"]
     return f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
 
 

@@ -80,7 +80,7 @@ def unmade_faults(seen: Seen, run: Run, called: Called) -> Iterator[Finding]:
     branches = map(_branch_around, _promised(entrance))
     others = [branch for branch in branches if branch is None or (id(branch[0]), branch[1]) not in left]
     if unmade and not others and not _topics(run):
-        cause = f"{run.programs[0]} published and subscribed to nothing: {unmade[0].told}."
+        cause = f"{run.programs[0]} neither published nor subscribed to anything: {unmade[0].told}."
         yield Finding("publishes-nothing", cause, unmade[0].place, _met(unmade[0], run.programs[0]))
 
 

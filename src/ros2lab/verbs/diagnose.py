@@ -175,7 +175,7 @@ def _run(root: Path, read: Sequence[Finding]) -> tuple[list[Finding], str, str]:
         print(error, file=sys.stderr)
         return [], f"Nothing could be run: {error}", ""
     story = " ".join(trial.story)
-    return trial.findings, f"It ran what is built for a few seconds. {story}", visible(story, LONGEST)
+    return trial.findings, f"It ran the installed nodes for a few seconds. {story}", visible(story, LONGEST)
 
 
 def _show(findings: Sequence[Finding], looked_at: str) -> None:

@@ -136,7 +136,7 @@ def _with(source: PythonSource, function: Function, kind: _Kind) -> Iterator[_An
 def _of_function(answering: _Answering) -> Finding | None:
     """Return what is wrong with what a function returns; None if nothing is seen."""
     source, function, answer = answering.source, answering.function, answering.answer
-    needs = f"rclpy needs {f'`{answer}`' if answer.isidentifier() else _class_of(answer)} back from it"
+    needs = f"it must return {f'`{answer}`' if answer.isidentifier() else _class_of(answer)}"
     for node in own_nodes(function):
         if isinstance(node, ast.Return) and (given := _refused(answering, node)):
             if given == f"`{answer}`":

@@ -78,7 +78,8 @@ def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             fix = f"use a number from the {kind}, which has {members}"
     sign = re.search(r"for ([^ :]+):|'(\S+)' not supported", match.string)
     fix = unwrapped(spot, (match["left"], match["right"]), (sign[1] or sign[2]) if sign else "") or fix
-    return f"`{spot.text}` combines or compares {left} with {right}, which Python cannot do.", fix
+    does = "compares" if sign and sign[2] else "combines"
+    return f"`{spot.text}` {does} {left} with {right}, which Python cannot do.", fix
 
 
 def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:

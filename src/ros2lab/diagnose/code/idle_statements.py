@@ -41,7 +41,7 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
             yield Finding("comparison-unused", cause, source.at(value), fix)
         # Tutorials write `self.subscription` alone to avoid a warning; it is an attribute, not a function.
         case ast.Attribute() | ast.Name() if text not in source.stored and _is_function(source, value):
-            cause = f"`{text}` only names {text.rpartition('.')[2]} and does nothing: without parentheses it is not called."
+            cause = f"`{text}` by itself does nothing: without parentheses {text.rpartition('.')[2]} is not called."
             yield Finding("no-effect", cause, source.at(value), _called(source, value))
         case ast.UnaryOp(
             op=ast.UAdd() | ast.USub() as sign, operand=ast.UnaryOp(op=same, operand=counted)

@@ -410,7 +410,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
 def _unknown(error: ErrorText, look: Look | None) -> Finding:
     return own_words(error, look) or Finding(
         UNKNOWN,
-        f"This error is not known; its most important line is: {error.decisive}",
+        f"This error is not known here; the line to look up is: {error.decisive}",
         place_of(own_frames(error.frames), look),
     )
 

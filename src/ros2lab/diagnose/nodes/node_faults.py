@@ -82,7 +82,7 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
         if function is not None and _is_misspelt_super(owner.source, call.func):
             yield Finding(
                 "super-misspelt",
-                f"`{ast.unparse(call.func)}` is not how the constructor of Node is called.",
+                f"`{ast.unparse(call.func)}` does not call the constructor of Node.",
                 owner.source.at(call),
                 f"write {super_call(sources, owner, given_to_super(function))}",
             )
