@@ -225,6 +225,28 @@ left = iter(range(8))
 node.create_timer(2.0, lambda: [tell() for _ in itertools.islice(left, 1)])
 rclpy.spin(node)
 """,
+    "counts": f"""
+rclpy.init()
+{STATUS}
+left = itertools.cycle((3, 2, 1, 0))
+node.create_timer(0.5, lambda: next(left) or tell())
+rclpy.spin(node)
+""",
+    "counts_in_turns": f"""
+rclpy.init()
+{STATUS}
+velocity = node.create_publisher(Twist, "/cmd_vel", 10)
+turns = itertools.cycle((velocity.publish, lambda _: None, velocity.publish, lambda _: tell()))
+node.create_timer(0.25, lambda: next(turns)(Twist()))
+rclpy.spin(node)
+""",
+    "counts_to_its_end": f"""
+rclpy.init()
+{STATUS}
+left = iter(range(16))
+node.create_timer(0.5, lambda: next(left, 1) % 4 or tell())
+rclpy.spin(node)
+""",
     "ends": f"""
 rclpy.init()
 {STATUS}
@@ -525,7 +547,7 @@ def gaps(run: Run, topic: str) -> list[float]:
 # Others of these kinds: each of them is watched once for what is particular about it.
 ALIKE = (
     *("class_node", "functions", "wait_loop", "poll_loop", "thread_timer", "own_clock"),
-    *("stops", "ends", "begins_late", "prints", "near", "far", "broken", "no_node"),
+    *("stops", "counts_in_turns", "ends", "begins_late", "prints", "near", "far", "broken", "no_node"),
 )
 
 
@@ -709,7 +731,7 @@ def test_a_clock_of_the_submission_does_not_count(runs: Runs) -> None:
 @pytest.mark.parametrize("name", EACH)
 def test_a_rhythm_that_stops_is_noticed(runs: Runs, name: str) -> None:
     run = runs[name]
-    has_stopped = name in ("stops", "stops_later")
+    has_stopped = name in ("stops", "stops_later", "counts_to_its_end")
     assert run.stalled == (["/robot/status"] if has_stopped else [])
     assert run.clock == "stepped" or not has_stopped
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable
 
@@ -42,6 +43,7 @@ class Quiet:
         self._is_brief = is_brief
         self._given = given
         self._begin = time.monotonic()
+        self._is_fine = False  # whether to go on in short steps, since one long step brought nothing
 
     def on_the_stepped_clock(self) -> None:
         """Step the clock until the rhythm of each topic is known.
@@ -120,26 +122,32 @@ class Quiet:
 
     def _leap(self, periodic: list[Ear], jump: float) -> list[str]:
         """Set the clock forward by the longest period; return the silent topics that have not stalled."""
-        watch = self._watch
-        going = self._going(periodic)
-        late = silent_after(watch, going, jump)
-        if late and self._have_stopped(late, jump):
-            self.stalled += [ear.topic for ear in late]
-            return []
+        late = self._silent_after(self._going(periodic), jump)
+        if late and self._are_at_rest(late):
+            # A timer that fires more often than its node publishes fires once per step, however long that is.
+            self._is_fine = True
+            still = self._silent_after(late, jump + STEP)
+            if still == late:
+                self.stalled += [ear.topic for ear in late]
+                return []
+            late = still
         return [ear.topic for ear in late]
+
+    def _silent_after(self, ears: list[Ear], seconds: float) -> list[Ear]:
+        """Set the clock forward, at once or in short steps; return the silent topics."""
+        step = (STEP if seconds < QUICK else 2 * STEP) if self._is_fine else seconds
+        return silent_after(self._watch, ears, seconds, step)
 
     def _going(self, ears: list[Ear]) -> list[Ear]:
         return [ear for ear in ears if ear.topic not in self.stalled]
 
-    def _have_stopped(self, late: list[Ear], jump: float) -> bool:
-        """Return whether topics that had a rhythm have stopped, on the stepped clock and on the real one."""
+    def _are_at_rest(self, late: list[Ear]) -> bool:
+        """Return whether topics that had a rhythm are silent on the real clock, too."""
         watch = self._watch
         before = watch.heard
         period = (time.monotonic() - self._begin) / min(ear.total for ear in late)  # if it was in real time
         is_rhythm = all(ear.count > 2 for ear in late)
-        if not is_rhythm or watch.until(lambda: watch.heard > before, max(watch.late, 3 * period)):
-            return False
-        return bool(silent_after(watch, late, jump) == late)
+        return is_rhythm and not watch.until(lambda: watch.heard > before, max(watch.late, 3 * period))
 
     def on_the_real_clock(self) -> None:
         """Listen until the rhythm of each topic is known, or must have shown.
@@ -182,10 +190,13 @@ class Quiet:
         return is_again
 
 
-def silent_after(watch: Watch, ears: list[Ear], seconds: float) -> list[Ear]:
-    """Set the clock forward, and return the given topics on which nothing was published then."""
+def silent_after(watch: Watch, ears: list[Ear], seconds: float, step: float = math.inf) -> list[Ear]:
+    """Set the clock forward, `step` s at a time; return the given topics on which nothing was published then."""
     before = {ear.topic: ear.total for ear in ears}
-    watch.step(seconds)
+    end = watch.now() + seconds
+    while (left := end - watch.now()) > step + STEP / 100:
+        watch.step(step)
+    watch.step(left)
     watch.until(lambda: all(ear.total > before[ear.topic] for ear in ears), watch.late)
     watch.check()
     return [ear for ear in ears if ear.total <= before[ear.topic]]
