@@ -726,7 +726,11 @@ def test_a_program_whose_file_was_run_is_no_reason_why_no_node_was_seen(rubric: 
     runs = [run for run in right().runs if run.setting == "alone" and run.programs != [evidences.COMMAND]]
     given = replace(right(), runs=runs)
     assert given.build is not None
-    lost = replace(evidences.executable("command_user"), command=[], fault="It is not there.")
+    lost = replace(
+        evidences.executable("command_user"), command=[], modules=["command_user"], fault="It is not there."
+    )
+    taken = WrittenEnd("/robot/command", evidences.STRING, False, [], "command_user")
+    given = evidences.files(ends=[taken])(given)
     run = replace(evidences.executable("command_user.py"), target=lost.target, way="module")
     for programs, is_named in (([lost], True), ([lost, run], False)):
         executables = [*given.build.executables, *programs]

@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from ros2lab.assignments import Part
 from ros2lab.grading.deeds import CLAUSES, PACED, PUBLISHES, READS
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
-from ros2lab.grading.player import PLAIN_SETTINGS, Player, is_for_want, lacked
+from ros2lab.grading.player import PLAIN_SETTINGS, Player, is_for_want, lacked, of_one_node
 from ros2lab.grading.players import Case
 from ros2lab.rhythm import has_period
 
@@ -41,7 +41,8 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, st
     Returns:
         Two clauses, either of which may be empty.
     """
-    players = [player for player in case.players[part.name] if player.run.setting != GIVEN]
+    everybody = of_one_node(case.players[part.name], case.main(part))
+    players = [player for player in everybody if player.run.setting != GIVEN]
     if not players:
         return _unwatched(case, part), ""
     needed = () if part.end == "service" else (PUBLISHES if part.is_publisher else READS, *deeds)
@@ -166,6 +167,7 @@ def _given(case: Case, part: Part) -> list[str]:
             types = (kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds)
             given.setdefault(name, set()).update(types)
     foreign = sorted(name for name, types in given.items() if own.isdisjoint(types))
-    is_opened = any(player.is_heard for player in case.players[part.name] if player.run.setting == GIVEN)
+    everybody = of_one_node(case.players[part.name], case.main(part))
+    is_opened = any(player.is_heard for player in everybody if player.run.setting == GIVEN)
     is_tried = len(runs) > 1 and not is_opened and all({*foreign} <= {*run.tried} for run in runs)
     return [] if is_tried else foreign

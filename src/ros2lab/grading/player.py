@@ -219,13 +219,30 @@ def on_one_topic(players: Iterable[Player]) -> Iterator[Player]:
 
 
 def without_given(players: list[Player]) -> list[Player]:
-    """Return the players without those of runs in which messages were given, if any works without these.
+    """Return the players without those of runs in which messages were given, if one as right works without these.
 
     Of the players in such runs only publishers count: a given message is no reaction.
     """
-    is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
+    alone = (player for player in players if player.run.setting != GIVEN and player.is_heard)
+    best = min((MATCHES.index(player.match) for player in alone), default=len(MATCHES))
     return [
         player
         for player in players
-        if player.run.setting != GIVEN or (player.part.is_publisher and player.is_heard and not is_heard)
+        if player.run.setting != GIVEN
+        or (player.part.is_publisher and player.is_heard and MATCHES.index(player.match) < best)
+    ]
+
+
+def of_one_node(players: Iterable[Player], best: Player | None) -> list[Player]:
+    """Return the players of a publisher's part that are on the topic of its best one, or of the same node.
+
+    What another node does on another topic answers no question about this one.
+    """
+    return [
+        player
+        for player in players
+        if best is None
+        or not best.part.is_publisher
+        or player.topic == best.topic
+        or player.node.rpartition("/")[2] == best.node.rpartition("/")[2]
     ]

@@ -11,6 +11,7 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.deaf import without_deaf
 from ros2lab.grading.deeds import PUBLISHES, READS
+from ros2lab.grading.doubled import Node, doubled
 from ros2lab.grading.evidence import Evidence, Executable, Run, WrittenEnd
 from ros2lab.grading.player import (
     MATCHES,
@@ -75,7 +76,9 @@ class Case:
         for number, run in runs:
             for player in (*self._players_in(number, run, owners), *self._read_in(number, run)):
                 found[player.part.name].append(player)
-        lost = self.lost(found)
+        # What has never had a node is evidence of nothing, and stands for a part only where nobody else may.
+        came_up = {name for _, run in runs if run.setting == "alone" and run.nodes for name in run.programs}
+        lost = self.lost(found) & came_up
         for name, part in self.assignment.parts.items():
             # A part that seems missing may be there by another name; not if its program is lost.
             if all(player.is_idle for player in found[name]):
@@ -91,12 +94,15 @@ class Case:
     def may_be(self, program: str, part: Part) -> bool:
         """Return whether a program of which nothing was seen may have a part's node.
 
-        Its name decides; else its modules must make such an end, or it must be unknown what they make.
+        Its name decides; else its modules must make such an end, or it must be unknown what they make. One that
+        cannot be started is known by its modules alone: without any, it makes nothing, whatever it is called.
         """
-        meant = self.assignment.meant_by(program)
-        if meant is not None:
+        executable, meant = self.executables.get(program), self.assignment.meant_by(program)
+        if executable and not executable.command:
+            if not executable.modules:
+                return False
+        elif meant is not None:
             return meant is part
-        executable = self.executables.get(program)
         modules = {*executable.modules, executable.stem} - {""} if executable else set()
         ends = [end for end in self.evidence.files.ends if end.module in modules]
         if executable and executable.modules and not ends:
@@ -303,16 +309,10 @@ class Case:
             for name, part in self.assignment.parts.items()
             if part.end != "service" and any(player.match != "unnamed" for player in self.players[name])
         ]
-        choices = [self._equals(name) for name in names]
-        # A node that plays all parts counts once, however many programs start it, and under whatever names.
-        whole = set(choices[0]).intersection(*choices) if len(choices) > 2 else set()
-        choices = [
-            [*dict.fromkeys(("", "", "") if node in whole else node for node in nodes)] for nodes in choices
-        ]
-        best = max(itertools.product(*choices), key=lambda players: len({*players}))
-        return frozenset(name for number, name in enumerate(names) if best[number] in best[:number])
+        targets = {name: executable.target for name, executable in self.executables.items()}
+        return doubled({name: self._equals(name) for name in names}, targets)
 
-    def _equals(self, name: str) -> list[tuple[str, str, str]]:
+    def _equals(self, name: str) -> list[Node]:
         """Return the nodes that play a part best, by program and name; twins also differ by their part."""
         players = self.players[name]
         players = [player for player in players if player.match == players[0].match]

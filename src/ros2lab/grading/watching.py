@@ -370,11 +370,13 @@ def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
             for topic, nodes in run.publishes.items()
             for types in nodes.values()
         ]
-        is_there = any(
-            topic == part.topic or (part.type_name in types and assignment.is_only(part))
-            for topic, types in seen
-        )
-        if part.is_publisher and is_there and not any(is_done(part, run) for run in runs):
+        has_type = assignment.is_only(part) and any(part.type_name in types for _, types in seen)
+        # Where a node has the right topic, what comes on another one is another node's.
+        if part.is_publisher and any(topic == part.topic for topic, _ in seen):
+            is_silent = not any(part.topic in topics for run in runs for topics in run.stretches)
+        else:
+            is_silent = part.is_publisher and has_type and not any(is_done(part, run) for run in runs)
+        if is_silent:
             return True
     return False
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
 from ros2lab.grading.keeper import is_limit
-from ros2lab.grading.player import STAND_IN, Player, is_for_want, stamped
+from ros2lab.grading.player import STAND_IN, Player, is_for_want, of_one_node, stamped
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
 
@@ -129,10 +129,11 @@ def goes_on(case: Case, part: Part) -> Answer:
         is_error = "Error" in player.end or "Exception" in player.end
         level = "cut" if is_limit(player.end) else "dies" if is_error else "ends"
         return Answer(level, seen, key, raised_at(player.end, player.program))
-    alike = [candidate for candidate in case.players[part.name] if candidate.match == player.match]
+    its_own = of_one_node(case.players[part.name], player)
+    alike = [candidate for candidate in its_own if candidate.match == player.match]
     if any(candidate.topic in candidate.run.stalled for candidate in alike):
         return Answer("stops", seen, (f"runs[{player.number}].stalled",), shown(player.node))
-    is_silent = not any(candidate.is_heard for candidate in case.players[part.name])
+    is_silent = not any(candidate.is_heard for candidate in its_own)
     return Answer("silent" if is_silent else "lives", seen, key, shown(player.node))
 
 

@@ -10,7 +10,7 @@ from ros2lab.assignments import Part
 from ros2lab.grading.deeds import FINITE, PACED, REPEATS
 from ros2lab.grading.evidence import GIVEN
 from ros2lab.grading.periods import gaps_of, period_of, quiet_times
-from ros2lab.grading.player import Player
+from ros2lab.grading.player import Player, of_one_node
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
@@ -31,7 +31,7 @@ TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come with the period that is asked for, by the node itself or as launched."""
-    everybody = case.players[part.name]
+    everybody = of_one_node(case.players[part.name], case.main(part))
     if not everybody:
         end = case.written(part)
         is_written = end and any(has_period(period, part.period) for period in end.periods)
@@ -83,7 +83,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
 )
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come repeatedly, or whenever something changes."""
-    players = case.players[part.name]
+    players = of_one_node(case.players[part.name], case.main(part))
     if not players:
         end = case.written(part)
         level = "written" if end and end.periods else "missing"
