@@ -659,6 +659,28 @@ def test_what_begins_with_a_command_has_time_to_come_again(observer: Observer) -
     assert after(run, "start").topics["/cmd_vel"].count > 1
 
 
+def test_what_begins_with_a_word_of_its_own_has_time_to_come_again(tmp_path: Path) -> None:
+    """It may be the word for driving by itself, and the next one ends it."""
+    (tmp_path / "has_modes.py").write_text(
+        BEGIN
+        + f"""
+rclpy.init()
+{COMMAND}
+publisher = node.create_publisher(Twist, "/cmd_vel", 10)
+mode = []
+node.create_subscription(String, "/mode", lambda message: mode.append(message.data), 10)
+node.create_timer(0.2, lambda: mode[-1:] == ["auto"] and publisher.publish(Twist()))
+rclpy.spin(node)
+"""
+    )
+    assignment = assignments.load().with_own_words(["auto", "manual"])
+    with World(tmp_path, shown=SHOWN) as world, Observer(world, assignment, seconds=math.inf) as observer:
+        (run,) = observer.watch([Job([program("has_modes")], "alone", is_stepped=False)])
+    assert run.quiet == {}
+    assert next(command.text for command in run.commands if command.topics) == "auto"
+    assert after(run, "auto").topics["/cmd_vel"].count > 1
+
+
 def test_a_program_that_dies_of_a_command_is_seen_to(runs: Runs) -> None:
     run = runs["dies"]
     assert [(command.text, command.is_alive) for command in run.commands] == [

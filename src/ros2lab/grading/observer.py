@@ -74,6 +74,7 @@ class Conductor:
         self._quiet: dict[str, Any] = {}
         self._quiet_log: list[list[str]] = []
         self._stalled: list[str] = []
+        self._may_begin = False  # whether the command is the first one, or a word of the submission's own
         self._coming: set[str] = set()  # topics with messages when the stepped clock was last set far forward
         self._longest_taken = 0.0  # s, the longest that a node needed to take a command
         self._unanswered = 0  # commands in a row after which a node did not answer
@@ -237,6 +238,7 @@ class Conductor:
     def _command(self, watch: Watch, text: str, answered: dict[str, int]) -> None:
         totals = {topic: watch.ears[topic].total for topic in answered}
         before = {name: dict(values) for name, values in watch.values.items()}
+        self._may_begin = not self._commands or text in self._script.own
         self._say_command(watch, text)
         if text in self._script.changes:
             for topic, total in totals.items():
@@ -322,15 +324,15 @@ class Conductor:
 
     def _wait_on(self, watch: Watch, periods: Mapping[str, float]) -> None:
         """Wait for the next messages on frequent topics, and on those that are to answer commands."""
-        # A robot that starts with the first command publishes velocities repeatedly or once: that takes time
-        # to see.
+        # A robot that starts with the first command, or with a word of its own, publishes velocities
+        # repeatedly or once: that takes time to see.
         moved = {
             part.type_name
             for part in self._assignment.parts.values()
             if part.is_publisher and not part.period and not part.when
         }
         moving = {topic for topic, ear in watch.ears.items() if ear.type_name in moved}
-        if not self._commands:
+        if self._may_begin:
             begun = [watch.ears[topic] for topic in moving if watch.ears[topic].total < 2]
             watch.until(lambda: all(ear.total > 1 for ear in begun), REACTION_TIMEOUT)
         waited = {

@@ -18,6 +18,7 @@ class Script:
             that follows them was given to the place in the sequence, and not to the word.
         first: the name of that command.
         changes: the commands that a state answers to.
+        own: words of the submission's own, at which it may do what it does at no command.
     """
 
     def __init__(self, part: Part | None) -> None:
@@ -32,8 +33,8 @@ class Script:
         control = (*unknown, *first, *again)
         # The last ones tell whether the node survived the flood, and let the robot move when Ctrl-C comes.
         # There are two, because DDS sends again what a flood has crowded out when the next message comes.
-        own = part.own if part else ()
-        self.all = (*self.changes, *control, *own, self.flood, *first, *first) if words else ()
+        self.own = part.own if part else ()
+        self.all = (*self.changes, *control, *self.own, self.flood, *first, *first) if words else ()
         self.before = part.before if part else ()
         self.first = ", ".join(self.before)
         self.few = (*first, *unknown[:1], *words[1:], *unknown[:1], *first)
