@@ -142,6 +142,14 @@ def test_what_a_node_publishes_when_it_is_given_something_counts_beside_another_
     assert judged(answered)[f"{VELOCITY}.repetition"].reason.startswith("Messages come on /cmd_vel")
 
 
+def test_a_number_of_another_node_on_another_topic_is_not_held_against_a_part() -> None:
+    other = evidences.velocity_run(
+        "/turtle2", "turtle2", topic="/turtle2/cmd_vel", values=[evidences.twist("nan")] * 5
+    )
+    runs = [evidences.status_run(), evidences.command_run(), NEAR_MISSES[VELOCITY]]
+    assert judged(evidences.right([*runs, other]))[f"{VELOCITY}.values"].points == 3
+
+
 def driver(node: str, program: str) -> Run:
     """Return a run of a node that takes the commands and drives."""
     taken = evidences.command_run(node, program)

@@ -146,7 +146,8 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
         return Answer("missing", seen, ("runs",))
     if not player.is_heard:
         return Answer("silent", seen, (player.key,), shown(player.topic))
-    alike = [candidate for candidate in case.players[part.name] if candidate.match == player.match]
+    its_own = of_one_node(case.players[part.name], player)
+    alike = [candidate for candidate in its_own if candidate.match == player.match]
     numbers = [
         (key, name, number)
         for candidate in alike
