@@ -71,9 +71,10 @@ def test_a_program_that_cannot_be_started_takes_nothing_from_what_was_seen(
 
 
 @pytest.mark.parametrize("part", NEAR_MISSES)
-def test_a_module_that_python_cannot_read_takes_nothing_from_what_was_seen(part: str) -> None:
+@pytest.mark.parametrize("nodes", [[], ["/lost"]], ids=["at its start", "with a node"])
+def test_a_program_that_ends_takes_nothing_from_what_was_seen(part: str, nodes: list[str]) -> None:
     given = seen_nearly(part)
-    run = Run([part], "alone", "stepped", [], {}, {}, {}, {}, {}, [], {part: SYNTAX}, {}, [])
+    run = Run([part], "alone", "stepped", nodes, {}, {}, {}, {}, {}, [], {part: SYNTAX}, {}, [])
     both = with_programs(replace(given, runs=[*given.runs, run]), evidences.executable(part))
     assert points(both, part) == points(given, part)
 

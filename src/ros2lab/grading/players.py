@@ -76,15 +76,11 @@ class Case:
         for number, run in runs:
             for player in (*self._players_in(number, run, owners), *self._read_in(number, run)):
                 found[player.part.name].append(player)
-        # What has never had a node is evidence of nothing, and stands for a part only where nobody else may.
-        came_up = {name for _, run in runs if run.setting == "alone" and run.nodes for name in run.programs}
-        lost = self.lost(found) & came_up
         for name, part in self.assignment.parts.items():
-            # A part that seems missing may be there by another name; not if its program is lost.
+            # A part that seems missing may be there by another name, whatever else cannot be started or ended.
             if all(player.is_idle for player in found[name]):
-                is_lost = any(self.may_be(program, part) for program in lost)
                 for number, run in runs:
-                    alike = self._players_in(number, run, owners, by_type=part, is_lost=is_lost)
+                    alike = self._players_in(number, run, owners, by_type=part)
                     found[name] += [player for player in alike if player.part is part]
         return {
             name: [] if self.is_foreign(self.assignment.parts[name]) else without_given(players)
@@ -358,12 +354,8 @@ class Case:
         owners: Mapping[str, str],
         *,
         by_type: Part | None = None,
-        is_lost: bool = False,
     ) -> Iterator[Player]:
-        """Yield the players in a run; for the part `by_type` also those that only their type tells.
-
-        If a lost program may have that part's node, what they do must tell, too.
-        """
+        """Yield the players in a run; for the part `by_type` also those that only their type tells."""
         seen = (
             ("publisher", run.publishes),
             ("subscription", run.subscribes),
@@ -381,7 +373,7 @@ class Case:
                             for wanted in self.assignment.topics
                         )
                         if part is by_type and is_free and part.type_name in types:
-                            is_alike = self._is_alike(part, topic, node, run, is_lost=is_lost)
+                            is_alike = self._is_alike(part, topic, node, run)
                             match = "unnamed" if is_alike else None
                         if match:
                             yield Player(part, match, topic, node, tuple(types), number, run, program)
@@ -416,14 +408,14 @@ class Case:
             is_other = is_about and (part.is_meant(topic) or not is_told)
         return "other" if is_other else None
 
-    def _is_alike(self, part: Part, topic: str, node: str, run: Run, *, is_lost: bool = False) -> bool:
+    def _is_alike(self, part: Part, topic: str, node: str, run: Run) -> bool:
         """Return whether more than a type shared by several parts tells that a node plays a part.
 
         A publisher has the right period, or publishes repeatedly and plays no other part. A subscriber reacts
         to commands when it is alone, and the code compares with one of them or it plays no other part.
         """
         if self.assignment.is_only(part):
-            return not is_lost
+            return True
         if self.assignment.meant_by(topic) not in (part, None):
             return False  # the topic is named for another part
         if part.is_publisher:
@@ -439,7 +431,7 @@ class Case:
                 for other_run in self.evidence.runs
             )
             is_known = is_done and not {*self.evidence.files.compared}.isdisjoint(part.commands)
-        return is_known or (is_done and not is_lost and not self._is_busy(part, node, run))
+        return is_known or (is_done and not self._is_busy(part, node, run))
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:
         """Return whether a node has the topic of another part."""
