@@ -1171,6 +1171,34 @@ def test_a_launch_file_is_excused_for_a_module_that_is_not_installed_here(
     assert criterion.points == points, criterion.reason
 
 
+@pytest.mark.parametrize(
+    ("missing", "points"),
+    [
+        ("robot_description", 2),  # handed in, and not built here
+        ("robot_controller", 0),  # its own
+        ("robot_nowhere", 0),
+    ],
+)
+def test_a_launch_file_is_excused_for_a_package_of_the_hand_in_that_is_not_built_here(
+    rubric: Rubric, missing: str, points: float
+) -> None:
+    said = (
+        "[ERROR] [launch]: Caught exception in launch (see debug for traceback): Caught multiple exceptions when trying to load file of format [py]:\n"
+        f" - PackageNotFoundError: \"package '{missing}' not found, searching: ['/opt/ros']\""
+    )
+    given = launching(
+        right(), ended={"robot.launch.py": said}, nodes=[], publishes={}, subscribes={}, commands=[], quiet={}
+    )
+    beside = replace(evidences.PACKAGE, name="robot_description", build_type="ament_cmake")
+    path = "launch/robot.launch.py"
+    change = evidences.both(
+        evidences.submission(packages=[evidences.PACKAGE, beside]),
+        evidences.files(launch_files=[path], launched_packages={path: ["robot_controller", missing]}),
+    )
+    criterion = judged(change(given), rubric, "bonus.launch")
+    assert (criterion.points, f"package '{missing}' not found" in criterion.reason) == (points, not points)
+
+
 def test_what_follows_a_word_on_another_topic_is_no_answer_to_a_command(rubric: Rubric) -> None:
     """Where the command topic takes another type, words were said where another node takes the status."""
     deaf = evidences.command_run(kind=evidences.TWIST)

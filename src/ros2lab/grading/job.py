@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.grading.box import Box
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.keyboard import Keyboard
@@ -395,4 +396,4 @@ def _heard(topics: dict[str, Any]) -> dict[str, Heard]:
 
 
 def _last_lines(text: str) -> str:
-    return "\n".join(line[:LINE] for line in text.strip().splitlines()[-10:])
+    return "\n".join(line[:LINE] for line in without_ignored(text.strip().splitlines())[-10:])

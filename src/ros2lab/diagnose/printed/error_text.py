@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import BinaryIO
 
 from ros2lab.build_text import first_error
+from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.diagnose.printed.transcript import (
     LABELLED,
     OF_LATER,
@@ -162,7 +163,9 @@ def read_error(text: str) -> ErrorText:
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None
     steps = steps_of(lines)
-    lines = _of_its_own_format([line for step in steps for line in step.lines])
+    lines = [line for step in steps for line in step.lines]
+    told = without_ignored(lines)
+    lines = _of_its_own_format(told if any(_reports(told)) else lines)
     lines = _of_one_process_each(_before_ctrl_c(lines))
     reports: list[ErrorReport] = []
     said: list[str] = []  # all lines but the tracebacks of programs that were only ended from outside

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import itertools
 import re
 import signal
 import unicodedata
@@ -10,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
+from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.grading.excuses import excuse
 from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import finds_no_keyboard
@@ -222,12 +224,18 @@ def _asked_to_end(lines: Iterable[str]) -> set[str]:
 
 def last_word(text: str) -> str:
     """Return the line that says why a program ended, without the parts that differ between runs."""
-    lines = [line.strip() for line in text.splitlines() if line.strip() and not _REPORT.match(line)]
+    said = without_ignored(text.splitlines())
+    lines = [line.strip() for line in said if line.strip() and not _REPORT.match(line)]
     # The end of a program that was asked to end is no reason.
     asked = _asked_to_end(lines)
     lines = [line for line in lines if line not in asked] or lines
     # After the error that ends a launch file come the ends of what it had started.
-    telling = [match[1] for match in map(_OF_LAUNCH.fullmatch, lines) if match]
+    below = {line: following.removeprefix("- ") for line, following in itertools.pairwise(lines)}
+    telling = [
+        below.get(line, match[1]) if line.endswith(":") else match[1]  # it says why on the next line
+        for line, match in zip(lines, map(_OF_LAUNCH.fullmatch, lines), strict=True)
+        if match
+    ]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
     word = shown(_CHANCE.sub("…", word)).rstrip(".:")

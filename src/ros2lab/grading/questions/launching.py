@@ -18,6 +18,7 @@ _NOT_HERE = re.compile(
     r"(?:\[ERROR\] \[[^\]]+\]: exception occurred while executing process: |FileNotFoundError: )"
     r"\[Errno 2\] No such file or directory: '([^'/]+)'"
 )
+_NO_PACKAGE = re.compile(r"PackageNotFoundError: \W*package '([^']+)' not found")
 _NO_MODULE = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
 _OF_ROS = ("ros2", "python3", "python")
 _ORDER = (
@@ -86,13 +87,21 @@ def excuse(case: Case, path: str) -> str:
         for run in case.evidence.runs
         if run.setting == "launched" and run.programs[0] == file and run.ended.get(file)
     ]
-    absent += _modules_missing(case, said)
+    absent += [*_modules_missing(case, said), *_unbuilt(case, said)]
     is_for_another = said and not any(name in text for name in absent for text in said)
     is_faulty = any(
         finding.code in _FAULTS and re.sub(r":\d+$", "", finding.place) == path for finding in files.told()
     )
     is_excused = absent and _names_own(case, path) and not is_faulty and not is_for_another
     return f"{file} needs {listed(absent)}, not installed here" if is_excused else ""
+
+
+def _unbuilt(case: Case, said: Iterable[str]) -> list[str]:
+    """Return the packages of the hand-in that launch did not find because only others were built here."""
+    submission = case.evidence.submission
+    graded = {package.name for package in (submission.package, *submission.also) if package}
+    names = {package.name for package in submission.packages} - graded
+    return [*dict.fromkeys(name for text in said for name in _NO_PACKAGE.findall(text) if name in names)]
 
 
 def _modules_missing(case: Case, said: Iterable[str]) -> list[str]:

@@ -1,0 +1,106 @@
+"""Why a program ended, by what it printed last: neither what Python ignores nor what launch only announces."""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from subprocess import run
+
+import pytest
+
+from ros2lab.diagnose.printed.error_text import read_error
+from ros2lab.diagnose.printed.ignored import without_ignored
+from ros2lab.grading.questions.answer import last_word
+
+# Each makes this Python print an exception that it ignores, before or after the one that ends it.
+IGNORED = {
+    "in __del__": """
+        class Held:
+            def __del__(self):
+                self.gone.close()
+        held = Held()
+        """,
+    "in __del__, with a cause": """
+        class Held:
+            def __del__(self):
+                try:
+                    self.gone.close()
+                except AttributeError as error:
+                    raise ValueError("not closed") from error
+        held = Held()
+        """,
+    "in a callback of weakref": """
+        import weakref
+        class Held: pass
+        held = Held()
+        ref = weakref.ref(held, lambda gone: gone.missing)
+        del held
+        """,
+    "in atexit": """
+        import atexit
+        atexit.register(lambda: {}["gone"])
+        """,
+    "in a generator that is closed": """
+        def numbers():
+            try:
+                yield 1
+            finally:
+                {}["gone"]
+        held = numbers()
+        next(held)
+        """,
+}
+
+
+@pytest.mark.parametrize("how", IGNORED)
+def test_an_ignored_exception_is_not_why_a_program_ended(how: str) -> None:
+    """Python itself says it, in its own words of today."""
+    code = textwrap.dedent(IGNORED[how]) + "raise RuntimeError('the model is missing')\n"
+    said = run([sys.executable, "-c", code], capture_output=True, text=True, check=False).stderr
+    assert "Exception ignored" in said
+    assert last_word(said) == "RuntimeError: the model is missing", said
+    report = read_error(said).report
+    assert report is not None and report.line == "RuntimeError: the model is missing", said
+
+
+def test_an_ignored_exception_alone_is_no_end_but_can_be_explained() -> None:
+    said = "Exception ignored in: <function Robot.__del__ at 0x7f>\nTraceback (most recent call last):\n  File \"a.py\", line 3\nKeyError: 'left'"
+    assert last_word(said) == "no word of why"
+    report = read_error(said).report
+    assert report is not None and report.kind == "KeyError"
+
+
+def test_of_programs_that_were_launched_together_each_has_its_own_ignored_exception() -> None:
+    lines = [
+        "[a-1] Exception ignored in thread started by: <bound method>",
+        "[b-2] Traceback (most recent call last):",
+        '[a-1]   File "a.py", line 3',
+        "[b-2] KeyError: 'left'",
+        "[a-1] BrokenPipeError: [Errno 32] Broken pipe",
+        "[a-1] ValueError: its own",
+    ]
+    assert without_ignored(lines) == [lines[1], lines[3], lines[5]]
+
+
+@pytest.mark.parametrize(
+    "why",
+    [
+        "PackageNotFoundError: \"package 'robot_bringup' not found\"",
+        "SyntaxError: invalid syntax (robot.launch.py, line 7)",
+        "NameError: name 'Node' is not defined",
+        "KeyError: 'HOME'",
+    ],
+)
+def test_what_launch_announces_is_no_reason_but_what_it_lists_below(why: str) -> None:
+    said = (
+        "[INFO] [launch]: All log files can be found below /tmp\n"
+        "[ERROR] [launch]: Caught exception in launch (see debug for traceback): Caught multiple exceptions when trying to load file of format [py]:\n"
+        f" - {why}\n"
+        " - InvalidFrontendLaunchFileError: The launch file may have a syntax error, or its format is unknown\n"
+    )
+    assert last_word(said) == why
+
+
+def test_what_launch_says_on_one_line_is_the_reason() -> None:
+    said = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): executable 'x' not found on the libexec directory"
+    assert last_word(said) == "executable 'x' not found on the libexec directory"
