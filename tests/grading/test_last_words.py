@@ -60,14 +60,16 @@ def test_an_ignored_exception_is_not_why_a_program_ended(how: str) -> None:
     assert "Exception ignored" in said
     assert last_word(said) == "RuntimeError: the model is missing", said
     report = read_error(said).report
-    assert report is not None and report.line == "RuntimeError: the model is missing", said
+    assert report is not None
+    assert report.line == "RuntimeError: the model is missing", said
 
 
 def test_an_ignored_exception_alone_is_no_end_but_can_be_explained() -> None:
     said = "Exception ignored in: <function Robot.__del__ at 0x7f>\nTraceback (most recent call last):\n  File \"a.py\", line 3\nKeyError: 'left'"
     assert last_word(said) == "no word of why"
     report = read_error(said).report
-    assert report is not None and report.kind == "KeyError"
+    assert report is not None
+    assert report.kind == "KeyError"
 
 
 def test_of_programs_that_were_launched_together_each_has_its_own_ignored_exception() -> None:

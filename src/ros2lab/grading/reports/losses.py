@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from ros2lab.grading.grade import Fault, Grade, Judgement
 
@@ -16,7 +17,7 @@ class Loss:
     Attributes:
         component: its name.
         points: how many points it lost.
-        criteria: its criteria that lost points.
+        criteria: its criteria that lost points; those for one and the same reason are one.
         faults: its faults that the criteria do not mention.
     """
 
@@ -40,7 +41,7 @@ def losses(grade: Grade) -> list[Loss]:
             faults = [
                 fault for fault in grade.faults if fault.component == component and fault.cause not in told
             ]
-            found.append(Loss(component, given.max - given.points, criteria, faults))
+            found.append(Loss(component, given.max - given.points, _joined(criteria), faults))
     return found
 
 
@@ -58,3 +59,32 @@ def missed_bonus(grade: Grade) -> list[Judgement]:
         for criterion in grade.criteria
         if criterion.component == BONUS and criterion.points < criterion.max
     ]
+
+
+def _joined(criteria: Sequence[Judgement]) -> list[Judgement]:
+    """Return criteria with those as one that lost their points for the same reason, such as a missing node.
+
+    The reason may go on in some of them, as where the topic's criterion says why the node was not seen.
+    """
+    groups: dict[str, list[Judgement]] = {}
+    for criterion in sorted(criteria, key=lambda criterion: len(criterion.reason)):
+        reason = criterion.reason.rstrip(".")
+        is_decided = criterion.override is not None
+        shared = next((stem for stem in groups if reason.startswith(stem) and not is_decided), reason)
+        groups.setdefault(f"{shared} ({criterion.id})" if is_decided else shared, []).append(criterion)
+    order = {criterion.id: number for number, criterion in enumerate(criteria)}
+    for alike in groups.values():
+        alike.sort(key=lambda criterion: order[criterion.id])
+    return [_one(alike) for alike in sorted(groups.values(), key=lambda alike: order[alike[0].id])]
+
+
+def _one(alike: list[Judgement]) -> Judgement:
+    """Return several criteria with one reason as one."""
+    return replace(
+        alike[0],
+        title="; ".join(criterion.title for criterion in alike),
+        points=round(sum(criterion.points for criterion in alike), 2),
+        max=round(sum(criterion.max for criterion in alike), 2),
+        reason=max((criterion.reason for criterion in alike), key=len),
+        hint=" ".join(dict.fromkeys(criterion.hint for criterion in alike if criterion.hint)),
+    )
