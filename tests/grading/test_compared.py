@@ -40,6 +40,45 @@ def main():
     assert words_in(text) == WORDS
 
 
+LOOKED_FOR = [
+    "if 'left' in m.data: pass",
+    "if 'left' not in m.data: pass",
+    "if m.data.startswith('left'): pass",
+    "if m.data.strip().lower().endswith('left'): pass",
+    "if m.data.find('left') >= 0: pass",
+    "if m.data.count('left'): pass",
+    "if re.search('left', m.data): pass",
+    "if re.match(r'^\\s*left\\b', m.data): pass",
+    "if (found := re.fullmatch('(?i)left', m.data)): pass",
+    "words = m.data.split()\n        if 'left' in words: pass",
+    "words = m.data.split()\n        if words[0] == 'left': pass",
+    "match m.data.split():\n            case ['left', *rest]: pass",
+    "{'left': 1}.get(m.data, 0)",
+]
+
+
+@pytest.mark.parametrize("body", LOOKED_FOR)
+def test_words_that_are_looked_for_in_a_text_are_found(body: str) -> None:
+    text = f"import re\ndef main():\n    def heard(m):\n        {body}\n    create_subscription(heard)\n"
+    assert words_in(text) == ["left"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "m.data.replace('left', '')",
+        "m.data.split('left')",
+        "re.compile(m.data)",
+        "re.search('left|right|back', m.data)",  # does not tell these apart
+        "m.data in ('left', 'right')",
+        "startswith('left')",
+        "'left'.startswith(m.data)",
+    ],
+)
+def test_words_that_are_not_looked_for_do_not_count(body: str) -> None:
+    assert words_in(f"import re\ndef main():\n    {body}\n") == []
+
+
 def test_a_table_in_another_file_is_used_where_its_name_is() -> None:
     table = "STATES = {'start': 'on', 'stop': 'off', 'reset': 'idle'}\n"
     assert words_in(table, "from pk.m0 import STATES\ndef main():\n    print(STATES)\n") == WORDS

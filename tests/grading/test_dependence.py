@@ -87,6 +87,11 @@ RIGHT: dict[str, dict[str, str]] = {
     "the same as another, but not as the rest": {"body": "if message.data == 'start':\n    print('go')\nelif message.data == 'go':\n    print('go')\nelse:\n    print('what?')"},
     "another number in the same call": {"body": "if message.data == 'start':\n    self.drive(1)\nelse:\n    self.drive(0)"},
     "early return": {"body": "if message.data != 'start':\n    return\nprint('go')"},
+    "a part of the text": {"body": "if 'start' in message.data:\n    self.state = 1"},
+    "one of its words": {"body": "words = message.data.split()\nif 'start' in words:\n    print('go')"},
+    "its beginning": {"body": "if message.data.lower().startswith('start'):\n    print('go')"},
+    "its place": {"body": "if message.data.find('start') >= 0:\n    print('go')"},
+    "a pattern": {"before": "import re", "body": "if re.search(r'\\bstart\\b', message.data):\n    print('go')"},
     "a table handed on": {"before": "from machines import Machine", "init": "self.machine = Machine({'start': 'moving'})", "body": "self.machine.on(message)"},
 }  # fmt: skip
 
@@ -106,6 +111,9 @@ WRONG: dict[str, dict[str, str]] = {
     },
     "a table that nobody asks": {"init": "self.table = {'start': 1}", "body": "print(message.data)"},
     "looked up for nothing": {"init": "self.table = {'start': 1}", "body": "self.table.get(message.data)"},
+    "looked for, for nothing": {"body": "message.data.startswith('start')"},
+    "looked for in something else": {"body": "if 'start' in self.get_name():\n    print(message.data)"},
+    "looked for, and the same done": {"body": "if 'start' in message.data:\n    print('got')\nelse:\n    print('got')"},
     "a statement alone": {"body": "message.data == 'start'"},
     "a function that is only called with constants": {
         "before": "def known(word):\n    return word == 'start'",

@@ -1673,3 +1673,58 @@ def test_a_finding_tells_of_which_topic_or_message_it_is(
 ) -> None:
     found = look(right_package() | {"robot_controller/status_publisher.py": OF_SEVERAL}).told()
     assert any(about in one.about for one in found if one.code == code), found
+
+
+COMMAND = '''import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class CommandSubscriber(Node):
+    def __init__(self):
+        super().__init__('command_subscriber')
+        self.create_subscription(String, '/robot/command', self.obey, 10)
+
+    def obey(self, msg):
+        if msg.data == 'start':
+            self.get_logger().info('starting')
+        elif msg.data == 'stop':
+            self.get_logger().info('stopping')
+        elif msg.data == 'reset':
+            self.get_logger().info('resetting')
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(CommandSubscriber())
+'''
+SLIPS = {
+    "a colon": ("'reset':", "'reset'"),
+    "a bracket": ("info('starting')", "info('starting'"),
+    "a quote": ("info('stopping')", "info('stopping)"),
+    "another language's words": ("elif msg.data == 'stop'", "else if msg.data == 'stop'"),
+    "one sign for two": ("== 'start'", "= 'start'"),
+    "a space too many": ("        elif msg.data == 'stop'", "         elif msg.data == 'stop'"),
+}
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_of_a_file_with_a_slip_its_words_and_its_topic_are_read(
+    look: Callable[[Texts | Path], Files], slip: str
+) -> None:
+    right, wrong = SLIPS[slip]
+    assert right in COMMAND
+    texts = right_package() | {"robot_controller/command_subscriber.py": COMMAND.replace(right, wrong, 1)}
+    texts["setup.py"] = SETUP.replace(
+        "'status_publisher =", "'command = robot_controller.command_subscriber:main', 'status_publisher ="
+    )
+    found = look(texts)
+    assert found.depended_on == ["reset", "start", "stop"]
+    assert {*found.compared} >= {"reset", "start", "stop"}
+    assert any(end.topic == "/robot/command" and not end.is_publisher for end in found.ends)
+
+
+def test_of_a_text_that_is_no_python_nothing_is_read(look: Callable[[Texts | Path], Files]) -> None:
+    prose = "The node compares msg.data == 'start' with 'stop', and then with 'reset' :-)\n"
+    found = look(right_package() | {"robot_controller/command_subscriber.py": prose})
+    assert found.depended_on == []

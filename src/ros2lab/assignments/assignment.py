@@ -172,8 +172,8 @@ class Assignment:
         return all(other is part or other.type_name != part.type_name for other in self.parts.values())
 
     def with_own_words(self, compared: Iterable[str]) -> Assignment:
-        """Return it with the words with which a hand-in compares something, where these are not the commands."""
-        part, texts = self.commanded, [*compared]
+        """Return it with the first words with which a hand-in compares something, where these are not the commands."""
+        part, texts = self.commanded, [*dict.fromkeys(compared)]
         if part is None or {*part.commands} <= {*texts}:
             return self
         known = {text.lower() for text in (*part.commands, *part.unknown)}

@@ -13,12 +13,12 @@ from functools import cache, cached_property
 
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.grading.compared import compared
+from ros2lab.grading.compared import LOOKS_FOR, compared
 from ros2lab.grading.running import Code
 
 Name = tuple[ast.AST | None, str]  # the function that a name is local to; None for a global or an attribute
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
-_LOOKS_UP = frozenset(("get", "pop", "setdefault", "index", "count", "__getitem__", "__contains__"))
+_LOOKS_UP = frozenset(("get", "pop", "setdefault", "__getitem__"))
 
 
 def depended_on(sources: Collection[PythonSource], code: Code) -> list[str]:
@@ -58,6 +58,8 @@ class _Flow:
         match node:
             case ast.Compare(left=left, comparators=others):
                 return any(map(self._comes, (left, *others))) and self._matters(node)
+            case ast.Call(func=ast.Attribute(value=owner, attr=name), args=given) if name in LOOKS_FOR:
+                return any(map(self._comes, (owner, *given))) and self._matters(node)
             case ast.MatchValue():
                 case, statement = self._above(node, ast.match_case), self._above(node, ast.Match)
                 return (
@@ -261,7 +263,7 @@ def _own_names(function: ast.AST) -> frozenset[str]:
 
 
 def _is_look_up(node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and _name(node.func) in _LOOKS_UP
+    return isinstance(node, ast.Call) and _name(node.func) in _LOOKS_UP | LOOKS_FOR
 
 
 def _otherwise(node: ast.If | ast.Match) -> list[ast.stmt]:

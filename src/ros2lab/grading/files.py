@@ -12,13 +12,14 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import net
+from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
@@ -133,8 +134,8 @@ class _PackageReader:
             "tests_left_out": lambda: [*self._tests[1]],
             "left_out": lambda: self._tests[1],
             "handlers": lambda: _handlers(_of_nodes(self.sources), self.code),
-            "compared": lambda: compared(node for _, node in self.code),
-            "depended_on": lambda: depended_on(self.sources, self.code),
+            "compared": lambda: compared(node for _, node in self.mended_code),
+            "depended_on": lambda: depended_on(self.mended, self.mended_code),
             "idle": lambda: idle(self.sources, self.code),
             "ends": lambda: self.ends[0],
             "ends_elsewhere": lambda: ends_elsewhere(
@@ -167,9 +168,18 @@ class _PackageReader:
         return [*running(self.sources, self.entrances)]
 
     @cached_property
+    def mended(self) -> list[PythonSource]:
+        """The sources with slips of typing undone: what a file plainly has counts, also where Python cannot read it."""
+        return [*map(mended, self.sources)]
+
+    @cached_property
+    def mended_code(self) -> Code:
+        return [*running(self.mended, self.entrances)]
+
+    @cached_property
     def ends(self) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
         commanded = self.assignment.commanded
-        return written_ends(self.sources, self.entrances, commanded.commands if commanded else ())
+        return written_ends(self.mended, self.entrances, commanded.commands if commanded else ())
 
     @cached_property
     def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
@@ -188,13 +198,14 @@ def _loose(
 ) -> Files:
     """Return the facts in files outside a package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
+    whole = cache(lambda: [*map(mended, loose)])
     readers: dict[str, Callable[[], Any]] = {
         "sources": lambda: described(loose, [*running(loose)], texts),
         "readme_names": lambda: named_in(texts, loose),
         "handlers": lambda: _handlers(loose, [*running(loose)]),
-        "compared": lambda: compared(node for _, node in running(loose)),
-        "depended_on": lambda: depended_on(loose, [*running(loose)]),
-        "ends": lambda: written_ends(loose, words=words)[0],
+        "compared": lambda: compared(node for _, node in running(whole())),
+        "depended_on": lambda: depended_on(whole(), [*running(whole())]),
+        "ends": lambda: written_ends(whole(), words=words)[0],
         "ends_elsewhere": lambda: ends_elsewhere(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
