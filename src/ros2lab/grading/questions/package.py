@@ -7,10 +7,12 @@ the share of `nodes_are_installed` that is for being installed.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from copy import copy
+from dataclasses import fields, replace
 
 from ros2lab.assignments import Part
 from ros2lab.diagnose.finding import Finding
-from ros2lab.grading.evidence import NO_WORD, Run
+from ros2lab.grading.evidence import NO_WORD, Files, Run
 from ros2lab.grading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -286,6 +288,38 @@ def package_is_described(case: Case) -> Answer:
         seen = {"where": " in setup.py", "missing": listed(missing)}
     level = "written" if not missing else "partly" if has_any else "todo"
     return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"].rpartition(" ")[2])
+
+
+def is_charged(case: Case) -> bool:
+    """Return whether what keeps a package from being built costs points where it belongs.
+
+    It does not where something else has cost these points already, such as a setup.cfg without which a marker is of no use.
+    """
+    files = case.evidence.files
+    manifest = [files.manifest.get(fact) for fact in ("is_there", "is_valid", "is_ament_python")]
+    if not all((*manifest, files.setup.get("is_there"), files.setup.get("is_valid"))):
+        return True
+    wrong = [fact for fact in ("marker_exists", *_KEEPS_FROM_BUILDING) if not files.setup.get(fact)]
+    levels = _levels(case, files.setup)
+    return any(_levels(case, {**files.setup, fact: True}) != levels for fact in wrong) or not (
+        wrong or _is_explained(case)
+    )
+
+
+def _levels(case: Case, setup: Mapping[str, bool]) -> list[str]:
+    """Return what the questions about a setup.py would be answered with other facts, but for the build's own error."""
+    names = {field.name for field in fields(Files)}
+    known = {name: value for name, value in vars(case.evidence.files).items() if name in names}
+    supposed, built = copy(case), copy(case)  # with the same players
+    supposed.evidence = replace(case.evidence, files=Files(**{**known, "setup": {**setup}}))
+    build = case.evidence.build
+    built.evidence = replace(supposed.evidence, build=build and replace(build, is_built=True))
+    answers = (
+        setup_installs_the_package(built),
+        package_is_registered(supposed),
+        nodes_are_installed(supposed),
+    )
+    return [answer.level for answer in answers]
 
 
 def _is_explained(case: Case) -> bool:

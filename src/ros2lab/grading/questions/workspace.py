@@ -8,7 +8,8 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.notes import Kind, spoken
 from ros2lab.grading.players import Case
-from ros2lab.grading.questions.answer import Answer, listed, question, shown
+from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.package import is_charged
 
 _BY_PYTHON = re.compile(r"(?:^|/)(?:__pycache__|[^/]*\.py[co])$")
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
@@ -34,16 +35,16 @@ def package_lies_in_src(case: Case) -> Answer:
 
 
 @question(
-    "built package_fault endless copy_outside duplicate hidden bare no_package",
-    "package others top why",
+    "built package_fault fails endless copy_outside duplicate hidden bare no_package",
+    "package others top why error",
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
 def colcon_finds_package(case: Case) -> Answer:
-    """Whether colcon finds the package and builds it; faults in the package itself do not count here.
+    """Whether colcon finds the package and builds it; faults that cost points in the package do not count here.
 
-    Only a build that never ends does, because then nothing in the workspace can be built.
+    A build that never ends does, because then nothing in the workspace can be built.
     """
-    seen = {"package": shown(case.package or "the package"), "others": "", "top": "", "why": ""}
+    seen = {"package": shown(case.package or "the package"), "others": "", "top": "", "why": "", "error": ""}
     build = case.evidence.build
     files = case.evidence.files
     is_package = files.manifest.get("is_there") or files.setup.get("installs_modules")
@@ -58,7 +59,12 @@ def colcon_finds_package(case: Case) -> Answer:
         return Answer("hidden", seen | {"why": why}, ("submission.notes",), shown(_folder(case)))
     if build.cut:
         return Answer("endless", seen | {"why": build.cut}, ("build.cut",), "setup.py")
-    return Answer("built" if build.is_built else "package_fault", seen, ("build.is_built",))
+    if build.is_built:
+        return Answer("built", seen, ("build.is_built",))
+    is_of_another_type = files.manifest.get("is_valid") and not files.manifest.get("is_ament_python")
+    error = "its build type is not ament_python" if is_of_another_type else last_word(build.error)
+    level = "package_fault" if is_charged(case) else "fails"
+    return Answer(level, seen | {"error": error}, ("build.is_built", "build.error"), shown(_folder(case)))
 
 
 def _of_twins(case: Case, twins: list[str], seen: dict[str, str]) -> Answer:
