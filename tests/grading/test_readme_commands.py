@@ -62,6 +62,12 @@ RUN = Run(
         ("ros2 topic echo --once /robot/status", True),
         ("ros2 topic pub --once /robot/command std_msgs/msg/String \"{data: 'start'}\"", True),
         ('ros2 topic pub --once /robot/stop std_msgs/msg/String "{data: stop}"', False),
+        ('ros2 topic pub -1 /temperature std_msgs/msg/Float32 "{data: 25.5}"', False),  # waits for ever
+        ('ros2 topic pub -t 3 /temperature std_msgs/msg/Float32 "{data: 25.5}"', False),
+        ('ros2 topic pub /temperature std_msgs/msg/Float32 "{data: 25.5}"', None),  # does not fail
+        ('ros2 topic pub -r 2 /temperature std_msgs/msg/Float32 "{data: 25.5}"', None),
+        ('ros2 topic pub /robot/comand std_msgs/msg/String "{data: stop}"', False),  # is misspelt
+        ("ros2 topic echo /temperature", False),
         ("ros2 topic echo /robot/stauts", False),
         ("ros2 topic list", None),
         ("ros2 topic echo /rosout", True),

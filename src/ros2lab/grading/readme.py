@@ -19,6 +19,7 @@ _COMMAND = re.compile(
     r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;<*]*(?:(?<=\s)<[\w -]+>)?"
 )
 _VALUE = re.compile(r"/[\w/]*\w")
+_WAITS = re.compile(r"-[1tw]$|--(?:once|times|wait)")  # with these, `ros2 topic pub` waits for a subscriber
 _PLACEHOLDER = re.compile(r"[\[({<].*|.*\.\.|…|[A-Z][A-Z_]+")
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
 # The word before a command in a sentence, as in "Run colcon build in ~/ws"; an article makes it a noun.
@@ -175,6 +176,8 @@ class _Known:
                 is_beside = package in self._packages - self._own
                 is_there = name in known and (package in self._own or (is_beside and verb == "launch"))
                 return (is_there and name not in self._broken) or (None if is_beside else False)
+            case ["ros2", "topic", "pub", *rest] if not any(map(_WAITS.match, rest)):
+                return self._names(rest, self._topics) or self._misspells(rest)
             case ["ros2", "topic", _, *rest]:
                 return self._names(rest, self._topics)
             case ["ros2", "node" | "param", _, *rest]:
@@ -188,6 +191,11 @@ class _Known:
     def _names(self, words: Sequence[str], known: set[str]) -> bool | None:
         named = next((word for word in words if _VALUE.fullmatch(word)), None)
         return None if named is None else named in known
+
+    def _misspells(self, words: Sequence[str]) -> bool | None:
+        """Return False if a command names nearly a topic; None if not, for it does not fail where nobody listens."""
+        named = next(filter(_VALUE.fullmatch, words), "")
+        return False if any(is_near_miss(named, topic) for topic in self._topics) else None
 
     def _builds(self, words: Sequence[str]) -> bool:
         """Return whether colcon builds a package of the submission, and does not skip the graded one."""
