@@ -175,7 +175,10 @@ def test_what_a_condition_keeps_from_being_made_is_told_with_it(
     files.change("node", MAKES, f"{asked}        if {test}:\n    {MAKES}    {TIMER}")
     run = replace(NO_TOPICS, parameters={"/status_publisher": parameters})
     (found,) = told(files, tmp_path, run)
-    assert "neither published nor subscribed to anything: its publisher on /robot/report is made only if" in found
+    assert (
+        "neither published nor subscribed to anything: its publisher on /robot/report is made only if"
+        in found
+    )
     assert wanted in found
 
 

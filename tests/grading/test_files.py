@@ -1675,7 +1675,7 @@ def test_a_finding_tells_of_which_topic_or_message_it_is(
     assert any(about in one.about for one in found if one.code == code), found
 
 
-COMMAND = '''import rclpy
+COMMAND = """import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
 
@@ -1697,7 +1697,7 @@ class CommandSubscriber(Node):
 def main(args=None):
     rclpy.init(args=args)
     rclpy.spin(CommandSubscriber())
-'''
+"""
 SLIPS = {
     "a colon": ("'reset':", "'reset'"),
     "a bracket": ("info('starting')", "info('starting'"),

@@ -72,7 +72,9 @@ def collect(
             if submission.form != "nothing":
                 # The observer starts in the background.
                 told = repr((facts.readme, facts.sources, facts.ends, facts.compared))
-                asked = assignment.with_own_words([*facts.depended_on, *facts.compared]).with_coined_words(told, facts.compared)
+                asked = assignment.with_own_words([*facts.depended_on, *facts.compared]).with_coined_words(
+                    told, facts.compared
+                )
                 coined = _coined(asked, assignment)
                 with Observer(world, asked, queue=1 if is_alone else QUEUE) as observer:
                     with _timed(seconds, "build"):

@@ -14,7 +14,7 @@ from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.senses import is_still, is_velocity, steady
 
 _ARBITRARY = 3  # unknown words that each bring something else
-_WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
+WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 
 
 Change = tuple[str, str]  # a topic or a parameter, and what it says after a command
@@ -107,7 +107,7 @@ def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, l
 
 def _warnings(run: Run, command: CommandSeen) -> set[str]:
     """Return the warnings and errors logged after a command."""
-    return {template(_line(run, text), command.text) for level, text in command.log if level in _WARNINGS}
+    return {template(_line(run, text), command.text) for level, text in command.log if level in WARNINGS}
 
 
 def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = True) -> bool:

@@ -176,10 +176,8 @@ class _Known:
                 is_beside = package in self._packages - self._own
                 is_there = name in known and (package in self._own or (is_beside and verb == "launch"))
                 return (is_there and name not in self._broken) or (None if is_beside else False)
-            case ["ros2", "topic", "pub", *rest] if not any(map(_WAITS.match, rest)):
-                return self._names(rest, self._topics) or self._misspells(rest)
-            case ["ros2", "topic", _, *rest]:
-                return self._names(rest, self._topics)
+            case ["ros2", "topic", verb, *rest]:
+                return self._of_topic(verb, rest)
             case ["ros2", "node" | "param", _, *rest]:
                 return self._names(rest, self._nodes)
             case ["colcon", *rest]:
@@ -192,8 +190,11 @@ class _Known:
         named = next((word for word in words if _VALUE.fullmatch(word)), None)
         return None if named is None else named in known
 
-    def _misspells(self, words: Sequence[str]) -> bool | None:
-        """Return False if a command names nearly a topic; None if not, for it does not fail where nobody listens."""
+    def _of_topic(self, verb: str, words: Sequence[str]) -> bool | None:
+        """Return whether a command about a topic is true; None if it only publishes, where nobody listens."""
+        is_true = self._names(words, self._topics)
+        if is_true is not False or verb != "pub" or any(map(_WAITS.match, words)):
+            return is_true
         named = next(filter(_VALUE.fullmatch, words), "")
         return False if any(is_near_miss(named, topic) for topic in self._topics) else None
 

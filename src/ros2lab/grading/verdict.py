@@ -149,6 +149,12 @@ def _faults(
             texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.fix))
             yield Fault(finding.code, components[0], *texts)
     yield from _unexplained(case, [judgement for judgement in lost if judgement.id not in explained], answers)
+    for criterion in rubric.criteria:
+        answer, level = answers[criterion.id], criterion.levels[answers[criterion.id].level]
+        if level.share == 1 and level.hint:  # it costs nothing, but is to be told
+            code = re.sub(r"[._]", "-", f"{criterion.id}-{answer.level}")
+            cause, hint = (text.format_map(answer.seen) for text in (level.reason, level.hint))
+            yield Fault(code, criterion.component, cause, answer.place, hint)
 
 
 def _is_fault(lost: Judgement, level: str) -> bool:

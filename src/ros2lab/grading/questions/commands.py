@@ -16,6 +16,7 @@ from ros2lab.assignments import Part
 from ros2lab.grading import reactions
 from ros2lab.grading.deeds import COMPARES, LOGS
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.fallback import taken_for_unknown
 from ros2lab.grading.player import Player, stamped
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
@@ -28,15 +29,15 @@ FLOOD = " x "  # part of the observer's name for them
 
 _IDLE = ("echoed", "none")  # levels of a node in which no command does anything, so that none can do harm
 
-_SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": ""}
+_SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": "", "fallback": ""}
 
 # Findings about comparisons that are always or never true: they tell no words apart.
 _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
 
 
 @question(
-    "all told_apart until_end two one own_words echoed inverted capitals none untried written missing",
-    "unprocessed why so own besides",
+    "all mixed told_apart until_end two one own_words echoed inverted capitals none untried written missing",
+    "unprocessed why so own besides fallback",
     nodes.CODES,
     mute="none untried",
     deeds=COMPARES,
@@ -75,13 +76,16 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         level = level or _level_of(count, part)
     else:
         level = "inverted" if _is_inverted(case, part) else _level_of(count, part)
-    known -= believed if level == "told_apart" else set()
+    mixed = _taken_for_unknown(part, telling.values()) if level == "all" else {}
+    level = "mixed" if mixed else level
+    known -= mixed.keys() | (believed if level == "told_apart" else set())
     so = f"; what {listed(sorted(so_already))} is to bring about is so already" if so_already else ""
     seen = _SAID | {
         "unprocessed": listed([word for word in part.commands if word not in known]),
         "so": so,
         "own": listed(own),
         "besides": f", but something does follow {listed(own)}" if own else "",
+        "fallback": shown(next(iter(mixed.values()), "").replace("{}", "…")),
     }
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
@@ -123,6 +127,11 @@ def _with_own(part: Part, run: Run) -> Part:
     said = itertools.dropwhile(lambda command: command.text not in part.commands, run.commands)
     texts = [command.text for command in said if command.text not in known and FLOOD not in command.text]
     return replace(part, commands=tuple(dict.fromkeys(texts)))
+
+
+def _taken_for_unknown(part: Part, runs: Iterable[Run]) -> dict[str, str]:
+    """Return by command what also follows an unknown word, where a run shows that."""
+    return next(filter(None, (taken_for_unknown(part, run) for run in runs)), {})
 
 
 def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
