@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from ros2lab.assignments import Part
+from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import (
     GIVEN,
     CommandSeen,
@@ -104,6 +104,15 @@ def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
     is_there = any(types & {*kinds} for nodes in run.subscribes.values() for kinds in nodes.values())
     is_answered = any(command.log or command.topics or command.parameters for command in run.commands)
     return is_there and (is_answered or not run.commands)
+
+
+def is_busy(assignment: Assignment, part: Part, node: str, run: Run) -> bool:
+    """Return whether a node has the topic of another part in a run."""
+    others = (other for other in assignment.parts.values() if other is not part)
+    return any(
+        node in (run.publishes if other.is_publisher else run.subscribes).get(other.topic, ())
+        for other in others
+    )
 
 
 def deadly_in(run: Run) -> CommandSeen | None:

@@ -13,11 +13,13 @@ from ros2lab.grading.deaf import without_deaf
 from ros2lab.grading.deeds import PUBLISHES, READS
 from ros2lab.grading.doubled import Node, doubled
 from ros2lab.grading.evidence import Evidence, Executable, Run, WrittenEnd
+from ros2lab.grading.like_types import is_like_type, with_like_types
 from ros2lab.grading.player import (
     MATCHES,
     PLAIN_SETTINGS,
     Match,
     Player,
+    is_busy,
     is_done,
     is_for_want,
     lacked,
@@ -36,7 +38,7 @@ MOST_PLAYERS = 10  # nodes that are considered for one part
 def _may_end(end: WrittenEnd, part: Part) -> bool:
     """Return whether an end that the code makes may belong to a part."""
     types = ("", part.type_name, stamped(part.type_name))
-    is_like = end.type_name in types or is_near_topic(end.topic, part.topic)
+    is_like = end.type_name in types or is_like_type(end, part) or is_near_topic(end.topic, part.topic)
     return end.is_publisher is part.is_publisher and (is_like or end.topic == part.topic)
 
 
@@ -366,13 +368,14 @@ class Case:
             for topic, nodes in ends.items():
                 for node, types in nodes.items():
                     program = run.programs[0] if len(run.programs) == 1 else owners.get(node, "")
+                    like = with_like_types(types, topic, self.evidence.files.ends, self.assignment)
                     for part in parts:
-                        match = self._match(part, topic, types, run, node=node, program=program)
+                        match = self._match(part, topic, like, run, node=node, program=program)
                         is_free = not any(
                             topic == wanted or is_near_topic(topic, wanted)
                             for wanted in self.assignment.topics
                         )
-                        if part is by_type and is_free and part.type_name in types:
+                        if part is by_type and is_free and part.type_name in like:
                             is_alike = self._is_alike(part, topic, node, run)
                             match = "unnamed" if is_alike else None
                         if match:
@@ -395,7 +398,7 @@ class Case:
         elif part.is_publisher:
             # Another part's node publishes its own messages, unless the topic is named for this part.
             heard = run.quiet.get(topic)
-            is_its_own = subject in topic or not self._is_busy(part, node, run)
+            is_its_own = subject in topic or not is_busy(self.assignment, part, node, run)
             is_other = is_its_own and heard is not None and heard.count > 1
         else:
             # Any node may receive texts: its topic, its name or its code must tell what they are about.
@@ -431,12 +434,4 @@ class Case:
                 for other_run in self.evidence.runs
             )
             is_known = is_done and not {*self.evidence.files.compared}.isdisjoint(part.commands)
-        return is_known or (is_done and not self._is_busy(part, node, run))
-
-    def _is_busy(self, part: Part, node: str, run: Run) -> bool:
-        """Return whether a node has the topic of another part."""
-        other_parts = (other_part for other_part in self.assignment.parts.values() if other_part is not part)
-        return any(
-            node in (run.publishes if other_part.is_publisher else run.subscribes).get(other_part.topic, ())
-            for other_part in other_parts
-        )
+        return is_known or (is_done and not is_busy(self.assignment, part, node, run))
