@@ -793,8 +793,8 @@ def test_what_a_timer_tells_late_is_heard_after_its_command(runs: Runs) -> None:
 
 def test_an_impostor_is_noted(runs: Runs) -> None:
     assert {
-        "/robot/status is published by 2 DDS participants.",
-        "2 DDS participants for 1 programs.",
+        "2 programs publish on /robot/status, or one that joins ROS as often.",
+        "Nodes joined ROS as if they were of more programs than were started: 2 instead of 1.",
         "Two nodes have the name /status.",
     } <= set(runs["impostor"].notes)
 
@@ -921,7 +921,7 @@ def test_programs_hear_one_another_only_together(observer: Observer) -> None:
     (run,) = observer.watch([Job.together([program("three_nodes"), program("class_node")])])
     assert "Two nodes have the name /status." in run.notes
     assert run.publishes["/robot/status"] == {"/status": ["std_msgs/msg/String"]}
-    assert "/robot/status is published by 2 DDS participants." in run.notes
+    assert "2 programs publish on /robot/status, or one that joins ROS as often." in run.notes
 
 
 @pytest.mark.parametrize(

@@ -223,7 +223,7 @@ def full() -> tuple[Grade, Evidence]:
             quiet={"/cmd_vel": velocities(0.1, 24), "/robot/status": replace(status, times=[2.0], count=1)},
             commands=commands[:2],
             ended={"command_subscriber": "Traceback (most recent call last):\nValueError: unknown command"},
-            notes=["/cmd_vel is published by 2 DDS participants."],
+            notes=["2 programs publish on /cmd_vel, or one that joins ROS as often."],
         ),
     ]
     build = Build(

@@ -361,7 +361,8 @@ class Conductor:
         ended_before, gone = self._alive == 0, watch.glimpsed()
         participants = watch.participants()
         if participants > self.plan["programs"] and not self.plan["nodes"]:
-            watch.notes.add(f"{participants} DDS participants for {self.plan['programs']} programs.")
+            more = f"{participants} instead of {self.plan['programs']}"
+            watch.notes.add(f"Nodes joined ROS as if they were of more programs than were started: {more}.")
         if not watch.is_stepped and OWN_CLOCK not in watch.notes:
             self._clocked = watch.clock_followers()
         self._say("interrupt")

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 
+from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.leftovers import case_of
@@ -217,8 +218,8 @@ def _notes_of_runs(case: Case) -> Iterator[str]:
     runs, part = case.evidence.runs, case.assignment.commanded
     brief = {name for run in runs if run.setting == "alone" and not deadly_in(run) for name in run.ended}
     for run in runs:
-        yield from _notes_of(run, brief)
-        if part and run.commands and run.commanded != part.topic:
+        yield from _notes_of(run, brief, part)
+        if part and run.commands and run.commanded != part.topic and run.commanded in run.subscribes:
             yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
 
 
@@ -246,12 +247,13 @@ def _unwritten(case: Case, player: Player) -> Iterator[str]:
         )
 
 
-def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
+def _notes_of(run: Run, brief: Collection[str], part: Part | None) -> Iterator[str]:
     """Yield what was done differently than usual in a run.
 
     Args:
         run: the run.
         brief: the programs that end by themselves.
+        part: the part that takes commands; None if none does.
     """
     who = shown(", ".join(run.programs))
     if run.refused:
@@ -266,7 +268,7 @@ def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
         if run.setting == "together" and name in run.early and name not in brief:
             by_itself, after = ("", " before any command, and goes on alone")
         elif deadly is not None and name not in brief:
-            by_itself, after = ("", f" after {shown(deadly.text)!r} was published")
+            by_itself, after = ("", f" after {_published(deadly.text, part)}")
         how = (
             f"{by_itself}for want of what is not here" if is_for_want(end) else ended(end, f"{by_itself}with")
         )
@@ -275,6 +277,13 @@ def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
         yield f"{shown(name)}, {shown(run.setting)}: it ended {how}{after}."
     if run.given:
         yield f"Messages, requests or responses of default values were given, for nobody in the hand-in brings any: {listed(run.given)}."
+
+
+def _published(text: str, part: Part | None) -> str:
+    """Return what was published, as a clause that says so of words that the assignment does not name."""
+    words = text.split(", ")
+    is_made_up = part is not None and len(words) > 1 and {*words}.isdisjoint(part.commands)
+    return f"made-up words were published: {shown(text)}" if is_made_up else f"{shown(text)!r} was published"
 
 
 def _unheard(player: Player) -> Iterator[str]:

@@ -174,7 +174,7 @@ class Watch(ObservedDomain):
             subscribers = self._others(ends.subscriptions(self.node, topic))
             count = len({ends.participant(info) for info in publishers})
             if count > 1 and topic not in every_node.HIDDEN_TOPICS:
-                self.notes.add(f"{topic} is published by {count} DDS participants.")
+                self.notes.add(f"{count} programs publish on {topic}, or one that joins ROS as often.")
             if topic == "/clock" and publishers:
                 self.notes.add(OWN_CLOCK)
                 if self.is_stepped:  # whenever the graph shows it
