@@ -1065,7 +1065,7 @@ def test_two_words_of_a_nodes_own_count_as_one_that_was_asked_for(
     assert f"each word that the node knows: {words[0]}, {words[1]} and {words[2]}." in criterion.reason
 
 
-@pytest.mark.parametrize(("log", "points"), [(evidences.echo, 11), (evidences.log_by_word, 17), (None, 0)])
+@pytest.mark.parametrize(("log", "points"), [(evidences.echo, 9), (evidences.log_by_word, 17), (None, 0)])
 def test_a_subscriber_on_another_topic_has_what_it_does(
     rubric: Rubric, log: Callable[[str], list[str]] | None, points: float
 ) -> None:
