@@ -762,6 +762,7 @@ class TestMarkdown:
         assert prose("Look (with `ros2 topic list`), and give\ncreate_timer 2.0 s. Or get_logger?") == (
             "Look (with `ros2 topic list`), and give `create_timer` 2.0 s. Or `get_logger`?"
         )
+        assert prose('Not true: ros2 topic pub /t "{data: 25.5}".').endswith('`/t` "`{data: 25.5}`".')
         assert prose("It ended with [Errno 2] No such file.") == "It ended with `[Errno 2]` No such file."
         assert prose("Write get_logger().info(...), not rclpy.init() (twice).") == (
             "Write `get_logger().info(...)`, not `rclpy.init()` (twice)."

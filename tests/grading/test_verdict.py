@@ -2240,6 +2240,16 @@ def test_what_a_command_gives_is_the_readmes_own(rubric: Rubric, command: str, i
     assert (judged(given, rubric, "documentation.commands").points == 3) is is_excused
 
 
+def test_all_that_package_xml_does_not_declare_is_named(rubric: Rubric) -> None:
+    """Also what the assignment did not ask for; it costs nothing more."""
+    change = evidences.facts(
+        "manifest", "declares_all_imports", "declares_geometry_msgs", "declares_sensor_msgs"
+    )
+    criterion = judged(change(right()), rubric, "package.dependencies")
+    assert criterion.points == 2
+    assert criterion.reason == "package.xml does not declare geometry_msgs and sensor_msgs."
+
+
 @pytest.mark.parametrize(("is_declared", "points"), [(True, 3), (False, 2)])
 def test_what_was_seen_at_run_time_is_to_be_declared(
     rubric: Rubric, is_declared: bool, points: float

@@ -74,7 +74,7 @@ def dependencies_are_declared(case: Case) -> Answer:
         name for name, holds in declared.items() if not holds and name not in (*wanted, "all_imports")
     ]
     fault = f"not {listed(undeclared)}, which is imported, too" if undeclared else "also what does not exist"
-    seen = {"missing": listed(missing), "fault": fault}
+    seen = {"missing": listed([*missing, *undeclared]), "fault": fault}
     return Answer(level, seen, ("files.manifest",), "package.xml")
 
 

@@ -17,7 +17,7 @@ MOST = 50  # faults and notes, each
 # Words and numbers; then also code spans in our own sentences, and calls.
 _WORD = re.compile(r"""["'(]*(?:\d+\.\d+|[^\W_]+(?:['\u2019-][^\W_]+)*)[)"',.;:!?]*""")
 _PIECE = re.compile(
-    r"""(?<!\S)(["'(]*)(?:`([^`]+)`|(\[[^][`]*\]|[\w.]+\([^()`]*\)|\S*?))([)"',.;:!?]*)(?!\S)"""
+    r"""(?<!\S)(["'(]*)(?:`([^`]+)`|(\[[^][`]*\]|\{[^{}`]*\}|[\w.]+\([^()`]*\)|\S*?))([)"',.;:!?]*)(?!\S)"""
 )
 
 
