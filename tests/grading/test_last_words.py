@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import sys
 import textwrap
+from dataclasses import replace
 from subprocess import run
 
+import evidences
 import pytest
 
 from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.grading.questions.answer import last_word
+from ros2lab.grading.rubric import load
+from ros2lab.grading.verdict import verdict
 
 # Each makes this Python print an exception that it ignores, before or after the one that ends it.
 IGNORED = {
@@ -106,3 +110,17 @@ def test_what_launch_announces_is_no_reason_but_what_it_lists_below(why: str) ->
 def test_what_launch_says_on_one_line_is_the_reason() -> None:
     said = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): executable 'x' not found on the libexec directory"
     assert last_word(said) == "executable 'x' not found on the libexec directory"
+
+
+def test_a_note_says_that_words_were_made_up() -> None:
+    """They are the grader's own, as is a topic that nothing of the hand-in subscribes to."""
+    given = evidences.ended(evidences.COMMAND, "KeyError: 'rrat'", at="stop")(evidences.right())
+    run = given.runs[1]
+    coined = replace(run.commands[-1], text="rrat, srat, sspp")
+    told = replace(run, commands=[*run.commands[:-1], coined], commanded="/observer_1")
+    notes = verdict(replace(given, runs=[given.runs[0], told, *given.runs[2:]]), load()).notes
+    assert (
+        "command_subscriber, alone: it ended with KeyError: 'rrat' after made-up words were published: rrat, srat, sspp."
+        in notes
+    )
+    assert not any("/observer_1" in note for note in notes)
