@@ -120,13 +120,13 @@ MEANINGS: tuple[Meaning, ...] = (
         r"No task extension to '\w+' a 'ros\.(?P<kind>[^']*)' package",
         "build-type-unknown build-type-missing",
         "colcon does not know the build type {kind!r}, so it builds nothing.",
-        "write <build_type>ament_python</build_type> in package.xml",
+        "write <build_type>ament_python</build_type> between <export> and </export> in package.xml, instead of the build type that is there",
     ),
     meaning(
         r"does not appear to contain CMakeLists\.txt",
         "build-type-cmake build-type-missing",
         "The package's build type requires CMake, but it has no CMakeLists.txt: it is a Python package.",
-        "write <export><build_type>ament_python</build_type></export> in package.xml",
+        "write <build_type>ament_python</build_type> between <export> and </export> in package.xml, instead of the build type that is there",
     ),
     meaning(
         r"rosdep definition for \[(?P<name>[^\]]+)\]",

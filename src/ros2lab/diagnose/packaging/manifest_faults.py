@@ -8,6 +8,7 @@ import keyword
 import re
 import sys
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from shlex import quote
@@ -15,6 +16,7 @@ from typing import Any
 
 from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.packaging.build_types import build_type_written
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
@@ -25,7 +27,6 @@ from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss, nearest, same_letters
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
-_PYTHON_LINE = "write <export><build_type>ament_python</build_type></export> in package.xml"
 # What rclpy depends on, and what a launch file needs: hardly anybody declares these, and nothing breaks.
 # Modules of Python that are called like the libraries that they wrap, which rosdep does find.
 _LIBRARIES = frozenset(("readline", "sqlite3", "uuid", "zlib"))
@@ -143,7 +144,15 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         yield _no_setup(package)
     exports = package.manifest.exports if package.manifest else []
     near = next((e.tagname for e in exports if is_near_miss(e.tagname, "build_type")), "")
-    if kind is None and near:
+    several = [e.content for e in exports if e.tagname == "build_type" and "condition" not in e.attributes]
+    if len(several) > 1:
+        # colcon then asks neither of them, and takes the package for one that is not for ROS.
+        cause = f"package.xml has {len(several)} build types, {' and '.join(several)}, and colcon uses none of them: there must be one."
+        kept = "ament_python" if package.has("setup.py") and not has_cmake else several[0]
+        lost = next((name for name in several if name != kept), kept)
+        line, fix = manifest_line(package, lost), f"remove `<build_type>{lost}</build_type>`"
+        yield Finding("build-type-unknown", cause, at(shown, line), fix)
+    elif kind is None and near:
         yield Finding(
             "build-type-missing",
             f"package.xml has <{near}>, but the tag is called <build_type>, so colcon does not know how to build this.",
@@ -151,33 +160,30 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
             "write `<build_type>ament_python</build_type>`",
         )
     elif kind is None and not has_cmake:
-        yield Finding(
-            "build-type-missing",
-            "package.xml has no <build_type>, so colcon takes this for an old catkin package and expects a CMakeLists.txt.",
-            shown,
-            _PYTHON_LINE,
-        )
+        cause = "package.xml has no <build_type>, so colcon takes this for an old catkin package and expects a CMakeLists.txt."
+        yield _with_build_type("build-type-missing", cause, package, "ament_python")
     elif kind is not None and kind not in BUILD_TYPES:
         # There are others, for Rust or for Java, each with an extension of colcon.
         wanted = nearest(kind, BUILD_TYPES, 0.8) or ("ament_python" if package.has("setup.py") else "")
         if wanted:
-            yield Finding(
-                "build-type-unknown",
-                f"package.xml has the build type {kind!r}, which colcon does not know, so nothing is built.",
-                at(shown, manifest_line(package, kind or "build_type")),
-                f"write <export><build_type>{wanted}</build_type></export> in package.xml",
+            cause = (
+                f"package.xml has the build type {kind!r}, which colcon does not know, so nothing is built."
             )
+            yield _with_build_type("build-type-unknown", cause, package, wanted)
     elif kind in ("ament_cmake", "cmake", "catkin") and not has_cmake:
         is_python = package.has("setup.py") or bool(package.sources)
         create = f"type `ros2 pkg create {package.name} --build-type ament_cmake` in an empty folder elsewhere, and copy CMakeLists.txt from there next to package.xml"
-        yield Finding(
-            "build-type-cmake",
-            f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but {'this is a Python package' if is_python else 'there is none'}.",
-            at(shown, manifest_line(package, "build_type")),
-            _PYTHON_LINE if is_python else create,
-        )
+        cause = f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but {'this is a Python package' if is_python else 'there is none'}."
+        found = _with_build_type("build-type-cmake", cause, package, "ament_python")
+        yield found if is_python else replace(found, fix=create)
     elif kind == "ament_cmake" and (file := _python_alone(package)):
         yield _not_installed_by_cmake(package, shown, file)
+
+
+def _with_build_type(code: str, cause: str, package: SourcePackage, kind: str) -> Finding:
+    """Return a finding with the words that give a package.xml a build type, and the line for them."""
+    line, fix = build_type_written(read_text(package.folder / "package.xml"), kind)
+    return Finding(code, cause, at(package.shown("package.xml"), line), fix)
 
 
 def _not_installed_by_cmake(package: SourcePackage, shown: str, file: str) -> Finding:
@@ -185,7 +191,7 @@ def _not_installed_by_cmake(package: SourcePackage, shown: str, file: str) -> Fi
     name, place = package.name, at(shown, manifest_line(package, "build_type"))
     if package.has("setup.py"):
         cause = f"package.xml has the build type ament_cmake, so colcon builds {name} with CMakeLists.txt, which does not install {file}, and does not read setup.py."
-        return Finding("build-type-cmake", cause, place, _PYTHON_LINE)
+        return _with_build_type("build-type-cmake", cause, package, "ament_python")
     manifest = package.manifest
     needs = dict.fromkeys(dependency.name for dependency in manifest.exec_depends) if manifest else {}
     create = f"ros2 pkg create {name} --build-type ament_python"

@@ -275,14 +275,18 @@ _LOST = "the executables go into bin, where `ros2 run` does not look"
 
 
 def _cfg_fix(package: SourcePackage) -> str:
-    rows = [f"[{section}] {key}={value}" for section, (key, value) in _scripts(package).items()]
-    return f"write in setup.cfg: {' and '.join(rows)}"
+    rows = [
+        row
+        for section, (key, value) in _scripts(package).items()
+        for row in (f"[{section}]", f"{key}={value}")
+    ]
+    return f"write these lines in setup.cfg: {', '.join(f'`{row}`' for row in rows)}"
 
 
 def _cfg_section(package: SourcePackage, config: RawConfigParser, section: str) -> Iterator[Finding]:
     """Yield what is wrong in one section of a setup.cfg."""
     shown, wanted = package.shown("setup.cfg"), f"lib/{package.name}"
-    key, _ = _scripts(package)[section]
+    key, right = _scripts(package)[section]
     dashed, value = key.replace("_", "-"), config.get(section, key, fallback=None)
     if value is None and config.has_option(section, dashed):
         # This release of setuptools may only warn, and install there all the same.
@@ -304,9 +308,12 @@ def _cfg_section(package: SourcePackage, config: RawConfigParser, section: str) 
         cause = f"setup.cfg installs the executables in {value.strip()}, but `ros2 run` looks in {wanted}."
     else:
         return
-    slip = cfg_repair(read_text(package.folder / "setup.cfg"), _scripts(package))
+    # The other section may be wrong as well, which is told apart.
+    text = read_text(package.folder / "setup.cfg")
+    slip = cfg_repair(text, _scripts(package)) or cfg_repair(text, {section: (key, right)})
     line = slip.line if slip else _cfg_line(package, near or key) if near or value else None
-    yield Finding("setup-cfg-missing", cause, at(shown, line), slip.told if slip else _cfg_fix(package))
+    fix = slip.told if slip else f"add two lines at the end of setup.cfg: `[{section}]`, `{key}={right}`"
+    yield Finding("setup-cfg-missing", cause, at(shown, line), fix)
 
 
 def _cfg_line(package: SourcePackage, key: str) -> int | None:
