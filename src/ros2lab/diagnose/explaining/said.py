@@ -213,7 +213,20 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
     return Finding(SAID, f"{path}: {said['said']}.", "", f"look at it with ls -ld {path}")
 
 
+def _stale_link(path: str, look: Look) -> Finding | None:
+    """Return the finding about the links of a build if a path is one that leads nowhere; None if it is none."""
+    within = re.search(r"(?:^|/)((?:build|install)/.+)$", path)
+    link = look.root / within[1] if within else None
+    if link is None or link.exists() or not any(part.is_symlink() for part in (link, *link.parents)):
+        return None
+    parts = link.relative_to(look.root).parts[1:]
+    stale = [finding for finding in look.findings if finding.code == "link-stale"]
+    return next((f for f in stale if any(f"/{part}/" in f"{f.place}/" for part in parts)), None)
+
+
 def _missing(path: str, look: Look | None) -> Finding:
+    if look and (stale := _stale_link(path, look)):
+        return stale
     if look and not path.startswith("/") and (look.root / path).exists():
         cause = f"There is no {path} in the folder where this was typed; it is in {look.root}."
         return Finding(SAID, cause, "", f"cd {look.root}, and type it again")

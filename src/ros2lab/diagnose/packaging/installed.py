@@ -23,11 +23,9 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
     """Yield the differences between a package's sources and what was installed from them."""
     prefix = prefix_of(root, package.name)
     if prefix is None:
-        links = list(_links(root, package, root / "install" / package.name))
-        if any("another folder" in finding.cause for finding in links):
-            yield from links
-            return
-        if (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
+        if links := [*_links(root, package, root / "install" / package.name)]:
+            yield from links  # it was built, and its marker is one of the links
+        elif (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
             yield Finding(
                 "not-built",
                 f"The package {package.name} is in src but not in install: it was never built, or its build failed.",
@@ -163,26 +161,38 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
     links = {path: path.readlink() for base in (prefix, build) for path in _all_links(base)}
     for folder in _site_packages(prefix):
         links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
-    real = root.resolve()
+    own, first = (root, root.resolve()), _built_in(root)
     for path, target in links.items():
         whole = path.parent / target
-        is_moved = (
-            target.is_absolute() and not target.is_relative_to(root) and not target.is_relative_to(real)
-        )
+        is_within = any(target.is_relative_to(folder) for folder in own)
+        is_first = first is not None and first not in own and target.is_relative_to(first)
+        is_moved = target.is_absolute() and (is_first or not is_within)
         if whole.exists() and not (is_moved and package.name in target.parts):
             continue
         why = (
-            "the workspace was built in another folder"
+            f"the workspace was built in {first if is_first else 'another folder'} and has been moved or copied since"
             if is_moved
             else "that has since been moved or renamed"
         )
+        again = f"rm -r {quote(shown_path(build, root))} {quote(shown_path(prefix, root))}, then {_BUILD} {package.name} --symlink-install"
+        if is_moved:  # and with it what each package needs of the others
+            again = "rm -rf build install log, then colcon build --symlink-install"
         yield Finding(
             "link-stale",
             f"{shown_path(path, root)} points to {target}, but {why}.",
             shown_path(path, root),
-            f"rm -r {quote(shown_path(build, root))} {quote(shown_path(prefix, root))}, then {_BUILD} {package.name} --symlink-install, then source install/setup.bash in a new terminal",
+            f"{again}, then source install/setup.bash in a new terminal",
         )
         return
+
+
+def _built_in(root: Path) -> Path | None:
+    """Return the workspace whose folder colcon wrote into what it installed; None if it wrote none."""
+    text = read_text(root / "install" / "setup.sh")
+    written = re.search(
+        r"^_colcon_prefix_chain_sh_COLCON_CURRENT_PREFIX=[\"']?(/.+)/install[\"']?$", text, re.M
+    )
+    return Path(written[1]) if written else None
 
 
 def _all_links(base: Path) -> list[Path]:
