@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import itertools
 import re
 import shlex
@@ -14,6 +13,7 @@ from ros2lab.diagnose.explaining.typed_message import as_message, misfit, read_a
 from ros2lab.diagnose.explaining.usage import accepted_form, plain_words
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.nodes.service_faults import service_ends
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.transcript import words_in
@@ -153,14 +153,8 @@ class _Known:
         return [name for sources in self.sources for name in declared_in(sources) or ()]
 
     def service(self) -> list[str]:
-        creations = [
-            creation
-            for sources in self.sources
-            for creation in sources.creations
-            if creation.method == "create_service"
-        ]
-        names = (creation.given("srv_name") for creation in creations)
-        return [f"/{str(n.value).lstrip('/')}" for n in names if isinstance(n, ast.Constant)]
+        ends = (end for sources in self.sources for end in service_ends(sources))
+        return [f"/{end.name}" for end in ends if end.is_server and end.name and not end.is_action]
 
     def default(self, parameter: str) -> object:
         """Return the default of a parameter; UNKNOWN if no node declares it."""
@@ -255,12 +249,13 @@ class _Command:
             yield Corrected(self.line.replace("ros2 run", "ros2 launch", 1), why)
         elif place in ("type", "service type"):
             yield from self._type(word)
-        elif place == "node" and f"/{word.lstrip('/')}" in self.known.at(place):
+        elif place in ("node", "topic", "service") and f"/{word.lstrip('/')}" in self.known.at(place):
             return
         elif (names := self.known.at(place)) and word not in names and not self.known.is_foreign(place, word):
             near = _meant(word, names)
-            # Only a launch file knows the namespace of a topic.
-            if near and not (place == "topic" and f"/{word}".endswith(f"/{near.lstrip('/')}")):
+            # Only a launch file knows the namespace of a topic or a service.
+            is_named = place in ("topic", "service")
+            if near and not (is_named and f"/{word}".endswith(f"/{near.lstrip('/')}")):
                 why = f"There is no {place} {word}; there is {near}."
                 yield Corrected(self._with(word, near), why)
 

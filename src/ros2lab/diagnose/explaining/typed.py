@@ -9,6 +9,7 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
+from ros2lab.diagnose.explaining.typed_types import is_same_type, of_call, retyped
 from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.finding import Finding, at, shown_path
 from ros2lab.diagnose.launching.misplaced_values import OPTIONS
@@ -78,8 +79,8 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
                 yield from _topic(verb, plain_words(words, 2), step, error, look)
             case ["ros2", "run", *rest]:
                 yield from _run(rest, line)
-            case ["ros2", "service", "call", name, *_] if look and "waiting for service" in step.text:
-                yield from _service(name, look) if not step.is_answered else ()
+            case ["ros2", ("service" | "action") as kind, "call" | "send_goal", *_] if look:
+                yield from of_call(plain_words(words, 2), step, look, is_action=kind == "action")
             case ["ros2", "param", verb, *_] if look and step.lines:
                 yield from _param(verb, plain_words(words, 2), step, look)
             case ["ros2", "node", "info", name, *_] if look and step.lines and not step.is_answered:
@@ -213,11 +214,11 @@ def _field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None
 def _other_type(plain: Sequence[str], end: End, line: str) -> Finding | None:
     """Say that a command uses another type than the code; None if it does not."""
     given = plain[1] if len(plain) > 1 else ""
-    if not given or not end.type or given.replace("/msg/", ".msg.").replace("/", ".") == end.type:
+    if not given or not end.type or is_same_type(given, end.type):
         return None
     right = end.type.replace(".", "/")
     cause = f"The command uses the type {given}, but {end.creation.source.shown} uses {right} on {plain[0]}, so they never connect."
-    return Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
+    return Finding("topic-type", cause, end.place, retyped(line, given, end.type))
 
 
 def _not_met(topic: str, end: End, does: str, error: ErrorText, look: Look) -> Iterator[Finding]:
@@ -317,24 +318,6 @@ def _read_once(name: str, look: Look) -> Iterator[Finding]:
                 reads[0][1],
                 f"write self.get_parameter('{name}').value in the callback, where the value is used",
             )
-
-
-def _service(name: str, look: Look) -> Iterator[Finding]:
-    servers = [
-        str(given.value)
-        for package in look.packages
-        for creation in look.sources(package).creations
-        if creation.method == "create_service"
-        and isinstance(given := creation.given("srv_name"), ast.Constant)
-    ]
-    if not any(server.lstrip("/") == name.lstrip("/") for server in servers):
-        known = f"they offer {', '.join(servers)}" if servers else "they offer none"
-        fix = (
-            "write one of these names"
-            if servers
-            else "write self.create_service(...) in a node, then build and start it"
-        )
-        yield Finding("not-running", f"No node in the workspace offers the service {name}; {known}.", "", fix)
 
 
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
