@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import unread_file
+from ros2lab.diagnose.nodes.replaced_values import replaced_values
 from ros2lab.diagnose.sources.parameter_file import (
     ParameterFileError,
     UnreadParameterFileError,
@@ -214,3 +216,97 @@ def test_a_value_of_another_type_than_declared(tmp_path: Path, declared: str, wr
     (found,) = [one for one in Look(root).findings if one.code == "parameter-type"]
     assert fix in found.fix
     assert found.place.endswith("robot.yaml:3")
+
+
+SOME = "some:\n  ros__parameters:\n"
+# A file that sets p twice, the value that is lost, and the value that counts.
+REPLACED = {
+    "one mapping": (f"{SOME}    p: 3.0\n    q: 2\n\n    # late\n    p: 90.0\n", "3.0", "90.0"),
+    "quotes": (f"{SOME}    'p': 3\n    q: 1\n    p: 4\n", "3", "4"),
+    "the node again": (f"{SOME}    p: 3\n{SOME}    q: 1\n    p: 4\n", "3", "4"),
+    "the node again, with nothing else": (f"{SOME}    p: 3\n{SOME}    p: 4\n", "3", "4"),
+    "the node again, with a slash": (f"{SOME}    p: 3\n/{SOME}    p: 4\n", "3", "4"),
+    "a pattern after the node": (f"{SOME}    p: 3\n{HEAD}    p: 4\n", "3", "4"),
+    "lists": (f"{SOME}    p:\n      - 1\n      - 2\n    q: 1\n    p: [3,\n      4]\n", "- 1 - 2", "[3, 4]"),
+    "braces": (f"{SOME}    p: 1\n    q: 5\n    p: 2  # now\n", "1", "2"),
+}
+
+
+@pytest.mark.parametrize(("text", "lost", "last"), REPLACED.values(), ids=REPLACED.keys())
+def test_a_value_that_a_later_line_replaces(tmp_path: Path, text: str, lost: str, last: str) -> None:
+    """Either of the two removals that are told leaves the value that it is told for."""
+    file = tmp_path / "some.yaml"
+    read_parameter_file(text)
+    (found,) = replaced_values("some.yaml", text)
+    assert f"to {lost} on line" in found.cause
+    assert f"to {last} for the same node" in found.cause
+    told = re.findall(
+        r"lines? (\d+)(?: to (\d+))? if (.+?)(?: is meant, or |$)", found.fix.removesuffix(" is")
+    )
+    assert [value for _, _, value in told] == [lost, last]
+    given = []
+    for first, end, _ in told:
+        lines = text.splitlines()
+        del lines[int(first) - 1 : int(end or first)]
+        file.write_text("\n".join(lines))
+        given.append(given_by_rcl(file))
+        assert not [*replaced_values("some.yaml", file.read_text())]
+    file.write_text(text)
+    now = given_by_rcl(file)
+    assert given[0]["p"].value != now["p"].value == given[1]["p"].value
+    assert {found.get("q") and found["q"].value for found in (*given, now)} == {
+        now.get("q") and now["q"].value
+    }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{SOME}    p: 1\nother:\n  ros__parameters:\n    p: 2\n",
+        f"{HEAD}    p: 1\n{SOME}    p: 2\n",
+        f"left:\n  {SOME.replace('  ros', '    ros')}      p: 1\nright:\n  {SOME.replace('  ros', '    ros')}      p: 2\n",
+        f"{SOME}    x:\n      p: 1\n    y:\n      p: 2\n    p: 3\n",
+        f"{SOME}    p: 1\n{SOME}    q: 2\n",
+        f"{SOME}    p: 1\n    p: 1\n",
+    ],
+)
+def test_values_that_all_count_are_right(text: str) -> None:
+    read_parameter_file(text)
+    assert not [*replaced_values("some.yaml", text)]
+
+
+def test_a_node_that_is_written_twice_has_the_values_of_both() -> None:
+    content = read_parameter_file(f"{SOME}    x: {{a: 1}}\n{SOME}    q: 2\n    x: {{b: 3}}\n")
+    assert content["some"]["ros__parameters"] == {"x": {"a": 1, "b": 3}, "q": 2}
+
+
+@pytest.mark.parametrize(
+    ("text", "fix"),
+    [
+        (f"{SOME}    p: 1\n  ros__parameters:\n    q: 2\n", "remove this line"),
+        (
+            f"{SOME}    p: 1\n  ros__parameters:\n      q: 2\n",
+            "move the parameters below it to those below line 2",
+        ),
+    ],
+)
+def test_ros_parameters_twice_in_one_node(tmp_path: Path, text: str, fix: str) -> None:
+    file = tmp_path / "some.yaml"
+    file.write_text(text)
+    assert given_by_rcl(file) is None
+    with pytest.raises(ParameterFileError) as refused:
+        read_parameter_file(text)
+    found = unread_file("some.yaml", text, refused.value)
+    assert found.place == "some.yaml:4"
+    assert fix in found.fix
+    lines = text.splitlines()
+    del lines[3]
+    file.write_text("\n".join(line.replace(" " * 6, " " * 4) for line in lines))
+    given = given_by_rcl(file)
+    assert given is not None
+    assert sorted(given) == ["p", "q"]
+
+
+def test_a_value_that_is_replaced_on_its_own_line() -> None:
+    (found,) = replaced_values("some.yaml", "some:\n  ros__parameters: {p: 1, q: 3, p: 2}\n")
+    assert found.fix == "remove `p: 2` if 1 is meant, or `p: 1` if 2 is"

@@ -10,10 +10,10 @@ from pathlib import PurePath
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.parameter_faults import is_for, other_name, sections_of
+from ros2lab.diagnose.nodes.parameter_faults import other_name, sections_of
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.transcript import Step, words_in
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, line_of, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_for, line_of, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_text
 
 _LOGGED = re.compile(

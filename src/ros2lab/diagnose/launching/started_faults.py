@@ -12,13 +12,13 @@ from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
-from ros2lab.diagnose.nodes.parameter_faults import is_for, sections_of
+from ros2lab.diagnose.nodes.parameter_faults import sections_of
 from ros2lab.diagnose.nodes.partners import name_in
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, line_of, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_for, line_of, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 

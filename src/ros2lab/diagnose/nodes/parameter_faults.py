@@ -9,12 +9,14 @@ from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.nodes.parameter_values import value_fix
+from ros2lab.diagnose.nodes.replaced_values import replaced_values
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import (
     BELOW,
     ParameterFileError,
     UnreadParameterFileError,
+    is_for,
     is_other_yaml,
     kind_of,
     line_of,
@@ -253,6 +255,7 @@ def file_faults(
             own = {key: values for key, values in sections_of(content) if not is_node(key, others)}
             yield from _content_faults(own, names, offered, declared, lines_of)
             yield from _apart(content, full, lines_of)
+            yield from replaced_values(shown, text)
         elif isinstance(content, Mapping) and (near := _nearly_below(content)):
             cause = f"In {shown} the line above the parameters is {near}:, but ROS reads only what is below {BELOW}:."
             yield Finding(
@@ -395,12 +398,3 @@ def is_node(key: str, names: Collection[str]) -> bool:
     """Return whether a key of a parameter file, such as `/**/talker`, means one of the nodes."""
     last = key.rstrip("/").rpartition("/")[2]
     return "*" in last or last in names
-
-
-def is_for(key: str, full_name: str) -> bool:
-    """Return whether a section of a parameter file, such as `/**/talker`, is for a node."""
-    parts = [
-        ".*" if part == "**" else re.escape(part).replace(r"\*", "[^/]*")
-        for part in key.strip("/").split("/")
-    ]
-    return re.fullmatch("/" + "/".join(parts).replace(".*/", "(?:.*/)?"), full_name) is not None

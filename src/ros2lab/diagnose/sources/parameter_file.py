@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import math
 import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import yaml
@@ -149,7 +151,7 @@ class _Loader(yaml.BaseLoader):
             documents.append(self.construct_document(self.get_node()))
         if not all(isinstance(item, dict) for item in documents):
             return documents[0]
-        return {key: value for item in documents for key, value in item.items()} or None
+        return _merged([entry for item in documents for entry in item.items()]) or None
 
     def construct_document(self, node: yaml.Node) -> Any:
         check_parameters(node)
@@ -159,7 +161,20 @@ class _Loader(yaml.BaseLoader):
         return _value(node.value) if isinstance(node, yaml.ScalarNode) and not node.style else node.value
 
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:  # noqa: ARG002 -- PyYAML's
-        return {str(key.value): self.construct_object(value, deep=True) for key, value in node.value}
+        return _merged(
+            [(str(key.value), self.construct_object(value, deep=True)) for key, value in node.value]
+        )
+
+
+def _merged(entries: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a mapping of entries; those of one name are put together, as rcl does, and of single values the last counts."""
+    found: dict[str, Any] = {}
+    for key, given in entries:
+        value = given
+        if isinstance(above := found.get(key), dict) and isinstance(value, dict):
+            value = _merged([*above.items(), *value.items()])
+        found[key] = value
+    return found
 
 
 def check_parameters(node: yaml.Node) -> None:
@@ -181,6 +196,7 @@ def _entries(node: yaml.Node) -> list[tuple[yaml.Node, yaml.Node]]:
 
 def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
     """Raise an error unless a mapping holds nodes and namespaces, with parameters below `ros__parameters`."""
+    _expect_once(node)
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if key.value == BELOW:
             if is_top:
@@ -208,6 +224,27 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
                 f"{key.value} is not below {BELOW}:",
                 f"indent it like the parameters below {BELOW}:",
             )
+
+
+def _expect_once(node: yaml.Node) -> None:
+    """Raise an error if there is a second `ros__parameters` in one node: rcl misses the node's name above it."""
+    inner = [*node.value] if isinstance(node, yaml.MappingNode) else []
+    heads = [index for index, (key, _) in enumerate(inner) if key.value == BELOW]
+    if len(heads) < 2:
+        return
+    (first, above), (key, value) = inner[heads[0]], inner[heads[1]]
+    fix = f"move the parameters below it to those below line {_line(first)}, and remove this line"
+    is_next = heads[1] == heads[0] + 1 and all(
+        isinstance(n, yaml.MappingNode) and not n.flow_style for n in (above, value)
+    )
+    if is_next and above.start_mark.column == value.start_mark.column:
+        fix = f"remove this line, so that the parameters below it belong to line {_line(first)}"
+    reason = f"{BELOW}: is written a second time for the same node, after line {_line(first)}"
+    raise _value_error(key, reason, fix)
+
+
+def _line(node: yaml.Node) -> int:
+    return int(node.start_mark.line) + 1
 
 
 def _expect_parameters(node: yaml.Node) -> None:
@@ -284,3 +321,57 @@ def line_of(key: str, text: str) -> int | None:
     lines = [line.strip().strip("\"'").lstrip("/") for line in text.splitlines()]
     names = (key.strip("/"), key.rstrip("/").rpartition("/")[2])
     return next((n for name in names for n, line in enumerate(lines, 1) if line.startswith(name)), None)
+
+
+@dataclass(frozen=True)
+class Written:
+    """A parameter's value as it stands in a file.
+
+    Attributes:
+        section: the full name of the node, or the pattern, that it is for.
+        name: the parameter, with the groups that it is in, as in `gains.p`.
+        text: the value as it is written.
+        line: the line of its name.
+        lines: what goes with it: the first and the last line to remove, with the heads that would have nothing left.
+    """
+
+    section: str
+    name: str
+    text: str
+    line: int
+    lines: tuple[int, int]
+
+
+def written_values(text: str) -> list[Written]:
+    """Return all values of a parameter file that can be read, in their order, also those that later ones replace.
+
+    Of a file of several documents, which hardly anybody writes, none is returned.
+    """
+    documents = [*yaml.compose_all(text, yaml.BaseLoader)]
+    return [*_written(documents[0], (), "", None, text)] if len(documents) == 1 else []
+
+
+def _written(
+    node: yaml.Node | None, above: tuple[str, ...], section: str, alone: int | None, text: str
+) -> Iterator[Written]:
+    """Yield the values below a mapping; `alone` is the line of the outermost head that has nothing else below it."""
+    entries: Sequence[tuple[yaml.Node, yaml.Node]] = node.value if isinstance(node, yaml.MappingNode) else ()
+    for key, value in entries:
+        head = alone if alone and len(entries) == 1 else _line(key)
+        if isinstance(value, yaml.MappingNode):
+            is_head = key.value == BELOW and not section
+            name = f"/{'/'.join(part.strip('/') for part in above)}" if is_head else section
+            yield from _written(value, () if is_head else (*above, key.value), name, head, text)
+        elif section:
+            said = text[value.start_mark.index : value.end_mark.index].strip()
+            last = int(value.start_mark.line) + 1 + said.count("\n")
+            yield Written(section, ".".join((*above, key.value)), said, _line(key), (head, last))
+
+
+def is_for(key: str, full_name: str) -> bool:
+    """Return whether a section of a parameter file, such as `/**/talker`, is for a node."""
+    parts = [
+        ".*" if part == "**" else re.escape(part).replace(r"\*", "[^/]*")
+        for part in key.strip("/").split("/")
+    ]
+    return re.fullmatch("/" + "/".join(parts).replace(".*/", "(?:.*/)?"), full_name) is not None

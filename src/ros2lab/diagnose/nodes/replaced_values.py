@@ -1,0 +1,43 @@
+"""Values in a parameter file that a later line of the same file replaces, which no tool mentions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.sources.parameter_file import Written, is_for, written_values
+
+
+def replaced_values(shown: str, text: str) -> Iterator[Finding]:
+    """Yield the values that never count: for all nodes that they are for, a later line sets another value.
+
+    Args:
+        shown: the file's path, as it is told.
+        text: what is in the file, which can be read as parameters.
+    """
+    written = written_values(text)
+    for index, lost in enumerate(written):
+        later = [new for new in written[index + 1 :] if new.name == lost.name and _covers(new, lost)]
+        if not later or later[-1].text == lost.text:
+            continue
+        last = later[-1]
+        cause = f"{shown} sets {lost.name} to {_short(lost)} on line {lost.line}, but line {last.line} sets it to {_short(last)} for the same node, and the last value counts."
+        first, second = _lines(lost), _lines(last)
+        if first == second:  # in braces
+            first, second = (f"`{value.name.rpartition('.')[2]}: {value.text}`" for value in (lost, last))
+        fix = f"remove {second} if {_short(lost)} is meant, or {first} if {_short(last)} is"
+        yield Finding("parameter-replaced", cause, at(shown, last.line), fix)
+
+
+def _covers(new: Written, lost: Written) -> bool:
+    """Return whether a value is for all nodes that another value is for."""
+    return new.section == lost.section or ("*" not in lost.section and is_for(new.section, lost.section))
+
+
+def _short(value: Written) -> str:
+    return " ".join(value.text.split())
+
+
+def _lines(value: Written) -> str:
+    first, last = value.lines
+    return f"line {first}" if first == last else f"lines {first} to {last}"
