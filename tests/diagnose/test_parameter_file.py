@@ -249,10 +249,10 @@ def test_a_value_that_a_later_line_replaces(tmp_path: Path, text: str, lost: str
         lines = text.splitlines()
         del lines[int(first) - 1 : int(end or first)]
         file.write_text("\n".join(lines))
-        given.append(given_by_rcl(file))
+        given.append(given_by_rcl(file) or {})
         assert not [*replaced_values("some.yaml", file.read_text())]
     file.write_text(text)
-    now = given_by_rcl(file)
+    now = given_by_rcl(file) or {}
     assert given[0]["p"].value != now["p"].value == given[1]["p"].value
     assert {found.get("q") and found["q"].value for found in (*given, now)} == {
         now.get("q") and now["q"].value

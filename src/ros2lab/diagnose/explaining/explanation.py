@@ -35,6 +35,7 @@ from ros2lab.diagnose.explaining.outdated import of_earlier
 from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
+from ros2lab.diagnose.explaining.ros_variables import of_ros_variable
 from ros2lab.diagnose.explaining.said import launch_line, of_launch
 from ros2lab.diagnose.explaining.said_by_tools import lines_of, said_by_tools
 from ros2lab.diagnose.explaining.sections_read import sections_read
@@ -74,7 +75,11 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         found = explain(built, workspace, sources, loads=loads)
         if found and found[0].code != UNKNOWN:
             return found
-    if sure := (of_earlier(error, look) if look else None) or of_shadow(error, look):
+    if (
+        sure := (of_earlier(error, look) if look else None)
+        or of_shadow(error, look)
+        or of_ros_variable(error)
+    ):
         return [sure]
     if look is None:
         return _of_error(error, text, _beside(error, sources, look), look)

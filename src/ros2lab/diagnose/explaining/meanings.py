@@ -50,18 +50,6 @@ MEANINGS: tuple[Meaning, ...] = (
         "rm -r build/{name} install/{name}, then colcon build --packages-select {name}, then source install/setup.bash in a new terminal",
     ),
     meaning(
-        r"ROS_DOMAIN_ID.*(?:not an integral|out of range|invalid|is not)|(?:not an integral|out of range).*ROS_DOMAIN_ID",
-        "typed-wrong",
-        "The variable ROS_DOMAIN_ID is not a valid domain: it must be a whole number from 0 to 101.",
-        "unset ROS_DOMAIN_ID, or export ROS_DOMAIN_ID=7; check ~/.bashrc too",
-    ),
-    meaning(
-        r"librmw_(?P<name>\w+?)(?:_cpp)?\.so|RMW_IMPLEMENTATION",
-        "typed-wrong",
-        "The variable RMW_IMPLEMENTATION names a middleware {name} that is not installed here.",
-        "unset RMW_IMPLEMENTATION, in this terminal and in ~/.bashrc",
-    ),
-    meaning(
         r"PackageNotFoundError: (?:No package metadata was found for )?(?P<name>[\w-]+)$",
         "not-sourced",
         "Python does not find the installed {name}: a variable such as PYTHONPATH was overwritten after the workspace was sourced.",
