@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.code.deadlocks import deadlocks
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import is_lasting
+from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import (
     CREATORS,
     Creation,
@@ -142,7 +143,7 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
         for owner, function, node in sources.scoped(source):
             if not isinstance(node, ast.Call) or not sources.makes_node(source, owner, function, node):
                 continue
-            if not sources.may_run(source, owner):
+            if not may_run(sources, source, owner):
                 continue
             name = sources.value(source, node.args[0] if node.args else None)
             before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)

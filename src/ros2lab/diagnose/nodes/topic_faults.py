@@ -15,6 +15,7 @@ from ros2lab.diagnose.nodes.own_answers import answers_itself, by_variable, call
 from ros2lab.diagnose.nodes.partners import Partners, made_in, name_in
 from ros2lab.diagnose.nodes.qos_written import with_policy, with_profile_of
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.qualities import policies_of
@@ -163,7 +164,7 @@ def _in_use(there: list[End]) -> list[End]:
     """Return the ends of a topic without those that never run, if others in their direction do."""
     if len(there) < 2:
         return there
-    runs = [end for end in there if end.sources.may_run(end.creation.source, end.creation.owner)]
+    runs = [end for end in there if may_run(end.sources, end.creation.source, end.creation.owner)]
     taken = {end.is_publisher for end in runs}
     return [end for end in there if end in runs or end.is_publisher not in taken]
 

@@ -11,6 +11,7 @@ from ros2lab.diagnose.code.shared_objects import shared_objects
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.state_faults import state_faults
+from ros2lab.diagnose.sources.made_unseen import may_be_made_unseen
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.diagnose.sources.spelling import words_of
@@ -44,6 +45,8 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
         source, name = owner.source, owner.definition.name
         found = uses.sources.functions.get(f"{source.name}.main")
         if found is None or uses.resolved[owner.name] or uses.named[name]:
+            continue
+        if may_be_made_unseen(uses.sources, owner):
             continue
         main = found[1]
         loads = [node for node in walk(main) if isinstance(node, (ast.Name, ast.Attribute))]

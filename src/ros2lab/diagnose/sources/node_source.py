@@ -339,9 +339,9 @@ class NodeSources:
         names = {name.rsplit(".", depth)[0] for name in reached for depth in range(name.count(".") + 1)}
         return sorted(names & self.sources.keys())
 
-    def may_run(self, source: PythonSource, owner: NodeClass | None) -> bool:
-        """Return whether an executable may run a file and, if it is in a class, create that class."""
-        return source.name in self._run and (owner is None or self._is_named(owner))
+    def may_import(self, source: PythonSource) -> bool:
+        """Return whether an executable may run a file."""
+        return source.name in self._run
 
     @cached_property
     def _run(self) -> frozenset[str]:
@@ -354,7 +354,7 @@ class NodeSources:
         run = frozenset(name for module in modules for name in self.imported_by(module))
         return frozenset(self.sources) if may_be_any or not run else run
 
-    def _is_named(self, owner: NodeClass) -> bool:
+    def is_named(self, owner: NodeClass) -> bool:
         """Return whether anything outside a class names it, so that it may be created or have subclasses."""
         short = owner.definition.name
         if owner.name in self.used or owner.source.name in self.used:
