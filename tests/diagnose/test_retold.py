@@ -11,6 +11,7 @@ from test_trial import build
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.trial import try_out
 from ros2lab.trial.retold import without_retold
 
 MADE = "        self.publisher_ = self.create_publisher(String, '/robot/report', 10)\n"
@@ -54,3 +55,16 @@ def test_a_real_run_tells_a_cause_once_and_what_the_nodes_did(tmp_path: Path) ->
     assert "publishes-nothing:" not in done.stdout
     assert "What the nodes did: " in done.stdout
     assert "status_publisher has a publisher on /robot/report, but published nothing there" in done.stdout
+
+
+def test_what_ran_is_not_said_to_run_never(tmp_path: Path) -> None:
+    """Of what reading has found, a real run takes back what it contradicts."""
+    more = "        self.timer = self.create_timer(0.5, self.timer_callback)\n\n    def unused(self):\n        self.count = 0\n"
+    root = right_workspace().change("node", TIMER, more).write(tmp_path)
+    build(root)
+    read = [
+        Finding("never-called", f"{text} is never called.", place, "call it", never=(place,))
+        for text in ("class StatusPublisher", "def timer_callback", "def unused")
+        for place in [line_of(root, text)]
+    ]
+    assert [*try_out(root, read=read).read] == read[2:]

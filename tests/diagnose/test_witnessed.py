@@ -121,3 +121,40 @@ def test_which_functions_were_called_is_known(tmp_path: Path) -> None:
         tmp_path / "ws" / "src" / NAME.package / Files.right(NAME).path("node").split("/", 2)[2]
     ).read_text()
     assert {text.splitlines()[line - 1].split("(")[0].split()[-1] for line in lines} >= {"main", "__init__"}
+
+
+KINDS = """\
+class Animal:
+    def tell(self):
+        print(type(self).__name__)
+
+
+class Lion(Animal):
+    pass
+
+
+class Unicorn(Animal):
+    pass
+
+
+class Den:
+    def __init__(self, type):
+        self.type = type
+
+
+Den([kind for kind in Animal.__subclasses__() if kind.__name__ != 'Unicorn'][0]().tell())
+"""
+
+
+def test_the_classes_of_the_objects_are_noted(tmp_path: Path) -> None:
+    """Also of one without a method of its own, and whatever the parameters are called."""
+    root = Files.right(NAME).put("PACKAGE/zoo.py", KINDS).write(tmp_path / "ws")
+    module, notes = root / "src" / NAME.package, tmp_path / "notes"
+    notes.mkdir()
+    environ = {**os.environ, **environ_in(notes, root, {})}
+    command = [sys.executable, "-c", f"import {NAME.package}.zoo"]
+    done = subprocess.run(command, cwd=module, env=environ, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("Lion\n", "")
+    lines = KINDS.splitlines()
+    ran = {lines[line - 1].partition("(")[0].partition(":")[0] for _, line in witnessed(notes, Look(root))[2]}
+    assert ran == {"    def tell", "class Lion", "    def __init__", "class Den"}

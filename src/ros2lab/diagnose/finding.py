@@ -20,6 +20,7 @@ class Finding:
         place: the file and line, such as `src/pk/setup.py:12`; empty if there is none.
         fix: what to type or change; empty if not known.
         about: the names of the packages, executables, files or topics that it is about.
+        never: the places of the functions and classes of which it says that none of their code runs.
     """
 
     code: str
@@ -27,6 +28,7 @@ class Finding:
     place: str = ""
     fix: str = ""
     about: tuple[str, ...] = ()
+    never: tuple[str, ...] = ()
 
 
 # In the order in which they stop a student: what keeps colcon from building at all comes first, what only

@@ -56,10 +56,12 @@ class Trial:
     Attributes:
         findings: what is silent or wrong, the likeliest first.
         story: what each program did, one sentence each.
+        read: what reading the files has found, without what the run contradicts.
     """
 
     findings: list[Finding]
     story: list[str]
+    read: Sequence[Finding] = ()
 
 
 def try_out(
@@ -85,6 +87,7 @@ def try_out(
             [
                 "No package in this workspace has installed a program; build the workspace, then run this again."
             ],
+            read,
         )
     assignment = _assignment_for(look)
     environment.remove_dead_shared_memory()
@@ -101,13 +104,15 @@ def try_out(
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
     shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
+    ran = {source.at(line) for source, line in called}
+    read = [finding for finding in read if ran.isdisjoint(finding.never)]
     found = [*without_retold(shown, read, look)]
     # A condition that is never true may be intended, but may also explain other findings.
     story = [
         *(told_of(seen, run, called) for run in seen.alone),
         *([] if found or wrong else (f"{finding.cause} ({finding.place})" for finding in never)),
     ]
-    return Trial(ranked([*wrong, *(never if found or wrong else []), *found]), story)
+    return Trial(ranked([*wrong, *(never if found or wrong else []), *found]), story, read)
 
 
 def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:

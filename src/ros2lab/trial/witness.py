@@ -1,8 +1,8 @@
-"""Records the conditions and loops of some files inside a running program; imports nothing of ros2lab.
+"""Records the conditions, loops and objects of some files inside a running program; imports nothing of ros2lab.
 
 Programs import it as `sitecustomize`. At exit each process writes a file: for each condition, how often it was
-true and false and what was compared the last time; for each loop, how many iterations it had each time. Nothing
-else in the program changes, and a file that cannot be instrumented is left as it is.
+true and false and what was compared the last time; for each loop, how many iterations it had each time; and which
+functions were called, on objects of which classes. Nothing else in the program changes, and a file that cannot be instrumented is left as it is.
 """
 
 # Every program imports it first, so it must not import pathlib.
@@ -23,6 +23,7 @@ from typing import Any
 
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
 _CONDITIONS, _LOOPS, _CALLS = "ros2lab_conditions", "ros2lab_loops", "ros2lab_calls"
+_OBJECTS = "ros2lab_objects"
 _LONGEST, _MOST_TIMES = 60, 1000
 _SHORT = frozenset(
     ("rclpy.duration", "rclpy.time", "datetime", "enum")
@@ -114,6 +115,9 @@ class _Noting(ast.NodeTransformer):
             noting = ast.Call(ast.Attribute(ast.Name(_CALLS, ast.Load()), "add", ast.Load()), [key], [])
             has_text = ast.get_docstring(node, clean=False) is not None
             node.body.insert(int(has_text), ast.copy_location(ast.Expr(noting), node.body[0]))
+            if given := [*node.args.posonlyargs, *node.args.args][:1]:  # of a method, the object
+                shown = ast.Call(ast.Name(_OBJECTS, ast.Load()), [ast.Name(given[0].arg, ast.Load())], [])
+                node.body.insert(int(has_text), ast.copy_location(ast.Expr(shown), node.body[0]))
         return node
 
     def _condition(self, test: ast.expr) -> ast.expr:
@@ -133,6 +137,12 @@ class _Noting(ast.NodeTransformer):
     def _call(self, node: ast.expr, holder: str, method: str, *given: ast.expr) -> ast.expr:
         found = ast.Subscript(ast.Name(holder, ast.Load()), ast.Constant(self._key(node)), ast.Load())
         return ast.copy_location(ast.Call(ast.Attribute(found, method, ast.Load()), [*given], []), node)
+
+
+def _written(kind: type) -> tuple[str, str]:
+    """Return the file in which a class is written, and its name there."""
+    file = getattr(sys.modules.get(kind.__module__), "__file__", None)
+    return os.path.realpath(file or ""), kind.__qualname__
 
 
 def _watch(folders: tuple[str, ...], conditions: dict[str, _Condition], loops: dict[str, _Loop]) -> None:
@@ -167,6 +177,12 @@ def _begin() -> None:
     setattr(builtins, _LOOPS, loops)
     calls: set[str] = set()
     setattr(builtins, _CALLS, calls)
+    kinds: dict[int, type] = {}
+
+    def note_object(found: object) -> None:
+        kinds[id(type(found))] = type(found)
+
+    setattr(builtins, _OBJECTS, note_object)
 
     def write() -> None:
         asked = {
@@ -177,6 +193,7 @@ def _begin() -> None:
                 key: [condition.held, condition.failed, condition.sides] for key, condition in asked.items()
             },
             "calls": dict.fromkeys(calls),
+            "classes": [*map(_written, kinds.values())],
             "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
         }
         with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:

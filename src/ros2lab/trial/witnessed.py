@@ -44,7 +44,8 @@ def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, st
     return {"PYTHONPATH": path, WATCHED: os.pathsep.join(map(str, folders))}
 
 
-Called = frozenset[tuple[PythonSource, int]]  # the functions that were called: their files and lines
+# The functions that were called, and the classes of their objects: their files and lines.
+Called = frozenset[tuple[PythonSource, int]]
 
 
 def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding], Called]:
@@ -68,6 +69,7 @@ def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding], C
             for spot, turns in _spots(told["loops"], by_text):
                 loops[spot] += turns
             called |= {(source, line) for (source, line, _), _ in _spots(told["calls"], by_text)}
+            called |= {*_classes(told["classes"], by_text)}
     never = [*_never_true(conditions)]
     wrong = [*_cut_short(loops), *(finding for finding, is_near in never if is_near)]
     return wrong, [finding for finding, is_near in never if not is_near][:MOST], frozenset(called)
@@ -80,6 +82,19 @@ def _spots(told: Mapping[str, Any], by_text: Mapping[str, PythonSource]) -> Iter
         with contextlib.suppress(OSError, UnicodeError):
             if source := by_text.get(Path(path).read_text(encoding="utf-8")):
                 yield (source, int(line), int(column)), found
+
+
+def _classes(
+    told: Sequence[Sequence[str]], by_text: Mapping[str, PythonSource]
+) -> Iterator[tuple[PythonSource, int]]:
+    """Yield where the classes of the objects are written."""
+    for path, name in told:
+        with contextlib.suppress(OSError, UnicodeError):
+            source = by_text.get(Path(path).read_text(encoding="utf-8"))
+            body: Sequence[ast.stmt] = source.tree.body if source else ()
+            for node in body:
+                if source and isinstance(node, ast.ClassDef) and node.name == name:
+                    yield source, node.lineno
 
 
 def _cut_short(loops: Mapping[_Spot, Sequence[Any]]) -> Iterator[Finding]:

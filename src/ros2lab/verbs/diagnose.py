@@ -141,7 +141,7 @@ def _seen_beside(findings: Sequence[Finding], root: Path) -> tuple[list[Finding]
     """
     from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
 
-    found, looked_at, story = _run(root, findings)
+    findings, found, looked_at, story = _run(root, findings)
     read = {(finding.code, _about(finding)) for finding in findings if finding.place}
     others = (finding for finding in found if (finding.code, _about(finding)) not in read)
     return ranked([*findings, *others]), looked_at, story
@@ -159,8 +159,13 @@ def _documented(finding: Finding) -> dict[str, str]:
     return {name: getattr(finding, name) for name in ("code", "cause", "place", "fix")}
 
 
-def _run(root: Path, read: Sequence[Finding]) -> tuple[list[Finding], str, str]:
-    """Run what a workspace has installed; return what is found, what was looked at, and what the nodes did."""
+def _run(root: Path, read: Sequence[Finding]) -> tuple[Sequence[Finding], list[Finding], str, str]:
+    """Run what a workspace has installed.
+
+    Returns:
+        What reading has found and the run does not contradict; what is found then; what was looked at; and what the
+        nodes did.
+    """
     from ros2lab.grading.reports.shown import visible  # noqa: PLC0415
     from ros2lab.trial import try_out  # noqa: PLC0415
     from ros2lab.workspace import WorkspaceError  # noqa: PLC0415
@@ -173,9 +178,14 @@ def _run(root: Path, read: Sequence[Finding]) -> tuple[list[Finding], str, str]:
     except WorkspaceError as error:
         # What reading has found is told all the same.
         print(error, file=sys.stderr)
-        return [], f"Nothing could be run: {error}", ""
+        return read, [], f"Nothing could be run: {error}", ""
     story = " ".join(trial.story)
-    return trial.findings, f"It ran the installed nodes for a few seconds. {story}", visible(story, LONGEST)
+    return (
+        trial.read,
+        trial.findings,
+        f"It ran the installed nodes for a few seconds. {story}",
+        visible(story, LONGEST),
+    )
 
 
 def _show(findings: Sequence[Finding], looked_at: str) -> None:

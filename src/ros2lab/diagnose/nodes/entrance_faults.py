@@ -55,7 +55,9 @@ def _left_aside(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]
         if Entrance(entrance.sources, name).node is not None:
             cause = f"`ros2 run` calls {entrance.function.name}(), which never calls {function.name}(), where the node is made."
             fix = f"write `{function.name}()` as the last line of {entrance.function.name}()"
-            yield Finding("never-made", cause, source.at(entrance.function), fix)
+            yield Finding(
+                "never-made", cause, source.at(entrance.function), fix, never=(source.at(function),)
+            )
 
 
 def _init(entrance: Entrance) -> Iterator[Finding]:

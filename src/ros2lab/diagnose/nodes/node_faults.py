@@ -274,7 +274,8 @@ def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
         if isinstance(node, (ast.Yield, ast.YieldFrom)):
             cause = f"The yield makes {function.name}() a generator: ROS calls it, but none of its code ever runs."
             fix = f"remove the yield: publish or return the value, or call the function, in {function.name}()"
-            yield Finding("never-called", cause, creation.source.at(node), fix)
+            never = (creation.source.at(function),)
+            yield Finding("never-called", cause, creation.source.at(node), fix, never=never)
             return
 
 

@@ -210,7 +210,8 @@ def _never_called(state: State) -> Iterator[Finding]:
             why, begun = f"only it changes {changed}", _call_of(state, name, takes)
         if begun:
             cause = f"{name}() is defined but never called: {why}."
-            yield Finding("never-called", cause, state.at(method), begun)
+            place = state.at(method)
+            yield Finding("never-called", cause, place, begun, never=(place,))
 
 
 def _is_callback(state: State, method: Function, takes: list[str]) -> bool:

@@ -69,7 +69,7 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
             else f"write `node = {name}()` in main, and `rclpy.spin(node)` below it"
         )
         cause = f"The class {name} is defined but never instantiated, so none of its code runs."
-        yield Finding("never-made", cause, source.at(made or main), fix)
+        yield Finding("never-made", cause, source.at(made or main), fix, never=(source.at(owner.definition),))
 
 
 def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
@@ -146,6 +146,7 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             f"{what}{where} is defined twice: this one replaces the one on line {first.lineno}, which is never called.",
             source.at(statement),
             fix,
+            never=(source.at(first),),
         )
 
 
