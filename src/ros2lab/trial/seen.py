@@ -28,6 +28,7 @@ from ros2lab.grading.senses import is_still, sense
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
 from ros2lab.trial.ends import ended_together, explained, is_told_alone, made, needs_others
+from ros2lab.trial.made_by_words import is_made_by_words
 from ros2lab.trial.timers import pauseless
 from ros2lab.trial.unended import unended_faults
 from ros2lab.trial.unspun import unspun_fault
@@ -216,7 +217,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
 
 def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     """Yield why a program ended, has no node, or has a node that is not spun."""
-    if run.ended.get(name):
+    if name in run.ended:
         yield from explained(seen, run, name)
     elif not run.nodes:
         yield Finding(
@@ -225,11 +226,16 @@ def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
             seen.main(name),
             "make the node in main before anything that waits, and spin it",
         )
-    else:
-        # A program that waits for a service is judged by its run together with the others.
-        judged = [*seen.together, run][0] if needs_others(seen, run) else run
-        if unspun := _unspun(seen, judged, run.nodes):
-            yield unspun_fault(seen, judged, name, min(unspun).rpartition("/")[2])
+    elif fault := _waits(seen, run, name):
+        yield fault
+
+
+def _waits(seen: Seen, run: Run, name: str) -> Finding | None:
+    """Return why a node is not spun; None if all are, or if a node needs no spin."""
+    # A program that waits for a service is judged by its run together with the others.
+    judged = [*seen.together, run][0] if needs_others(seen, run) else run
+    unspun = _unspun(seen, judged, run.nodes)
+    return unspun_fault(seen, judged, name, min(unspun).rpartition("/")[2]) if unspun else None
 
 
 def _unspun(seen: Seen, run: Run, nodes: Sequence[str]) -> set[str]:
@@ -247,7 +253,8 @@ def _unspun(seen: Seen, run: Run, nodes: Sequence[str]) -> set[str]:
 def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield publishers that published nothing, neither by themselves nor after a command."""
     heard = {topic for other_run in (run, *seen.together) for topic in seen.heard(other_run)}
-    unspun = _unspun(seen, run, run.nodes) | {*run.twins}  # these have another finding
+    unspun = _unspun(seen, run, run.nodes) if _waits(seen, run, run.programs[0]) else set()
+    unspun |= {*run.twins}  # these have another finding
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
         is_unspun = not {*run.publishes[topic]}.isdisjoint(unspun)
@@ -256,6 +263,7 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
             or is_unspun
             or topic.endswith(every_node.OF_MANAGED)
             or any(map(_is_managed, ends))
+            or is_made_by_words(seen, topic)
         ):
             continue
         why, fix = _why_silent(ends)

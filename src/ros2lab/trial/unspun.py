@@ -24,16 +24,21 @@ if TYPE_CHECKING:
 _FRAME = re.compile(r'^  File "([^"]+)", line (\d+)', re.MULTILINE)
 
 
-def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
-    """Say why a node does not respond: the line in which it waits, or where the node was left out."""
+def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding | None:
+    """Say why a node does not respond: the line in which it waits, or where the node was left out.
+
+    None if nothing comes of it: the node has no callbacks, and the program does not wait for anything in vain.
+    """
     found = seen.entrance(name)
     spot, is_called_back = _stood(seen, str(run.stopped.get(name, {}).get("said", "")))
     if spot is not None and (told := waited_for(seen, spot)):
         return told
     if found is not None:
         told = next(two_executors(found), None) or next(second_spins(found), None) or _left_out(found, node)
-        if told := told or _waiting(found, spot, is_called_back=is_called_back):
+        if told := told or _waiting(found, run, spot, is_called_back=is_called_back):
             return told
+        if not _may_miss(found, run):
+            return None
     return Finding(
         "not-spinning",
         f"The node {node} does not respond: it is not spun, or one of its callbacks or its constructor does not return.",
@@ -54,7 +59,12 @@ def _stood(seen: Seen, said: str) -> tuple[Spot | None, bool]:
     return spot, is_called_back
 
 
-def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> Finding | None:
+def _may_miss(entrance: Entrance, run: Run) -> bool:
+    """Return whether a program has callbacks, which are not called without a spin."""
+    return entrance.has_callbacks or any(topic != "/clock" for topic in run.subscribes)
+
+
+def _waiting(entrance: Entrance, run: Run, spot: Spot | None, *, is_called_back: bool) -> Finding | None:
     """Return the fault of the line in which a program waits; None if it is not known."""
     source = spot.source if spot else None
     if spot is None or source is None:
@@ -84,7 +94,7 @@ def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> 
                         source.at(loop),
                         f"write `rclpy.spin_until_future_complete({node_name}, {future})` instead of this loop",
                     )
-    if node_name == "self":
+    if node_name == "self" or not _may_miss(entrance, run):
         return None
     return Finding(
         "not-spinning",

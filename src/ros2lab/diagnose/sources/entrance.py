@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from ros2lab.diagnose.sources.node_source import NODE_CLASSES, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
+from ros2lab.diagnose.sources.node_source import CREATORS, NODE_CLASSES, NodeSources
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    children,
+    given_to,
+    last_name,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import dotted, holds
 
 SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
@@ -83,6 +91,30 @@ class Entrance:
                 if called == "rclpy.init" or any(inner.name == "rclpy.init" for inner in own):
                     return True
         return False
+
+    @cached_property
+    def has_callbacks(self) -> bool:
+        """Whether a program gives a function, or to other libraries its node, to code that may call back in a spin."""
+        node = {"self", self.node.source.name_of(self.node.call)} if self.node else {"self"}
+        return any(self._may_call_back(call, node) for call in self.calls)
+
+    def _may_call_back(self, call: Call, node: Collection[str]) -> bool:
+        top, _, rest = call.name.partition(".")
+        if "callback" in CREATORS.get(call.short, ()):
+            return True
+        if top in sys.stdlib_module_names or (not rest and top in dir(builtins)):
+            return False  # such as a thread
+        inner = [n for given in given_to(call.call) for n in walk(given)]
+        called = {id(n.func) for n in inner if isinstance(n, ast.Call)}
+        own = {method for owner in self.sources.classes.values() for method in owner.methods}
+        own |= {name.rpartition(".")[2] for name in self.sources.functions}
+        own |= {n.name for n in walk(call.function) if isinstance(n, Function)}
+        is_given = any(
+            isinstance(n, ast.Lambda) or (last_name(n) in own and id(n) not in called) for n in inner
+        )
+        is_foreign = top in {binding.target.partition(".")[0] for binding in call.source.imports} - {"rclpy"}
+        is_foreign &= call.name not in self.sources.classes and call.name not in self.sources.functions
+        return is_given or (is_foreign and any(ast.unparse(given) in node for given in given_to(call.call)))
 
     def makes_node(self, call: Call) -> bool:
         """Return whether a call makes a node."""
