@@ -84,7 +84,11 @@ LOOP = "        while rclpy.ok():\n            node.timer_callback()\n          
 
 @pytest.mark.parametrize(
     ("timer", "spin", "told"),
-    [("", LOOP, []), (TIMER, LOOP, ["not-spinning"]), ("", "        time.sleep(9.0)\n", ["publishes-nothing"])],
+    [
+        ("", LOOP, []),
+        (TIMER, LOOP, ["not-spinning"]),
+        ("", "        time.sleep(9.0)\n", ["publishes-nothing"]),
+    ],
 )
 def test_a_node_without_callbacks_needs_no_spin(
     tmp_path: Path, timer: str, spin: str, told: list[str]

@@ -26,8 +26,11 @@ def without_retold(found: Iterable[Finding], read: Iterable[Finding], look: Look
         read: what reading has found.
         look: the workspace.
     """
+    read = [*read]
     causes = [finding for finding in read if keeps_from_working(finding)]
     for finding in found:
+        if len(finding.about) > 1 and any({*finding.about} <= {*known.about} for known in read):
+            continue  # two topics that do not meet, of which reading has said why
         there = [cause for cause in causes if _file(cause) == _file(finding)]
         if finding.code not in _EFFECTS or not any(_is_behind(cause, finding, look) for cause in there):
             yield finding

@@ -6,7 +6,7 @@ import ast
 import functools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -293,10 +293,14 @@ def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
 
 
 def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield two nodes that would share a topic if the launch file did not separate them."""
+    """Yield two nodes that would share a topic if the launch file did not separate them.
+
+    What one change mends is told once, with the names of all of its topics.
+    """
     ends = [(node, *end) for node in nodes for end in node.ends]
     if any(not end.topic for node in nodes for end in ends_of(node.sources, unnamed=True)):
         return  # the other end may have a name that is only known when it runs
+    found: dict[tuple[str, str], Finding] = {}
     for node, end, plain, name in ends:
         if end.is_publisher or not name or _others(ends, name, is_publisher=True):
             continue
@@ -308,6 +312,7 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
                 or (other_end.type and end.type and other_end.type != end.type)
                 or other_plain != plain
                 or not _is_publisher(ends, other, other_plain)
+                or _are_of_two_groups(nodes, node, other)
             ):
                 continue
             moved = next(
@@ -321,8 +326,41 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
             if moved is None:
                 continue
             meet = f"{other.launched.executable} publishes on {other_name}, but {node.launched.executable} subscribes to {name}"
-            yield _moved(moved, meet, plain, are_together=node.namespace == other.namespace)
+            are_together = node.namespace == other.namespace
+            told = _by_slash((other, other_end), (node, end), meet) or _moved(
+                moved, meet, plain, are_together=are_together
+            )
+            first = found.setdefault((told.place, told.fix), told)
+            about = tuple(dict.fromkeys((*first.about, other_name, name)))
+            found[told.place, told.fix] = replace(first, about=about)
             break
+    yield from found.values()
+
+
+def _are_of_two_groups(nodes: Sequence[Started], node: Started, other: Started) -> bool:
+    """Return whether two nodes are in different namespaces, and one of them has the other's like in its own."""
+    started = {(beside.namespace, beside.launched.executable) for beside in nodes}
+    likes = {(node.namespace, other.launched.executable), (other.namespace, node.launched.executable)}
+    return node.namespace != other.namespace and not likes.isdisjoint(started)
+
+
+def _by_slash(sender: tuple[Started, End], reader: tuple[Started, End], meet: str) -> Finding | None:
+    """Return a finding about the only absolute name of two, which no namespace changes; None if there are none or two."""
+    absolute, relative = sorted((sender, reader), key=lambda side: not side[1].is_absolute)
+    is_plain = not any(node.launched.remappings for node, _ in (sender, reader))
+    if not is_plain or not absolute[1].is_absolute or relative[1].is_absolute:
+        return None
+    are_together = absolute[0].namespace == relative[0].namespace
+    changed = (absolute if are_together else relative)[1]
+    texts = [
+        repr(end.sources.value(end.creation.source, end.creation.given("topic")))
+        for _, end in (absolute, relative)
+    ]
+    new, old = reversed(texts) if are_together else texts
+    cause = (
+        f"{meet}: a namespace is put before {texts[1]}, but not before {texts[0]}, which begins with a slash."
+    )
+    return Finding("launch-apart", cause, changed.place, f"write {new} instead of {old}")
 
 
 def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Finding:
