@@ -245,7 +245,7 @@ def _disordered(sources: NodeSources, source: PythonSource, block: list[ast.stmt
                 "life-order",
                 f"`{ast.unparse(block[number])}` comes before the spin, which then has nothing left to spin.",
                 source.at(block[number]),
-                "move it after rclpy.spin(node), to the end of main",
+                f"move it after `{ast.unparse(spin)}`, to the end of main",
             )
         is_late = number > first and name.rpartition(".")[2] in (*CREATORS, "add_node") and not is_ended
         if is_late and "rclpy.init" not in names[first:number]:
@@ -253,7 +253,7 @@ def _disordered(sources: NodeSources, source: PythonSource, block: list[ast.stmt
                 "life-order",
                 f"`{ast.unparse(block[number])}` comes after the spin, which runs until Ctrl-C, so it is not reached before then.",
                 source.at(block[number]),
-                "move it before rclpy.spin(node)",
+                f"move it above line {spin.lineno}, `{ast.unparse(spin)}`",
             )
 
 

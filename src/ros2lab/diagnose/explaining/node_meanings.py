@@ -108,7 +108,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         r"generator already executing|Executor is already spinning",
         "not-spinning",
         "Two threads spin the same executor: rclpy.spin() and its like all use the one that rclpy has for a program.",
-        "add all nodes to one executor and spin that in one place: executor = MultiThreadedExecutor(); executor.add_node(node); executor.spin()",
+        "give rclpy.spin in each thread an executor of its own, a SingleThreadedExecutor of rclpy.executors, as the second argument",
     ),
     meaning(
         r"Transition is not registered",

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding, lines_in_words
+from ros2lab.diagnose.nodes.one_executor import joined, joined_after, spun_together
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached
@@ -144,13 +145,21 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
 
 def second_spins(entrance: Entrance) -> Iterator[Finding]:
     """Yield spins that are never reached, because another one runs before them."""
-    for inner, later in _in_a_row(entrance):
+    for inner, function, spins in _in_a_row(entrance):
         yield Finding(
             "spin-missing",
             "A spin runs until Ctrl-C, so the second spin is never reached and its node's callbacks are never called.",
-            inner.at(later),
-            "add all nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()",
+            inner.at(spins[1]),
+            joined(inner, function, spins),
         )
+    for spin in entrance.spins:
+        loops = (node for node in own_nodes(spin.function) if isinstance(node, ast.For))
+        for loop in loops if spin.is_lasting and spin.call.args else ():
+            is_direct = any(isinstance(n, ast.Expr) and n.value is spin.call for n in loop.body)
+            if is_direct and ast.unparse(loop.target) == ast.unparse(spin.call.args[0]):
+                cause = "A spin runs until Ctrl-C, so the loop stays at its first node and no callback of the others is ever called."
+                fix = joined_after(spin.source, loop, spin.call)
+                yield Finding("spin-missing", cause, spin.source.at(spin.call), fix)
 
 
 def _spin_of(entrance: Entrance, node: Call) -> str:
@@ -264,12 +273,11 @@ def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
         spin = of_executor[0]
         whole = ast.unparse(spin.call.func).removesuffix(".spin")
         cause = f"`{ast.unparse(spin.call)}` spins an executor that has no nodes, so no callback is called."
-        yield Finding(
-            "spin-missing",
-            cause,
-            spin.source.at(spin.call),
-            f"write `{whole}.add_node(node)` above this line",
-        )
+        assert entrance.node is not None
+        name = entrance.node.source.name_of(entrance.node.call)
+        is_here = name and entrance.node.function is spin.function
+        fix = f"write `{whole}.add_node({name if is_here else ast.unparse(entrance.node.call)})` above this line"
+        yield Finding("spin-missing", cause, spin.source.at(spin.call), fix)
 
 
 def _is_the_only_turn(entrance: Entrance, turn: Call) -> bool:
@@ -292,13 +300,17 @@ def _left_out(entrance: Entrance) -> Iterator[Finding]:
         given = spin.call.args[0]
         if isinstance(given, ast.Name) and given.id in unbound_names(spin.source, spin.function):
             continue  # the node may be meant
-        for node, name, owner in _made_nodes(entrance, spin):
-            if name == ast.unparse(given) or not _needs_spin(entrance, owner) or _is_used(spin, name):
-                continue
-            if any(_SPINS_ITSELF.search(ast.dump(c.definition)) for c in entrance.sources.lineage(owner)[0]):
-                continue
+        left = [
+            (node, name, owner)
+            for node, name, owner in _made_nodes(entrance, spin)
+            if name != ast.unparse(given) and _needs_spin(entrance, owner) and not _is_used(spin, name)
+            if not any(
+                _SPINS_ITSELF.search(ast.dump(c.definition)) for c in entrance.sources.lineage(owner)[0]
+            )
+        ]
+        for node, name, owner in left:
             cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(given)}."
-            fix = "add both nodes to one executor and spin that: executor.add_node(node) for each, then executor.spin()"
+            fix = spun_together(spin.source, spin.call, [other for _, other, _ in left])
             if entrance.sources.resolve(spin.source, given) == owner.name:
                 cause = (
                     f"`{ast.unparse(spin.call)}` is given the class instead of {name}, the node made from it."
@@ -337,8 +349,8 @@ def _is_used(spin: Call, name: str) -> bool:
     return any(id(load) not in destroyed for load in loads)
 
 
-def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
-    """Yield the second of several spins in the same block."""
+def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, Function, list[ast.Call]]]:
+    """Yield several spins in the same block, with the function that has them."""
     spinning = {id(spin.call): spin.source for spin in entrance.spins if spin.is_lasting}
     for function in entrance.functions:
         for node in walk(function):
@@ -351,7 +363,7 @@ def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
                     and id(statement.value) in spinning
                 ]
                 if len(calls) > 1 and not _may_end(entrance, function, calls):
-                    yield spinning[id(calls[1])], calls[1]
+                    yield spinning[id(calls[1])], function, calls
 
 
 def _may_end(entrance: Entrance, function: Function, spins: list[ast.Call]) -> bool:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.one_executor import on_their_own
 from ros2lab.diagnose.sources.entrance import Call, Entrance
 from ros2lab.diagnose.sources.python_source import given_to, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
@@ -55,13 +56,32 @@ def several_threads(entrance: Entrance) -> Iterator[Finding]:
                 "not-spinning",
                 f"Several threads spin nodes with rclpy.spin(){where}, but all of these use one executor, which only one thread can spin.",
                 thread.source.at(thread.call),
-                "add all nodes to one executor instead, and spin that in one place: executor = MultiThreadedExecutor(); executor.add_node(node) for each; executor.spin()",
+                _apart(thread, threads, others),
             )
 
 
+def _apart(thread: Call, threads: Sequence[Call], others: Sequence[Call]) -> str:
+    """Return how each thread spins its own node: with its own executor, as only a thread may spin one."""
+    spun = [ast.unparse(node) for value in given_to(thread.call) for node in getattr(value, "elts", ())]
+    same = [other for other in others if other.function is thread.function and [_node(other)] == spun]
+    if same and same[0].call.args[1:]:
+        return f"write `while not {ast.unparse(same[0].call.args[1])}.done(): time.sleep(0.01)` instead of `{ast.unparse(same[0].call)}`, with `import time` at the top: the thread on line {thread.call.lineno} already spins {spun[0]}"
+    if same:
+        return f"remove the thread on line {thread.call.lineno}: `{ast.unparse(same[0].call)}` on line {same[0].call.lineno} already spins {spun[0]}"
+    of_file = [other.call for other in threads if other.source is thread.source]
+    return (
+        on_their_own(thread.source, of_file)
+        or "give rclpy.spin in each thread an executor of its own, a SingleThreadedExecutor of rclpy.executors, as the second argument"
+    )
+
+
 def _spins_in_thread(thread: Call) -> bool:
+    """Return whether a thread spins a node with rclpy's own executor, not with another that it is given."""
     given = given_to(thread.call)
-    return any(thread.source.resolve(value) == "rclpy.spin" for value in given)
+    has_other = any(len(getattr(value, "elts", ())) > 1 for value in given) or any(
+        keyword.arg == "kwargs" for keyword in thread.call.keywords
+    )
+    return not has_other and any(thread.source.resolve(value) == "rclpy.spin" for value in given)
 
 
 def _made(entrance: Entrance, reached: Call) -> list[ast.Call]:

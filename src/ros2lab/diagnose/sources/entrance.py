@@ -53,7 +53,7 @@ class Call:
 
 def is_lasting(name: str) -> bool:
     """Return whether a function of this name spins until Ctrl-C."""
-    return name == "rclpy.spin" or name.endswith("executor.spin")
+    return name == "rclpy.spin" or name.endswith(("executor.spin", "Executor.spin"))
 
 
 class Entrance:
@@ -136,6 +136,8 @@ class Entrance:
             if isinstance(node, ast.Call):
                 name = self.sources.resolve(source, node.func) or dotted(node.func) or ""
                 name = name or str(getattr(node.func, "attr", ""))
+                if name.endswith(".spin") and (kind := _executor_of(source, node)):
+                    name = f"{kind}.spin"
                 self.calls.append(Call(source, node, name, function, id(node) in repeated))
                 self.may_do_more |= self._is_handed_on(source, name, function)
 
@@ -157,6 +159,13 @@ class Entrance:
         is_own = name in self.sources.functions or name in self.sources.classes
         is_interface = name.endswith(("msg", "srv")) or ".msg." in name or ".srv." in name
         return is_foreign and not is_own and not is_interface and function.name == "main"
+
+
+def _executor_of(source: PythonSource, call: ast.Call) -> str:
+    """Return the class of the executor whose method is called, by the file that makes it; empty if it is none."""
+    owner = ast.unparse(call.func.value) if isinstance(call.func, ast.Attribute) else ""
+    kinds = (source.resolve(made.func) or "" for text, made in source.made if text == owner)
+    return next((kind for kind in kinds if kind.startswith("rclpy.executors.")), "")
 
 
 def _run_at_import(statement: ast.AST, name: str) -> Iterator[ast.Call]:
