@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -194,6 +194,11 @@ def shown_path(path: Path, root: Path | None) -> str:
 def lines_in_words(first: int, last: int) -> str:
     """Return a range of lines in words: `line 3`, or `lines 3 to 5`."""
     return f"line {first}" if first == last else f"lines {first} to {last}"
+
+
+def in_a_row(parts: Sequence[str]) -> str:
+    """Return parts of a sentence in a row, with `and` before the last."""
+    return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
 
 
 def line_with(text: str, *words: str, start: int = 1) -> int | None:

@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ros2lab.diagnose.checking.trials import type_of
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.sources.answered import ACCEPTED, answered, ends_open
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
+from ros2lab.diagnose.sources.own_functions import own_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, parameters
 from ros2lab.diagnose.sources.static_value import dotted
 
@@ -48,7 +49,7 @@ _REGISTERED = {
         0,
         "callback",
         "SetParametersResult",
-        "SetParametersResult(successful=True)",
+        ACCEPTED,
         "rcl_interfaces.msg",
     ),
     "add_pre_set_parameters_callback": _Kind("node.py", 0, "callback", r"list\b.*", "{last}"),
@@ -134,26 +135,23 @@ def _with(source: PythonSource, function: Function, kind: _Kind) -> Iterator[_An
 
 
 def _of_function(answering: _Answering) -> Finding | None:
-    """Return what is wrong with what a function returns; None if nothing is seen."""
+    """Return what is wrong with all that a function returns; None if nothing is seen."""
     source, function, answer = answering.source, answering.function, answering.answer
     needs = f"it must return {f'`{answer}`' if answer.isidentifier() else _class_of(answer)}"
-    for node in own_nodes(function):
-        if isinstance(node, ast.Return) and (given := _refused(answering, node)):
-            if given == f"`{answer}`":
-                return _replaced(answering)
-            if node.value and given == "bool":
-                given, answer = (
-                    f"`{ast.unparse(node.value)}`",
-                    answer.replace("True", ast.unparse(node.value)),
-                )
-            cause = f"{function.name}() returns {given}, but {needs}."
-            fix = f"write `return {answer}` instead of what line {node.lineno} returns{answering.more}"
-            return Finding("made-wrong", cause, source.at(node), fix)
-    if not may_fall_through(function):
+    returns = [node for node in own_nodes(function) if isinstance(node, ast.Return)]
+    refused = [(node, given) for node in returns if (given := _refused(answering, node))]
+    if any(given == f"`{answer}`" for _, given in refused):
+        return _replaced(answering)
+    refused.sort(key=lambda pair: pair[0].lineno)
+    is_open = ends_open(function)
+    if not refused and not is_open:
         return None
-    cause = f"{function.name}() ends without a return, but {needs}."
-    fix = f"write `return {answer}` as the last line of {function.name}(){answering.more}"
-    return Finding("made-wrong", cause, source.at(function), fix)
+    said = [f"`{ast.unparse(n.value)}`" if n.value and given == "bool" else given for n, given in refused]
+    does = f"returns {in_a_row([*dict.fromkeys(said)])}" if said else "ends without a return"
+    place = source.at(refused[0][0] if refused else function)
+    fix = answered(function, {node: given == "bool" for node, given in refused}, answer, is_open)
+    cause = f"{function.name}() {does}, but {needs}."
+    return Finding("made-wrong", cause, place, f"{fix}{answering.more}")
 
 
 def _replaced(answering: _Answering) -> Finding | None:
@@ -192,7 +190,7 @@ def _refused(answering: _Answering, node: ast.Return) -> str:
         return ""
     if text in {parameter.arg for parameter in parameters(answering.function)} - stored:
         return f"`{text}`"  # what it was given, and not the answer
-    kind = type_of(source, value)
+    kind = "bool" if isinstance(getattr(value, "value", None), bool) else type_of(source, value)
     is_known = bool(kind) and not re.search(r"Unknown|Any|\bobject\b", kind)
     if not is_known or re.search(answering.kind.wanted, kind):
         return ""

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.code.idle_statements import tried_statements
 from ros2lab.diagnose.code.lost_fillings import is_shared, lost_fillings
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, in_a_row
+from ros2lab.diagnose.sources.answered import ACCEPTED, plain_returns, unanswered
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import called_function
@@ -55,17 +56,15 @@ def _no_answer(
         return
     given = call.args[0]
     method = uses.sources.method(owner, given.attr) if owner and is_self_attribute(given) else None
-    if (
-        method
-        and not method.decorator_list
-        and not any(isinstance(node, ast.Return) and node.value for node in own_nodes(method))
-    ):
-        fix = (
-            f"write `return SetParametersResult(successful=True)` as the last line of {method.name}(), "
-            "with `from rcl_interfaces.msg import SetParametersResult` at the top"
-        )
-        cause = f"{method.name}() returns nothing, but must tell ROS whether the new values are accepted, so every change is rejected."
-        yield Finding("value-none", cause, source.at(method), fix)
+    if not method or method.decorator_list:
+        return
+    if fix := unanswered(method, ACCEPTED):
+        is_known = "SetParametersResult" in source.names
+        more = "" if is_known else ", with `from rcl_interfaces.msg import SetParametersResult` at the top"
+        said = [ast.unparse(node.value) if node.value else "nothing" for node in plain_returns(method)]
+        returned = in_a_row([*dict.fromkeys(said)]) or "nothing"
+        cause = f"{method.name}() returns {returned}, but must tell ROS with a SetParametersResult whether the new values are accepted, so every such change is rejected."
+        yield Finding("value-none", cause, source.at(next(plain_returns(method), method)), f"{fix}{more}")
 
 
 def _may_be_message(source: PythonSource, owner: NodeClass | None, given: ast.expr) -> bool:

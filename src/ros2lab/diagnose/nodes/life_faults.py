@@ -17,6 +17,7 @@ from ros2lab.diagnose.nodes.endless_loops import (
 )
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
+from ros2lab.diagnose.sources.answered import plain_returns, unanswered
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
@@ -26,7 +27,6 @@ from ros2lab.diagnose.sources.python_source import (
     PythonSource,
     own_nodes,
     parameters,
-    returns_value,
     walk,
 )
 from ros2lab.diagnose.sources.qualities import policies_of
@@ -100,9 +100,12 @@ def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
                 owner.source.at(method),
                 f"write `return super().{name}({given})` as its last line",
             )
-        elif not returns_value(method) and not isinstance(method.body[-1], ast.Raise):
+        elif fix := unanswered(method, "TransitionCallbackReturn.SUCCESS"):
             cause = f"{name}() returns nothing, so the transition counts as failed."
-            fix = "write `return TransitionCallbackReturn.SUCCESS` as its last line"
+            if plain := [n for n in plain_returns(method) if n.value]:
+                cause = f"{name}() returns {ast.unparse(plain[0]).removeprefix('return ')}, which is no answer to a transition."
+            if "TransitionCallbackReturn" not in owner.source.names:
+                fix += ", with `from rclpy.lifecycle import TransitionCallbackReturn` at the top"
             yield Finding("transition-wrong", cause, owner.source.at(method), fix)
 
 

@@ -13,6 +13,7 @@ from ros2lab.diagnose.nodes.super_order import SuperOrder
 from ros2lab.diagnose.nodes.taken_names import hidden_method, hiding_methods, taken_attributes
 from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.answered import plain_returns, unanswered
 from ros2lab.diagnose.sources.calls import meant_call
 from ros2lab.diagnose.sources.construction import given_to_super, lost_constructor, super_call
 from ros2lab.diagnose.sources.interfaces import members_of
@@ -30,7 +31,6 @@ from ros2lab.diagnose.sources.python_source import (
     PythonSource,
     own_nodes,
     parameters,
-    returns_value,
     walk,
 )
 from ros2lab.diagnose.sources.removal import removal
@@ -257,15 +257,14 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
     if function is not None:
         yield from _parameter_fault(sources, creation, given, function)
         yield from _yield_fault(creation, function)
-    is_answer = function is not None and (returns_value(function) or len(parameters(function)) < 2)
-    if function is not None and creation.method == "create_service" and not is_answer:
-        response = parameters(function)[-1].arg
-        yield Finding(
-            "callback-arguments",
-            f"{function.name}() is a service callback but returns nothing, so the node crashes at the first request.",
-            creation.source.at(function),
-            f"write `return {response}` as the last line of {function.name}()",
-        )
+    if function is None or creation.method != "create_service" or len(parameters(function)) < 2:
+        return
+    if fix := unanswered(function, parameters(function)[-1].arg):
+        cause = f"{function.name}() is a service callback but returns nothing, so the node crashes at the first request."
+        if plain := [*plain_returns(function)]:
+            said = ast.unparse(plain[0].value) if plain[0].value else "nothing"
+            cause = f"{function.name}() is a service callback but returns {said} on line {plain[0].lineno}, so the node crashes there."
+        yield Finding("callback-arguments", cause, creation.source.at(function), fix)
 
 
 def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:

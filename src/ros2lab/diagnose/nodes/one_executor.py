@@ -5,8 +5,15 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator, Sequence
 
-from ros2lab.diagnose.finding import lines_in_words
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_read, own_nodes, walk
+from ros2lab.diagnose.finding import in_a_row, lines_in_words
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    names_bound,
+    names_read,
+    own_nodes,
+    walk,
+)
 
 
 def joined(source: PythonSource, function: Function, spins: Sequence[ast.Call]) -> str:
@@ -21,17 +28,17 @@ def joined(source: PythonSource, function: Function, spins: Sequence[ast.Call]) 
     # What is spun must be there: an object that is made between two spins is spun in the place of the last.
     needed = {*names_read(n for spin in spins for n in walk(spin))}
     first, last = spins[0].lineno, spins[-1].lineno
-    later = {n.id for n in own_nodes(function) if _is_stored(n) and first < getattr(n, "lineno", 0) < last}
+    later = names_bound(n for n in own_nodes(function) if first < getattr(n, "lineno", 0) < last)
     place = spins[-1] if needed & later else spins[0]
     rows = [f"`{kept}.add_node({text})`" for text in dict.fromkeys(map(ast.unparse, nodes))]
     lines = [spin.lineno for spin in spins]
-    in_a_row = lines == [*range(first, last + 1)]
-    where = lines_in_words(first, last) if in_a_row else f"line {place.lineno}"
-    edits.append(f"write {in_words([*made, *rows, f'`{kept}.spin()`'])} instead of {where}")
-    edits += [f"remove line {line}" for line in lines if line != place.lineno and not in_a_row]
+    are_adjacent = lines == [*range(first, last + 1)]
+    where = lines_in_words(first, last) if are_adjacent else f"line {place.lineno}"
+    edits.append(f"write {in_a_row([*made, *rows, f'`{kept}.spin()`'])} instead of {where}")
+    edits += [f"remove line {line}" for line in lines if line != place.lineno and not are_adjacent]
     ended = [c.lineno for c in _ends(function, nodes) if place is spins[-1] and first < c.lineno < last]
     edits += [f"move line {line} below line {last}" for line in ended]
-    return f"{in_words(edits)}{more}"
+    return f"{in_a_row(edits)}{more}"
 
 
 def joined_after(source: PythonSource, loop: ast.For, spin: ast.Call) -> str:
@@ -46,7 +53,7 @@ def spun_together(source: PythonSource, spin: ast.Call, names: Iterable[str]) ->
     """Return how a call of rclpy.spin becomes the spin of an executor that has other nodes, too."""
     made, more = _made(source)
     rows = [f"`executor.add_node({name})`" for name in dict.fromkeys((ast.unparse(spin.args[0]), *names))]
-    return f"write {in_words([*made, *rows, '`executor.spin()`'])} instead of line {spin.lineno}{more}"
+    return f"write {in_a_row([*made, *rows, '`executor.spin()`'])} instead of line {spin.lineno}{more}"
 
 
 def on_their_own(source: PythonSource, threads: Sequence[ast.Call]) -> str:
@@ -57,12 +64,7 @@ def on_their_own(source: PythonSource, threads: Sequence[ast.Call]) -> str:
     if len(alone) != len(threads):
         return ""
     rows = [f"`args=({ast.unparse(node)}, {name}())` on line {node.lineno}" for node in alone]
-    return f"write {in_words(rows)}{more}"
-
-
-def in_words(parts: Sequence[str]) -> str:
-    """Return parts of a sentence in a row, with `and` before the last."""
-    return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
+    return f"write {in_a_row(rows)}{more}"
 
 
 def _made(source: PythonSource) -> tuple[list[str], str]:
@@ -89,10 +91,6 @@ def _executor(spin: ast.Call) -> str:
 
 def _is_rclpys(source: PythonSource, call: ast.Call) -> bool:
     return source.resolve(call.func) == "rclpy.spin"
-
-
-def _is_stored(node: ast.AST) -> bool:
-    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
 
 
 def _ends(function: Function, nodes: Sequence[ast.expr]) -> Iterator[ast.Call]:

@@ -117,7 +117,7 @@ def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, as
     return (home, found) if isinstance(found, ast.Constant) else None
 
 
-def returned(function: ast.FunctionDef) -> list[ast.AST]:
+def returned(function: Function) -> list[ast.AST]:
     """Return the `return` statements with a value and the `yield` expressions of a function."""
     kinds = (ast.Yield, ast.YieldFrom)
     return [
@@ -193,7 +193,7 @@ def needed_by(function: Function) -> list[str]:
     return names[1:] if names[:1] in (["self"], ["cls"]) else names
 
 
-def may_fall_through(function: ast.FunctionDef) -> bool:
+def may_fall_through(function: Function) -> bool:
     """Return whether a function may reach its end and return None."""
     if function.decorator_list or any(
         isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)

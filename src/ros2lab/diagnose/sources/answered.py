@@ -1,0 +1,72 @@
+"""What rclpy needs back from a callback, written for each of its returns at once."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+
+from ros2lab.diagnose.finding import in_a_row
+from ros2lab.diagnose.sources.own_functions import may_fall_through
+from ros2lab.diagnose.sources.python_source import Function, own_nodes, returns_value
+
+ACCEPTED = "SetParametersResult(successful=True)"
+# What says no to what another answer accepts.
+_REFUSALS = {
+    "GoalResponse.ACCEPT": "GoalResponse.REJECT",
+    "CancelResponse.ACCEPT": "CancelResponse.REJECT",
+    "TransitionCallbackReturn.SUCCESS": "TransitionCallbackReturn.FAILURE",
+}
+
+
+def plain_returns(function: Function) -> Iterator[ast.Return]:
+    """Yield the statements that return nothing or a plain value, which is no answer for rclpy."""
+    for node in own_nodes(function):
+        if isinstance(node, ast.Return) and (node.value is None or isinstance(node.value, ast.Constant)):
+            yield node
+
+
+def answered(function: Function, returns: Mapping[ast.Return, bool], answer: str, is_open: bool) -> str:
+    """Return what to write instead of each return that rclpy cannot use, and as the last line.
+
+    Args:
+        function: the callback.
+        returns: the statements, and whether each says yes or no.
+        answer: what accepts.
+        is_open: whether the function may also end without a return.
+    """
+    lines = dict[str, list[int]]()
+    for node in sorted(returns, key=lambda node: node.lineno):
+        written = _as_answer(node.value, answer) if node.value and returns[node] else answer
+        lines.setdefault(written, []).append(node.lineno)
+    rows = []
+    for written, numbers in lines.items():
+        shown = in_a_row([str(number) for number in numbers])
+        where = f"lines {shown} return" if numbers[1:] else f"line {shown} returns"
+        rows.append(f"`return {written}` instead of what {where}")
+    if is_open:
+        rows.append(f"`return {answer}` as the last line of {function.name}()")
+    return f"write {in_a_row(rows)}"
+
+
+def unanswered(function: Function, answer: str) -> str:
+    """Return what to write where a callback surely gives no answer; empty if it always gives a value."""
+    returns = {node: isinstance(getattr(node.value, "value", None), bool) for node in plain_returns(function)}
+    is_open = ends_open(function)
+    return (
+        answered(function, returns, answer, is_open)
+        if returns or (is_open and not returns_value(function))
+        else ""
+    )
+
+
+def ends_open(function: Function) -> bool:
+    """Return whether a function may reach its end without a return."""
+    return not isinstance(function.body[-1], (ast.Return, ast.Raise)) and may_fall_through(function)
+
+
+def _as_answer(said: ast.expr, answer: str) -> str:
+    """Return an answer that accepts where an expression is true."""
+    text, refusal = ast.unparse(said), _REFUSALS.get(answer)
+    if refusal is None:
+        return answer.replace("True", text)
+    return {"True": answer, "False": refusal}.get(text, f"{answer} if {text} else {refusal}")
