@@ -481,7 +481,7 @@ def test_a_description_that_is_kept_in_a_variable(tmp_path: Path) -> None:
     files = Files.right(NAME)
     files.put("launch/robot.launch.py", text)
     found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "launch-lost"]
-    assert found == ["write `ld.add_action(driver)` above its return"]
+    assert found == ["write `ld.add_action(driver)` below line 7"]
 
 
 def test_a_launch_argument_that_is_reckoned_with(tmp_path: Path) -> None:

@@ -68,5 +68,5 @@ def test_one_that_nothing_gives_is_told_with_its_line(tmp_path: Path) -> None:
 def test_one_whose_declaration_is_not_in_the_description(tmp_path: Path) -> None:
     ((code, place, fix),) = told(INNER.replace("        declared,\n", ""), ("", ""), tmp_path)
     assert (code, place) == ("launch-lost", "src/my_bot/launch/inner.launch.py:8")
-    assert fix == "write `declared,` as the first item in the list of LaunchDescription"
+    assert fix == "write `declared,` as the first item in the list on line 10"
     assert told(INNER, ("", ""), tmp_path) == []

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.lost_arguments import not_added
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.printed.error_text import ErrorText
@@ -25,6 +26,8 @@ def undeclared_argument(error: ErrorText, look: Look) -> Finding | None:
         if path.suffix != ".py" or match is None:
             continue
         source = read_source(path, path.stem, str(path.relative_to(look.root)))
+        if lost := next(not_added(match["name"], source), None):
+            return lost
         for call in _used(match["name"], source):
             value = _default(match["name"], call, source, look)
             if value is None or nearest(match["name"], _declared_in(source), 0.6):

@@ -20,6 +20,7 @@ from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.launching.own_modules import own_module
+from ros2lab.diagnose.launching.unlisted import unlisted
 from ros2lab.diagnose.nodes.parameter_faults import unread_file
 from ros2lab.diagnose.sources.interfaces import PACKAGES, launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -225,35 +226,27 @@ def _from_here(
 
 
 def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator[Finding]:
-    """Yield nodes that a launch file makes but does not add to its description."""
+    """Yield actions that a launch file makes but does not add to its description: nodes only if launch has not them.
+
+    An argument that is declared in vain is told where something needs it.
+    """
     source = read_source(path, path.stem, file.shown)
-    added = [
-        ast.unparse(n.value) for n in source.nodes if isinstance(n, ast.Attribute) and n.attr == "add_action"
-    ]
-    # A name that is read may be added in another case, unless it is read only to wait for its node.
-    waited = {id(n.value) for n in source.nodes if isinstance(n, ast.keyword) and n.arg == "target_action"}
-    read = {
-        n.id
-        for n in source.nodes
-        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load) and id(n) not in waited
-    }
-    for node in source.nodes:
-        match node:
-            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(lineno=line)) if (
-                line in lines and name not in read
-            ):
-                cause = f"The node {name} is made here but is not in the launch description, so launch does not start it."
-                made = [
-                    ast.unparse(n.targets[0])
-                    for n in source.nodes
-                    if isinstance(n, ast.Assign) and ast.unparse(n.value) == "LaunchDescription()"
-                ]
-                fix = (
-                    f"write `{[*added, *made][0]}.add_action({name})` above its return"
-                    if added or made
-                    else f"add {name} to the list in LaunchDescription([...])"
-                )
-                yield Finding("launch-lost", cause, source.at(line), fix)
+    for action in unlisted(source):
+        is_commented = re.search(rf"#.*\b{re.escape(action.name)}\b", source.text) if action.name else None
+        what = f"The node {action.name}".rstrip()
+        effect = "launch does not start it"
+        if action.kind != "Node":
+            what, effect = (
+                f"{action.name or 'This'}, a {action.kind},".replace(" a I", " an I").replace(
+                    " a E", " an E"
+                ),
+                "launch never does it",
+            )
+        if action.kind == "DeclareLaunchArgument" or (action.kind != "Node" and is_commented):
+            continue
+        if action.kind != "Node" or {call.lineno for call in action.made} & {*lines}:
+            cause = f"{what} is made here but is not in the launch description, so {effect}."
+            yield Finding("launch-lost", cause, source.at(action.statement), action.listing)
 
 
 def _refusals(

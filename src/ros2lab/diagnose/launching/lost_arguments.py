@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.finding import SAID, Finding
-from ros2lab.diagnose.sources.python_source import PythonSource, names_read, read_text
+from ros2lab.diagnose.launching.unlisted import unlisted
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 _MISSING = re.compile(r"launch configuration '(?P<name>[^']+)' does not exist")
 
@@ -26,7 +27,7 @@ def lost_argument(said: str, path: Path, source: PythonSource, files: Iterable[P
     if match is None:
         return None
     name = match["name"]
-    if lost := next(_not_added(name, source), None):
+    if lost := next(not_added(name, source), None):
         return [lost]
     others = (read_text(other) for other in files if other != path)
     if any(path.name in text and name in text for text in others):
@@ -44,16 +45,13 @@ def lost_argument(said: str, path: Path, source: PythonSource, files: Iterable[P
     ]
 
 
-def _not_added(name: str, source: PythonSource) -> Iterator[Finding]:
-    """Yield the declaration of an argument that is kept in a variable which nothing uses."""
-    read = names_read(source.nodes)
-    for node in source.nodes:
-        match node:
-            case ast.Assign(targets=[ast.Name(id=kept)], value=ast.Call() as made):
-                if kept not in read and _is(made, "DeclareLaunchArgument", source) and _first(made) == name:
-                    cause = f"The argument {name} is declared here, but {kept} is not in the launch description, so LaunchConfiguration({name!r}) does not exist."
-                    fix = f"write `{kept},` as the first item in the list of LaunchDescription"
-                    yield Finding("launch-lost", cause, source.at(node), fix)
+def not_added(name: str, source: PythonSource) -> Iterator[Finding]:
+    """Yield the declaration of an argument that is not in the launch description."""
+    for action in unlisted(source):
+        if action.kind == "DeclareLaunchArgument" and name in map(_first, action.made):
+            kept = action.name or "it"
+            cause = f"The argument {name} is declared here, but {kept} is not in the launch description, so LaunchConfiguration({name!r}) does not exist."
+            yield Finding("launch-lost", cause, source.at(action.statement), action.listing)
 
 
 def _is(call: ast.Call, name: str, source: PythonSource) -> bool:

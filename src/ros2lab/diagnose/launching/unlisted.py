@@ -1,0 +1,113 @@
+"""Actions of a launch file that are made and never put into the launch description."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ros2lab.diagnose.finding import lines_in_words
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
+
+_ACTIONS = ("launch.actions.", "launch_ros.actions.")
+
+
+@dataclass(frozen=True)
+class Unlisted:
+    """An action, or a list of actions, that launch is never given.
+
+    Attributes:
+        statement: what makes it.
+        name: the variable that holds it; empty if none does.
+        made: the calls that make it.
+    """
+
+    source: PythonSource
+    statement: ast.Assign | ast.Expr
+    name: str
+    made: tuple[ast.Call, ...]
+
+    @property
+    def kind(self) -> str:
+        """The class of the action, such as `Node`."""
+        return last_name(self.made[0].func)
+
+    @property
+    def listing(self) -> str:
+        """How to put it into the description of the function that makes it: where its own line comes in the file."""
+        is_list = isinstance(self.statement.value, ast.List)
+        given = self.name or ast.unparse(self.made[0])
+        first, last = self.statement.lineno, self.statement.end_lineno or self.statement.lineno
+        gone = "" if self.name else f", and remove {lines_in_words(first, last)}"
+        functions = [n for n in self.source.nodes if isinstance(n, Function)]
+        home = next((f for f in functions if self.statement in own_nodes(f)), self.source.tree)
+        calls = [n for n in own_nodes(home) if isinstance(n, ast.Call)]
+        descriptions = [c for c in calls if last_name(c.func) == "LaunchDescription"]
+        items = next((n for call in descriptions for n in self._items(home, call)), None)
+        kept = next((text for c in descriptions if (text := self.source.name_of(c))), "")
+        is_early = kept and all(call.lineno < first for call in descriptions)
+        if kept and (items is None or is_early):
+            later = [c for c in calls if ast.unparse(c.func) == f"{kept}.add_action"]
+            lines = [c.end_lineno or 0 for c in later if c.args and self._made_at(home, c.args[0]) < first]
+            line = max([last, *(c.end_lineno or 0 for c in descriptions), *lines])
+            adding = (
+                f"for action in {given}: {kept}.add_action(action)"
+                if is_list
+                else f"{kept}.add_action({given})"
+            )
+            return f"write `{adding}` below line {line}{gone}"
+        where = "as the first item in the list of LaunchDescription"
+        if items is not None:
+            before = [item for item in items.elts if self._made_at(home, item) < first]
+            where = (
+                f"below `{ast.unparse(before[-1])}`"
+                if before and isinstance(before[-1], ast.Name)
+                else "as the first item"
+            )
+            where += f" in the list on line {items.lineno}"
+        return f"write `{'*' if is_list else ''}{given},` {where}{gone}"
+
+    def _items(self, home: ast.AST, description: ast.Call) -> Iterator[ast.List]:
+        """Yield the lists that a description is given, as they are written."""
+        for given in (*description.args, *(keyword.value for keyword in description.keywords)):
+            names = {n.id for n in walk(given) if isinstance(n, ast.Name)}
+            kept = [
+                n.value
+                for n in own_nodes(home)
+                if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) in names
+            ]
+            for value in (given, *kept):
+                if isinstance(value, ast.List) or value is given:
+                    yield from [n for n in walk(value) if isinstance(n, ast.List)][:1]
+
+    def _made_at(self, home: ast.AST, item: ast.expr) -> int:
+        """Return the line where an item of the description is made."""
+        name = ast.unparse(item)
+        made = [
+            n.lineno
+            for n in own_nodes(home)
+            if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) == name
+        ]
+        return made[0] if made else item.lineno
+
+
+def unlisted(source: PythonSource) -> Iterator[Unlisted]:
+    """Yield the actions that nothing reads; one that is read only to wait for its node counts as not read."""
+    waited = {id(n.value) for n in source.nodes if isinstance(n, ast.keyword) and n.arg == "target_action"}
+    names = [n for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)]
+    read = {n.id for n in names if id(n) not in waited}
+    for node in source.nodes:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if name not in read:
+                made = tuple(value.elts) if isinstance(value, ast.List) else (value,)
+            case ast.Expr(value=value):
+                name, made = "", (value,)
+            case _:
+                continue
+        calls = tuple(call for call in made if isinstance(call, ast.Call) and _is_action(source, call))
+        if calls and len(calls) == len(made):
+            yield Unlisted(source, node, name, calls)
+
+
+def _is_action(source: PythonSource, call: ast.Call) -> bool:
+    return (source.resolve(call.func) or "").startswith(_ACTIONS)
