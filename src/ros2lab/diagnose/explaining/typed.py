@@ -15,12 +15,14 @@ from ros2lab.diagnose.finding import Finding, at, shown_path
 from ros2lab.diagnose.launching.misplaced_values import OPTIONS
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.nodes.read_once import read_once
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.transcript import Step, unsettled
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest, plain_signs
+from ros2lab.diagnose.sources.uses import State, uses_of
 
 # Codes of faults that keep a node from being found, or from publishing anything.
 _SILENCE = frozenset(
@@ -303,6 +305,10 @@ def _read_once(name: str, look: Look) -> Iterator[Finding]:
     """Yield a finding if a parameter is read only in __init__."""
     for package in look.packages:
         sources = look.sources(package)
+        states = (State(uses_of(sources), owner) for owner in sources.nodes)
+        if found := [f for state in states for read, f in read_once(state) if read == name]:
+            yield found[0]
+            continue
         reads = [
             (function, source.at(node))
             for source in sources.sources.values()

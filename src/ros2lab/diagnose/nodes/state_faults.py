@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.read_once import meant_to_change
 from ros2lab.diagnose.nodes.stale_values import computed_once
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
@@ -42,6 +43,7 @@ def state_faults(uses: Uses) -> Iterator[Finding]:
         state = State(uses, owner)
         yield from _quoted(state)
         yield from computed_once(state)
+        yield from meant_to_change(state)
         yield from _never_read(state)
         yield from _never_equal(state)
         yield from _never_passed(state)
