@@ -49,13 +49,13 @@ def of_refused_name(error: ErrorText, look: Look) -> Finding | None:
         written = str(node.value)
         begin = name.find(written) if written else -1
         if begin >= 0 and begin <= wrong < begin + len(written):
-            better = _better(written, what, is_begin=begin == 0 or name[begin - 1] == "/")
+            better = better_name(written, what, is_begin=begin == 0 or name[begin - 1] == "/")
             where = source.at(node)
             more = "" if where == place else f" Line {spots[0].line} uses this text."
             return Finding(code, cause + more, where, f"write {better!r} instead of {written!r}")
     if given := _in_files(name, wrong, look):
         where, written = given
-        return Finding(code, cause, where, f"write {_better(written, what)} instead of {written}")
+        return Finding(code, cause, where, f"write {better_name(written, what)} instead of {written}")
     return Finding(code, cause, place, _at_use(spots[0], said["kind"], name, what))
 
 
@@ -64,7 +64,7 @@ def _first_wrong(name: str, what: str) -> int:
     return found.start() if found else 0
 
 
-def _better(text: str, what: str, *, is_begin: bool = True) -> str:
+def better_name(text: str, what: str, *, is_begin: bool = True) -> str:
     """Return a text that is allowed in a name."""
     if what == "node name":
         better = re.sub(r"[^A-Za-z0-9_]+", "_", text)
@@ -124,4 +124,4 @@ def _at_use(spot: Spot, kind: str, name: str, what: str) -> str:
             better = f"{text[:2]}n{text[2:]}" if isinstance(given[0], ast.JoinedStr) else f"'n' + {text}"
             return f"write `{better}` instead of `{text}`: the name then begins with a letter"
         return f"write `{text}.replace({wrong!r}, '_')` instead of `{text}`"
-    return f"write {_better(name, what)!r} where this name comes from"
+    return f"write {better_name(name, what)!r} where this name comes from"

@@ -15,6 +15,7 @@ from ros2lab.diagnose.causes.later_calls import of_later_call
 from ros2lab.diagnose.causes.parameters_given import of_parameters
 from ros2lab.diagnose.causes.raised_in_callbacks import of_own_raise
 from ros2lab.diagnose.causes.refused_names import of_refused_name
+from ros2lab.diagnose.causes.refused_rules import of_refused_rule
 from ros2lab.diagnose.causes.shadowed import of_shadow
 from ros2lab.diagnose.causes.taken import of_taken
 from ros2lab.diagnose.causes.unanswered import of_unanswered
@@ -196,6 +197,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or of_init_twice(error, look)
         or of_answer(error, look)
         or of_refused_name(error, look)
+        or of_refused_rule(error, look)
         or made_twice(error, known, look)
         or called_by_rclpy(error, look)
         or taken_from_rclpy(error, known, look)
