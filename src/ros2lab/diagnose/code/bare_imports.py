@@ -1,11 +1,11 @@
-"""Imports of a module of the same package without the package's name, where Python cannot find it so."""
+"""Imports of the workspace's modules by less, or more, than their names: without the package, or with folders above it."""
 
 from __future__ import annotations
 
 import ast
 import re
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
@@ -35,6 +35,9 @@ def bare_imports(package: SourcePackage, sources: NodeSources) -> Iterator[Findi
             if whole and not imported.is_guarded:
                 name = whole.removeprefix(f"{source.name.rpartition('.')[0]}.")
                 yield bare_import(whole, name, source.at(imported.line))
+            further = by_folders(source, imported.line, {**sources.beyond.modules, **own})
+            if further and not imported.is_guarded:
+                yield further
             target = whole or imported.target
             waiting += [name for name in (target, target.rpartition(".")[0]) if name in own]
 
@@ -73,3 +76,53 @@ def bare_import(whole: str, name: str, place: str) -> Finding:
         place,
         f"write {whole} instead of {name} there, and build again",
     )
+
+
+def by_folders(source: PythonSource, line: int, modules: Mapping[str, PythonSource]) -> Finding | None:
+    """Return the finding about an import that begins with folders above a package of the workspace; else None.
+
+    Args:
+        source: the file.
+        line: a line of the import.
+        modules: the files of the workspace, by the names of their modules.
+    """
+    for node in source.nodes:
+        if not isinstance(node, (ast.Import, ast.ImportFrom)) or not node.lineno <= line <= (
+            node.end_lineno or 0
+        ):
+            continue
+        if isinstance(node, ast.ImportFrom):
+            asked = {node.module or "": [alias.name for alias in node.names]} if not node.level else {}
+        else:
+            asked = {alias.name: [] for alias in node.names}
+        for written, names in asked.items():
+            if name := _below_folders(written, names, modules):
+                return _without_folders(source, node, written, name)
+    return None
+
+
+def _below_folders(written: str, names: Collection[str], modules: Mapping[str, PythonSource]) -> str:
+    """Return the module of the workspace that the end of a name is; empty if there is none, or the name is right."""
+    top = written.partition(".")[0]
+    if written in modules or top in interfaces.PACKAGES or top in sys.stdlib_module_names:
+        return ""
+    parts = written.split(".")
+    for name in (".".join(parts[n:]) for n in range(1, len(parts))):
+        # A last part alone may have the name of a package by chance.
+        inner = [name] if "." in name else [f"{name}.{each}" for each in names]
+        if name in modules and any(each in modules for each in inner):
+            return name
+    return ""
+
+
+def _without_folders(
+    source: PythonSource, node: ast.Import | ast.ImportFrom, written: str, name: str
+) -> Finding:
+    """Say that an import names the folders above a package, and how it is written without them."""
+    line = ast.unparse(node).replace(written, name, 1)
+    used = [n.lineno for n in source.nodes if isinstance(n, ast.Attribute) and ast.unparse(n) == written]
+    places = " and ".join(map(str, sorted({*used})))
+    more = f", and {name} instead of {written} on line {places}" if places else ""
+    package = name.partition(".")[0]
+    cause = f"This import begins with folders above the package {package}: Python imports {name} from where {package} is installed, and finds no {written} there."
+    return Finding("import-wrong", cause, source.at(node), f"write `{line}`{more}, and build again")

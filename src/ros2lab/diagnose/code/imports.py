@@ -7,7 +7,7 @@ import sys
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
-from ros2lab.diagnose.code.bare_imports import bare_sibling
+from ros2lab.diagnose.code.bare_imports import bare_sibling, by_folders
 from ros2lab.diagnose.code.bound_names import MODULE_NAMES, global_names, undefined_names
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
@@ -137,6 +137,9 @@ def _own_module(
     module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
     is_folder = any(name.startswith(f"{module}.") for name in own_modules)  # one without __init__.py
     if is_folder or module in own_modules or imported.target in own_modules:
+        return
+    if further := by_folders(source, imported.line, {**beyond.modules, **own_modules}):
+        yield further
         return
     if module.endswith((".msg", ".srv", ".action")):
         yield _own_messages(source, imported, module, beyond)

@@ -15,7 +15,7 @@ from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.code.meant_names import meant, used_too_early
 from ros2lab.diagnose.code.syntax import explained
 from ros2lab.diagnose.explaining.meaning import Meaning
-from ros2lab.diagnose.explaining.not_found import no_module, wrong_import
+from ros2lab.diagnose.explaining.not_found import below_folders, no_module, wrong_import
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field
@@ -40,7 +40,7 @@ def said_of(
     elif meaning.codes[0] == "import-wrong":
         told = wrong_import(spot_at(place, look), groups, look)
     elif meaning.codes[0] == "entry-point-module":
-        told = wrong_import(spot_at(place, look), groups, look)
+        told = below_folders(spot := spot_at(place, look), look) or wrong_import(spot, groups, look)
         told = told or no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
     if told or meaning.cause:
         return [told or _in_words(meaning, groups, place, error, look)]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 
-from ros2lab.diagnose.code.bare_imports import bare_import
+from ros2lab.diagnose.code.bare_imports import bare_import, by_folders
 from ros2lab.diagnose.code.imports import names_of
 from ros2lab.diagnose.code.listed_packages import not_built
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
@@ -279,8 +279,7 @@ def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look | None) -> Fi
         groups: the module, and the name in it, of the message `cannot import name`.
         look: the workspace; None if there is none.
     """
-    packages = look.packages if look else []
-    modules = {name: module for package in packages for name, module in package.sources.items()}
+    modules = _modules(look)
     source = spot.source
     if source is None and groups.get("module"):
         source = PythonSource("", "", f"from {groups['module']} import {groups['name']}")
@@ -291,6 +290,17 @@ def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look | None) -> Fi
         return replace(found[0], place="") if found else None
     here = {source.at(line) for line in spot.lines}
     return next((finding for finding in found if finding.place in here), None)
+
+
+def below_folders(spot: Spot, look: Look | None) -> Finding | None:
+    """Return the finding about a line that imports a module of the workspace with the folders above it; else None."""
+    found = (by_folders(spot.source, line, _modules(look)) for line in spot.lines) if spot.source else ()
+    return next(filter(None, found), None)
+
+
+def _modules(look: Look | None) -> dict[str, PythonSource]:
+    packages = look.packages if look else []
+    return {name: module for package in packages for name, module in package.sources.items()}
 
 
 def _own_module(name: str, place: str, look: Look) -> Finding | None:
