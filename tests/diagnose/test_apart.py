@@ -60,11 +60,11 @@ def test_the_line_that_decides_is_told_once(
 @pytest.mark.parametrize(
     ("sent", "read", "starts"),
     [
-        (("news", "news"), both("red", "blue")),
-        (("/news", "/news"), both("red", "blue")),
-        (("news", "news"), {"status_publisher": ("red", "blue", "green"), "command_subscriber": ("red", "blue")}),
-        (("/news", "/news"), {"status_publisher": ("red", "blue"), "command_subscriber": ("",)}),
-        (("/red/news", "news"), {"status_publisher": ("",), "command_subscriber": ("red",)}),
+        ("news", "news", both("red", "blue")),
+        ("/news", "/news", both("red", "blue")),
+        ("news", "news", {"status_publisher": ("red", "blue", "green"), "command_subscriber": ("red", "blue")}),
+        ("/news", "/news", {"status_publisher": ("red", "blue"), "command_subscriber": ("",)}),
+        ("/red/news", "news", {"status_publisher": ("",), "command_subscriber": ("red",)}),
     ],
 )  # fmt: skip
 def test_what_is_apart_on_purpose_or_meets_is_right(
