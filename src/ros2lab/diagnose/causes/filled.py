@@ -13,7 +13,7 @@ from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.kinds import Kinds, Scope, field_kind
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import assignments
+from ros2lab.diagnose.sources.python_source import PythonSource, assignments
 from ros2lab.diagnose.sources.spelling import with_article
 
 
@@ -31,7 +31,7 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
         field for field in _fields_filled(spot) if said["name"] in (interfaces.fields_of(field[1]) or {})
     ]
     if not wrong:
-        return None
+        return _of_appended(said["kind"], said["name"], spot)
     texts = []
     for target, wanted, value in wrong:
         if any("to_msg" in interfaces.members_of(home, said["kind"])[0] for home in _libraries(said["kind"])):
@@ -53,10 +53,7 @@ def _libraries(kind: str) -> list[str]:
 def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
     """Yield the published message's fields of a message type that are given another: target, type, value."""
     assert spot.source is not None
-    sent = [
-        n.args for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish"
-    ]
-    published = tuple(f"{ast.unparse(given[0])}." for given in sent if given)
+    published = tuple(f"{path}." for path in _published(spot))
     sources = NodeSources({spot.source.name: spot.source})
     kinds = Kinds(sources)
     for owner, function, node in sources.scoped(spot.source):
@@ -66,6 +63,56 @@ def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
                 wanted = field_kind((interfaces.fields_of(scope.kind(target.value)) or {}).get(target.attr))
                 if wanted and interfaces.fields_of(wanted) and scope.kind(value) != wanted:
                     yield target, wanted, value
+
+
+def _of_appended(kind: str, name: str, spot: Spot) -> Finding | None:
+    """Return which item of a list in a published message has another type than the list; None if none is seen."""
+    assert spot.source is not None
+    sources = NodeSources({spot.source.name: spot.source})
+    kinds, sent = Kinds(sources), _published(spot)
+    for owner, function, node in sources.scoped(spot.source):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="append", value=ast.Attribute() as items), args=[value]):
+                scope = Scope(kinds, spot.source, owner, function)
+            case _:
+                continue
+        path = ast.unparse(items.value)
+        if not any(f"{path}.".startswith(f"{each}.") for each in sent) or not (
+            function is spot.function or path.startswith("self.")
+        ):
+            continue
+        field = (interfaces.fields_of(scope.kind(items.value)) or {}).get(items.attr, "")
+        wanted, given = field_kind(re.sub(r"^sequence<([^,>]+).*", r"\1", field)), scope.kind(value)
+        is_it = given and wanted and given != wanted and given.rpartition(".")[2] == kind
+        if is_it and name in (interfaces.fields_of(wanted) or {}):
+            return _with_item(spot.source, node, items, value, (str(wanted), str(given)))
+    return None
+
+
+def _published(spot: Spot) -> list[str]:
+    """Return what a line publishes, as it is written."""
+    calls = [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish"]
+    return [ast.unparse(call.args[0]) for call in calls if call.args]
+
+
+def _with_item(
+    source: PythonSource, call: ast.Call, items: ast.Attribute, value: ast.expr, types: tuple[str, str]
+) -> Finding:
+    """Say what a list holds, and how the value that was put into it becomes an item, or comes out of the value."""
+    (wanted, given), shown = types, ast.unparse(value)
+    name, other = (kind.rpartition(".")[2] for kind in types)
+    around = [key for key, kind in (interfaces.fields_of(wanted) or {}).items() if field_kind(kind) == given]
+    within = [key for key, kind in (interfaces.fields_of(given) or {}).items() if field_kind(kind) == wanted]
+    home = f"`from {wanted.rpartition('.')[0]} import {name}` at the top"
+    is_known = any(imported.target == wanted and imported.local == name for imported in source.imports)
+    fix = f"make {with_article(name)} for each item of {ast.unparse(items)}, and append that"
+    if len(within) == 1:
+        fix = f"write {ast.unparse(items)}.append({shown}.{within[0]})"
+    elif len(around) == 1:
+        fix = f"write {ast.unparse(items)}.append({name}({around[0]}={shown}))"
+        fix += "" if is_known else f", with {home}"
+    cause = f"{ast.unparse(items)} holds messages of type {name}, but `{shown}` is {with_article(other)}; Python notices only in publish()."
+    return Finding("field-type", cause, source.at(call), fix)
 
 
 def of_item(message: str, spot: Spot) -> Finding | None:
