@@ -48,7 +48,7 @@ def run(code: str, path: Path) -> str:
     exec(compile(code, str(path), "exec"), names)
     try:
         names["main"]()
-    except AttributeError:
+    except (AttributeError, AssertionError):
         return traceback.format_exc()
     finally:
         rclpy.try_shutdown()
@@ -115,3 +115,15 @@ def test_items_that_are_right(tmp_path: Path, fill: str) -> None:
     line = 1 + path.read_text().splitlines().index("        self.pub.publish(msg)")
     text = f"Traceback (most recent call last):\n  File \"{path}\", line {line}, in plan\n    self.pub.publish(msg)\nAttributeError: 'Pose' object has no attribute 'header'\n"
     assert "Python notices only" not in "".join(found.cause for found in of_text(text, root))
+
+
+def test_a_list_of_other_messages_is_not_told_to_be_copied(tmp_path: Path) -> None:
+    """The same items again would be refused again."""
+    fill = "poses = []\nfor x in range(3):\n    poses.append(Pose())\nmsg.poses = poses"
+    files = Files.right(NAMES[0]).put("node", written("Path", fill, "msg"))
+    root = files.write(tmp_path)
+    path = root / files.path("node")
+    (found, *_) = of_text(run(path.read_text(), path), root)
+    assert "PoseStamped" in found.cause
+    assert " for " not in found.fix
+    assert "msg.poses." not in found.fix

@@ -38,8 +38,9 @@ def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | Non
     is_fixed = said["length"] is not None and not said["most"]
     count = int(said["length"]) if is_fixed else None
     written, given = _as_list(value, kind, count, source)
-    if not written or _plain(written) == ast.unparse(value):
-        return None
+    text = ast.unparse(value)
+    if not written or _plain(written) in (text, f"[one for one in {text}]"):
+        return None  # also where it would only be the same items again
     several = f"{count} values" if count else "a list"
     holds = f"The field {field} holds {several} of type {kind}"
     cause = f"{holds}, but `{ast.unparse(value)}` is {given}."

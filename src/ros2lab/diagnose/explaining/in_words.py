@@ -136,7 +136,7 @@ def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool)
 
 def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
     """Say how to set a message field to the value on a line; empty if the line does not set it."""
-    wanted = re.search(r"type '(\w+)'", groups["what"])
+    wanted = None if "sequence" in groups["what"] else re.search(r"type '(\w+)'", groups["what"])
     home = (homes_of(wanted[1]) if wanted and wanted[1][:1].isupper() else ()) or ("",)
     for node in spot.nodes:
         target = node.targets[0] if isinstance(node, ast.Assign) else None
