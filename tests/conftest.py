@@ -72,17 +72,20 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def long_first(items: Sequence[pytest.Item], workers: int) -> list[pytest.Item]:
     """Let half of the workers begin with the long tests: at the end, one core would wait for the other.
 
-    To begin with, xdist gives each worker as many of the tests as any other, in their order.
+    To begin with, xdist gives each worker as many of the tests as any other, in their order. Those of a file that are
+    marked as long together, since they share what takes long, stay together.
     """
     if workers == 1:
         return list(items)
     with_long = workers // 2
-    long = [item for item in items if item.get_closest_marker("long")]
+    marked = ((item, item.get_closest_marker("long")) for item in items)
+    of_whom = ((item, item.path if mark.kwargs else item.nodeid) for item, mark in marked if mark)
+    long = [[item for item, _ in group] for _, group in itertools.groupby(of_whom, key=lambda pair: pair[1])]
     others = deque(item for item in items if not item.get_closest_marker("long"))
     ordered: list[pytest.Item] = []
     for worker in range(workers):
         share = (len(items) - len(ordered)) // (workers - worker)
-        own = long[worker::with_long] if worker < with_long else []
+        own = [item for group in long[worker::with_long] for item in group] if worker < with_long else []
         ordered += [*own, *(others.popleft() for _ in range(min(share - len(own), len(others))))]
     return [*ordered, *others]
 

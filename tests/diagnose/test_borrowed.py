@@ -209,7 +209,7 @@ RIGHT = [
     ("driver", "self.timer = self.create_timer(0.1, self.drive)", "for name in ('a', 'b'):\n            self.create_timer(1.0, lambda name=name: name.upper())\n        self.timer = self.create_timer(0.1, self.drive)"),
     ("driver", "create_timer(0.1,", "create_timer(1 / 10,"),
     ("driver", "        self.timer =", "        self.publisher_.publish(Twist())\n        self.timer ="),
-    ("launch/robot.launch.py", "    return LaunchDescription([", "    ExecuteProcess(cmd='ros2 topic list', shell=True)\n    return LaunchDescription(["),
+    ("launch/robot.launch.py", "    return LaunchDescription([", "    return LaunchDescription([ExecuteProcess(cmd='ros2 topic list', shell=True), "),
 ]  # fmt: skip
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+import sys
 
 import pytest
 
 from ros2lab.diagnose import of_text
 
-START = "python3 -c 'import rclpy; rclpy.init()'"
+START = [sys.executable, "-c", "import rclpy; rclpy.init()"]
 ALONE = "type `unset {}` in this terminal, and remove the line that sets it from ~/.bashrc"
 REFUSED = [
     ("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp", "asks for the middleware rmw_cyclonedds_cpp, which is not installed here"),
@@ -25,7 +26,7 @@ def shown(command: str, name: str, value: str) -> str:
     """Return what ROS prints if a variable has a value."""
     environment = {key: text for key, text in os.environ.items() if not key.startswith(("ROS_", "RMW_"))}
     done = subprocess.run(
-        ["bash", "-c", START], env={**environment, name: value}, capture_output=True, text=True, check=False
+        START, env={**environment, name: value}, capture_output=True, text=True, check=False
     )
     return f"$ {command}\n{done.stdout}{done.stderr}"
 

@@ -80,6 +80,9 @@ def _watched(folder: Path, programs: dict[str, tuple[str, str]], facts: Files) -
         return watch(observer, Submission("files", None, [], None, [], []), facts, built)
 
 
+RUN_TOGETHER = pytest.mark.long(together=True)  # all programs of a fixture are watched once
+
+
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     """Programs that say by themselves which clock they follow, or ask for it; each alone."""
@@ -87,6 +90,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     return {run.programs[0]: run for run in seen if run.setting == "alone"}
 
 
+@RUN_TOGETHER
 @pytest.mark.parametrize("name", SILENT)
 def test_a_node_that_follows_a_clock_of_nobody_is_silent(runs: dict[str, Run], name: str) -> None:
     """As it is with `ros2 run`; the clock that is stepped would bring it to life."""
@@ -94,6 +98,7 @@ def test_a_node_that_follows_a_clock_of_nobody_is_silent(runs: dict[str, Run], n
     assert (run.clock, run.quiet, run.clocked) == ("real", {}, [f"/{name}"])
 
 
+@RUN_TOGETHER
 @pytest.mark.parametrize("name", HEARD)
 def test_a_node_that_follows_the_systems_clock_is_heard(runs: dict[str, Run], name: str) -> None:
     """Also if its code names the parameter, or refuses to follow another one."""
@@ -118,6 +123,7 @@ def telling(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     return {run.programs[0]: run for run in seen if run.setting == "alone"}
 
 
+@RUN_TOGETHER
 @pytest.mark.parametrize("name", TELLING)
 def test_a_node_that_is_right_only_on_a_stepped_clock_is_watched_on_the_real_one(
     telling: dict[str, Run], name: str

@@ -48,6 +48,9 @@ PROGRAMS = {
 ANSWERED = ("asks_for_a_number", "asks_for_two", "asks_for_a_word", "reads_single_keys")
 
 
+RUN_TOGETHER = pytest.mark.long(together=True)  # all programs are watched once, for minutes on a busy machine
+
+
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     folder = tmp_path_factory.mktemp("programs")
@@ -64,17 +67,20 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     return {run.programs[0]: run for run in seen if run.setting == "alone"}
 
 
+@RUN_TOGETHER
 @pytest.mark.parametrize("name", ANSWERED)
 def test_what_comes_behind_an_answer_is_seen(runs: dict[str, Run], name: str) -> None:
     assert runs[name].quiet["/cmd_vel"].count > 2
     assert runs[name].typed
 
 
+@RUN_TOGETHER
 def test_what_goes_on_without_an_answer_needs_none(runs: dict[str, Run]) -> None:
     assert runs["reads_what_is_there"].quiet["/cmd_vel"].count > 2
     assert not runs["reads_what_is_there"].typed
 
 
+@RUN_TOGETHER
 def test_what_is_broken_behind_it_is_seen_to_be(runs: dict[str, Run]) -> None:
     assert "it never worked" in runs["is_broken_behind_it"].ended["is_broken_behind_it"]
     assert runs["is_silent_behind_it"].typed
@@ -82,11 +88,13 @@ def test_what_is_broken_behind_it_is_seen_to_be(runs: dict[str, Run]) -> None:
     assert not runs["is_silent_behind_it"].quiet
 
 
+@RUN_TOGETHER
 def test_what_is_logged_behind_a_prompt_is_one_line_and_not_two(runs: dict[str, Run]) -> None:
     log = [(level, text) for level, text in runs["logs_behind_a_prompt"].log if "heard" in text]
     assert {level for level, _ in log} == {"INFO"}
 
 
+@RUN_TOGETHER
 def test_what_an_answer_ends_has_not_ended_by_itself(runs: dict[str, Run]) -> None:
     """It was not tried; what ends behind whatever is typed has ended by itself."""
     assert not runs["ends_at_a_key"].typed

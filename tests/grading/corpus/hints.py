@@ -100,7 +100,7 @@ _ROWS: tuple[tuple[str, str, str, Change], ...] = (
         r"Add a <depend> for each",
         _depend("rclpy", "std_msgs", "geometry_msgs"),
     ),
-    ("package/xml_todo_license", "package.description", r"Write your own in place", _written(XML)),
+    ("package/xml_todo_license", "package.description", r"Write your own instead of", _written(XML)),
     (
         "package/xml_build_type_misspelt",
         "package.manifest",
