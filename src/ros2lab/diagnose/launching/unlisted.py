@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import lines_in_words
@@ -35,37 +35,57 @@ class Unlisted:
     @property
     def listing(self) -> str:
         """How to put it into the description of the function that makes it: where its own line comes in the file."""
-        is_list = isinstance(self.statement.value, ast.List)
-        given = self.name or ast.unparse(self.made[0])
-        first, last = self.statement.lineno, self.statement.end_lineno or self.statement.lineno
-        gone = "" if self.name else f", and remove {lines_in_words(first, last)}"
         functions = [n for n in self.source.nodes if isinstance(n, Function)]
         home = next((f for f in functions if self.statement in own_nodes(f)), self.source.tree)
         calls = [n for n in own_nodes(home) if isinstance(n, ast.Call)]
         descriptions = [c for c in calls if last_name(c.func) == "LaunchDescription"]
         items = next((n for call in descriptions for n in self._items(home, call)), None)
         kept = next((text for c in descriptions if (text := self.source.name_of(c))), "")
-        is_early = kept and all(call.lineno < first for call in descriptions)
+        is_early = kept and all(call.lineno < self._first for call in descriptions)
         if kept and (items is None or is_early):
-            later = [c for c in calls if ast.unparse(c.func) == f"{kept}.add_action"]
-            lines = [c.end_lineno or 0 for c in later if c.args and self._made_at(home, c.args[0]) < first]
-            line = max([last, *(c.end_lineno or 0 for c in descriptions), *lines])
-            adding = (
-                f"for action in {given}: {kept}.add_action(action)"
-                if is_list
-                else f"{kept}.add_action({given})"
-            )
-            return f"write `{adding}` below line {line}{gone}"
-        where = "as the first item in the list of LaunchDescription"
-        if items is not None:
-            before = [item for item in items.elts if self._made_at(home, item) < first]
-            where = (
-                f"below `{ast.unparse(before[-1])}`"
-                if before and isinstance(before[-1], ast.Name)
-                else "as the first item"
-            )
-            where += f" in the list on line {items.lineno}"
-        return f"write `{'*' if is_list else ''}{given},` {where}{gone}"
+            return f"{self._added(home, kept, descriptions, calls)}{self._gone}"
+        where = self._below(home, items) if items else "as the first item in the list of LaunchDescription"
+        return f"write `{'*' if self._is_list else ''}{self._given},` {where}{self._gone}"
+
+    @property
+    def _is_list(self) -> bool:
+        return isinstance(self.statement.value, ast.List)
+
+    @property
+    def _given(self) -> str:
+        return self.name or ast.unparse(self.made[0])
+
+    @property
+    def _first(self) -> int:
+        return self.statement.lineno
+
+    @property
+    def _last(self) -> int:
+        return self.statement.end_lineno or self.statement.lineno
+
+    @property
+    def _gone(self) -> str:
+        """What is to be removed: the statement that made an action for nobody."""
+        return "" if self.name else f", and remove {lines_in_words(self._first, self._last)}"
+
+    def _added(
+        self, home: ast.AST, kept: str, descriptions: Sequence[ast.Call], calls: Sequence[ast.Call]
+    ) -> str:
+        """Say to add it to a description that a variable holds, below what is made and added before it."""
+        later = [c for c in calls if ast.unparse(c.func) == f"{kept}.add_action" and c.args]
+        before = [c for c in later if self._made_at(home, c.args[0]) < self._first]
+        line = max(self._last, *(c.end_lineno or 0 for c in [*descriptions, *before]))
+        adding = f"{kept}.add_action({self._given})"
+        if self._is_list:
+            adding = f"for action in {self._given}: {kept}.add_action(action)"
+        return f"write `{adding}` below line {line}"
+
+    def _below(self, home: ast.AST, items: ast.List) -> str:
+        """Say where it comes in the list of a description."""
+        before = [item for item in items.elts if self._made_at(home, item) < self._first]
+        is_named = bool(before) and isinstance(before[-1], ast.Name)
+        where = f"below `{ast.unparse(before[-1])}`" if is_named else "as the first item"
+        return f"{where} in the list on line {items.lineno}"
 
     def _items(self, home: ast.AST, description: ast.Call) -> Iterator[ast.List]:
         """Yield the lists that a description is given, as they are written."""

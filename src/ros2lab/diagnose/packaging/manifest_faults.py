@@ -7,7 +7,7 @@ import itertools
 import keyword
 import re
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -146,12 +146,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
     near = next((e.tagname for e in exports if is_near_miss(e.tagname, "build_type")), "")
     several = [e.content for e in exports if e.tagname == "build_type" and "condition" not in e.attributes]
     if len(several) > 1:
-        # colcon then asks neither of them, and takes the package for one that is not for ROS.
-        cause = f"package.xml has {len(several)} build types, {' and '.join(several)}, and colcon uses none of them: there must be one."
-        kept = "ament_python" if package.has("setup.py") and not has_cmake else several[0]
-        lost = next((name for name in several if name != kept), kept)
-        line, fix = manifest_line(package, lost), f"remove `<build_type>{lost}</build_type>`"
-        yield Finding("build-type-unknown", cause, at(shown, line), fix)
+        yield _several_build_types(package, shown, several)
     elif kind is None and near:
         yield Finding(
             "build-type-missing",
@@ -163,13 +158,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         cause = "package.xml has no <build_type>, so colcon takes this for an old catkin package and expects a CMakeLists.txt."
         yield _with_build_type("build-type-missing", cause, package, "ament_python")
     elif kind is not None and kind not in BUILD_TYPES:
-        # There are others, for Rust or for Java, each with an extension of colcon.
-        wanted = nearest(kind, BUILD_TYPES, 0.8) or ("ament_python" if package.has("setup.py") else "")
-        if wanted:
-            cause = (
-                f"package.xml has the build type {kind!r}, which colcon does not know, so nothing is built."
-            )
-            yield _with_build_type("build-type-unknown", cause, package, wanted)
+        yield from _unknown_build_type(package, kind)
     elif kind in ("ament_cmake", "cmake", "catkin") and not has_cmake:
         is_python = package.has("setup.py") or bool(package.sources)
         create = f"type `ros2 pkg create {package.name} --build-type ament_cmake` in an empty folder elsewhere, and copy CMakeLists.txt from there next to package.xml"
@@ -178,6 +167,24 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         yield found if is_python else replace(found, fix=create)
     elif kind == "ament_cmake" and (file := _python_alone(package)):
         yield _not_installed_by_cmake(package, shown, file)
+
+
+def _several_build_types(package: SourcePackage, shown: str, several: Sequence[str]) -> Finding:
+    """Return a finding that colcon asks none of several build types, and takes the package for one that is not for ROS."""
+    cause = f"package.xml has {len(several)} build types, {' and '.join(several)}, and colcon uses none of them: there must be one."
+    is_python = package.has("setup.py") and not package.has("CMakeLists.txt")
+    kept = "ament_python" if is_python else several[0]
+    lost = next((name for name in several if name != kept), kept)
+    line, fix = manifest_line(package, lost), f"remove `<build_type>{lost}</build_type>`"
+    return Finding("build-type-unknown", cause, at(shown, line), fix)
+
+
+def _unknown_build_type(package: SourcePackage, kind: str) -> Iterator[Finding]:
+    """Yield a build type that may be misspelt; there are others, for Rust or Java, each with an extension of colcon."""
+    wanted = nearest(kind, BUILD_TYPES, 0.8) or ("ament_python" if package.has("setup.py") else "")
+    if wanted:
+        cause = f"package.xml has the build type {kind!r}, which colcon does not know, so nothing is built."
+        yield _with_build_type("build-type-unknown", cause, package, wanted)
 
 
 def _with_build_type(code: str, cause: str, package: SourcePackage, kind: str) -> Finding:
