@@ -54,7 +54,7 @@ NAMED = (
 PACE = "self.timers.__next__().timer_period_ns / 1e9"
 WRONG = [
     (DOC, "", KEPT, "self.speed", ["0.5", "0.25"]),
-    ("", "the speed can be changed at runtime", KEPT, "self.speed", ["0.5", "0.25"]),
+    ("", "mit ros2 param set /belt speed 1.0 anders", KEPT, "self.speed", ["0.5", "0.25"]),
     ("A belt.\n\n    Change speed while the node is running: ros2 param set /belt speed 1.0\n    ", "", SCALED, "self.speed", ["1.0", "0.5"]),
     (DOC, "", VALUE, "self.speed", ["0.5", "0.25"]),
     (DOC, "", PERIOD, PACE, ["0.5", "0.25"]),
@@ -63,8 +63,8 @@ WRONG = [
 RIGHT = [
     ("Runs the belt.", "m/s", KEPT),
     ("Runs the belt while the motor is running.", "", KEPT),
-    ("", "speed cannot be changed while it runs", KEPT),
-    ("", "speed is read only at start, not at runtime", KEPT),
+    ("", "speed is what it runs at, at runtime", KEPT),
+    ("Its colour is changed by ros2 param set.", "", KEPT),
     (DOC, "", KEPT.replace("self.speed = ", "first = ")),
     (DOC, "", KEPT + "\n\ndef changed(self, params):\n    self.speed = params[0].value"),
     (DOC, "", KEPT + "\n\ndef again(self):\n    return self.get_parameter('speed').value"),

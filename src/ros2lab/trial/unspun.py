@@ -14,7 +14,7 @@ from ros2lab.diagnose.printed.error_text import Frame
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.grading.evidence import Run
 from ros2lab.trial.waited import waited_for
 
@@ -83,17 +83,8 @@ def _waiting(entrance: Entrance, run: Run, spot: Spot | None, *, is_called_back:
         return None
     names = [parameter.arg for parameter in spot.function.args.args[:1]]
     node_name = "self" if names == ["self"] else _kept(entrance)
-    for loop in walk(spot.function):
-        if isinstance(loop, ast.While) and loop.lineno <= spot.line <= (loop.end_lineno or 0):
-            for test in walk(loop.test):
-                if isinstance(test, ast.Attribute) and test.attr == "done":
-                    future = ast.unparse(test.value)
-                    return Finding(
-                        "not-spinning",
-                        f"This loop waits until {future} is done, which can happen only while {node_name} is being spun.",
-                        source.at(loop),
-                        f"write `rclpy.spin_until_future_complete({node_name}, {future})` instead of this loop",
-                    )
+    if told := _until_done(source, spot.function, spot.line, node_name):
+        return told
     if node_name == "self" or not _may_miss(entrance, run):
         return None
     return Finding(
@@ -103,6 +94,22 @@ def _waiting(entrance: Entrance, run: Run, spot: Spot | None, *, is_called_back:
         f"write `threading.Thread(target=rclpy.spin, args=({node_name},), daemon=True).start()` above line {_outermost(spot)}, "
         "or do its work in a timer callback and write rclpy.spin instead",
     )
+
+
+def _until_done(source: PythonSource, function: Function, line: int, node_name: str) -> Finding | None:
+    """Return the fault of the loop around a line that waits until a future is done; None if it is no such loop."""
+    for loop in walk(function):
+        if isinstance(loop, ast.While) and loop.lineno <= line <= (loop.end_lineno or 0):
+            for test in walk(loop.test):
+                if isinstance(test, ast.Attribute) and test.attr == "done":
+                    future = ast.unparse(test.value)
+                    return Finding(
+                        "not-spinning",
+                        f"This loop waits until {future} is done, which can happen only while {node_name} is being spun.",
+                        source.at(loop),
+                        f"write `rclpy.spin_until_future_complete({node_name}, {future})` instead of this loop",
+                    )
+    return None
 
 
 def _outermost(spot: Spot) -> int:

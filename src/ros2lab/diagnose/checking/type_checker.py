@@ -79,35 +79,57 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
-    if rule == "missing-argument" and (
-        told := of_callback(call, name.replace(", ", " and "), spot, look) or of_class_method(call, spot)
-    ):
+    if told := _of_known(rule, name, cause, call, spot=spot, look=look):
         return Finding(code, told[0], place, told[1])
-    if rule == "unknown-argument" and (moved := moved_keyword(spot.source, call, name)):
-        return Finding(code, f"{cause} It is one of {moved[0]}().", place, moved[1])
-    given = [keyword.arg for keyword in call.keywords]
-    if rule == "unknown-argument" and (near := nearest(name, {*given} - {name})):
-        fix = write_instead(near, name, given)
-    if rule == "missing-argument":
+    if rule == "unknown-argument":
+        given = [keyword.arg for keyword in call.keywords]
+        near = nearest(name, {*given} - {name})
+        fix = write_instead(near, name, given) if near else fix
+    elif rule == "missing-argument":
         fix = _to_add(short, name.split(", "), spot)
     made = ast.unparse(call.func)
     if code == "argument-missing" and made in _classes(spot.source) and made != short:
         cause, fix = _without_constructor(made, short, name)
-    ways = {**as_it_was_meant(spot.source, call), **rewritten(call, rule, said)}
     is_short = rule == "invalid-argument-type" and _lacks_one(spot.source, call)
     if is_short:
         code = "argument-missing"
         cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
+    fix = _tried(spot.source, call, at_fault, said, row, is_short=is_short) or fix
+    return Finding(code, cause, place, fix)
+
+
+def _of_known(
+    rule: str, name: str, cause: str, call: ast.Call, *, spot: Spot, look: Look
+) -> tuple[str, str] | None:
+    """Return cause and fix of a call of a callback, of a method on its class, or with a keyword of another call."""
+    if rule == "missing-argument":
+        return of_callback(call, name.replace(", ", " and "), spot, look) or of_class_method(call, spot)
+    if rule == "unknown-argument" and spot.source and (moved := moved_keyword(spot.source, call, name)):
+        return f"{cause} It is one of {moved[0]}().", moved[1]
+    return None
+
+
+def _tried(
+    source: PythonSource,
+    call: ast.Call,
+    at_fault: ast.expr | None,
+    said: dict[str, str],
+    row: re.Match[str],
+    *,
+    is_short: bool,
+) -> str:
+    """Return what to write instead of a call, of what the type checker accepts; empty if it accepts nothing that is known."""
+    ways = {**as_it_was_meant(source, call), **rewritten(call, row["rule"], said)}
     wanted = said.get("wanted")
-    others = given_another(spot.source, call, at_fault, wanted) if at_fault and wanted is not None else {}
-    good = first_that_stands(spot.source, call, [*ways, *others])
-    good = good or first_that_stands(spot.source, call, [*others], settled=row["said"])
+    others = given_another(source, call, at_fault, wanted) if at_fault and wanted is not None else {}
+    good = first_that_stands(source, call, [*ways, *others])
+    good = good or first_that_stands(source, call, [*others], settled=row["said"])
     ways |= others
     if is_short:
-        good = good or first_that_stands(spot.source, call, list(ways), are_items_open=True)
-    lines = missing_imports(spot.source, good)
+        good = good or first_that_stands(source, call, list(ways), are_items_open=True)
+    lines = missing_imports(source, good)
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
-    return Finding(code, cause, place, f"{ways[good]}{more}" if good else fix)
+    return f"{ways[good]}{more}" if good else ""
 
 
 def _to_add(short: str, names: list[str], spot: Spot) -> str:

@@ -355,8 +355,7 @@ def _lacking(
     (name, *_) = re.findall(r"'([^']+)'", told["lacks"]) or [""]
     own, top = [package.name for package in packages], name.partition(".")[0]
     is_module = "No module" in told["lacks"]
-    modules = {module.partition(".")[0] for package in packages for module in package.sources}
-    if not name or top in own or (is_module and top in modules):
+    if not name or top in own or (is_module and top in _modules(packages)):
         return  # it may be found once the workspace is installed
     is_right = top in PACKAGES or any(top in package.declared for package in packages)
     known = () if is_right else (*own, *sorted(PACKAGES))
@@ -366,12 +365,32 @@ def _lacking(
         return
     place = at(file.shown, line_with(read_text(path), f"'{name}'", f'"{name}"', f" {name}") or told["line"])
     fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
-    cause = f"{fails}: {name} is {'not installed here' if is_right else 'neither in this workspace nor installed'}."
-    how = "install the package that provides it"
-    if is_right or not is_module:
-        how = f"install it (sudo apt install ros-jazzy-{top.replace('_', '-')}), or put its source into src"
-    fix = how if is_right else f"{how}; if {name} is misspelt, correct it"
-    fix = f"write {near} instead of {name}" if near else fix
     if here:
-        cause, fix = f"{fails}: {here[0]}", here[1]
-    yield Finding("launch-package", cause, place, fix, (name,))
+        cause, fix = here
+    else:
+        cause = (
+            f"{name} is {'not installed here' if is_right else 'neither in this workspace nor installed'}."
+        )
+        fix = (
+            f"write {near} instead of {name}"
+            if near
+            else _how_to_get(name, is_module=is_module, is_right=is_right)
+        )
+    yield Finding("launch-package", f"{fails}: {cause}", place, fix, (name,))
+
+
+def _modules(packages: Sequence[SourcePackage]) -> set[str]:
+    """Return the modules at the top of what packages install."""
+    alone = [package.setup.keywords.get("py_modules") for package in packages if package.setup]
+    found = {module.partition(".")[0] for package in packages for module in package.sources}
+    return found.union(*(names for names in alone if isinstance(names, (list, tuple))))
+
+
+def _how_to_get(name: str, *, is_module: bool, is_right: bool) -> str:
+    """Say how what a launch file names may be installed."""
+    if is_right or not is_module:
+        apt = f"sudo apt install ros-jazzy-{name.partition('.')[0].replace('_', '-')}"
+        how = f"install it ({apt}), or put its source into src"
+    else:
+        how = "install the package that provides it"
+    return how if is_right else f"{how}; if {name} is misspelt, correct it"

@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
@@ -292,6 +291,10 @@ def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
     return None
 
 
+# A node's end, as `Started.ends` has it: the name in its code, and the one that it has when it is launched.
+_End = tuple[Started, End, str, str]
+
+
 def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield two nodes that would share a topic if the launch file did not separate them.
 
@@ -301,40 +304,36 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
     if any(not end.topic for node in nodes for end in ends_of(node.sources, unnamed=True)):
         return  # the other end may have a name that is only known when it runs
     found: dict[tuple[str, str], Finding] = {}
-    for node, end, plain, name in ends:
+    for asking in ends:
+        _, end, _, name = asking
         if end.is_publisher or not name or _others(ends, name, is_publisher=True):
             continue
-        for other, other_end, other_plain, other_name in ends:
-            is_left = other_name and not _others(ends, other_name, is_publisher=False)
-            if (
-                other is node
-                or not is_left
-                or (other_end.type and end.type and other_end.type != end.type)
-                or other_plain != plain
-                or not _is_publisher(ends, other, other_plain)
-                or _are_of_two_groups(nodes, node, other)
-            ):
-                continue
-            moved = next(
-                (
-                    candidate
-                    for candidate in (other, node)
-                    if candidate.namespace or candidate.launched.remappings
-                ),
-                None,
-            )
-            if moved is None:
-                continue
+        if told := next(_from_publishers(nodes, ends, asking), None):
+            first = found.setdefault((told.place, told.fix), told)
+            about = tuple(dict.fromkeys((*first.about, *told.about)))
+            found[told.place, told.fix] = replace(first, about=about)
+    yield from found.values()
+
+
+def _from_publishers(nodes: Sequence[Started], ends: Sequence[_End], asking: _End) -> Iterator[Finding]:
+    """Yield why a subscription does not meet a publisher whose code has the same name."""
+    node, end, plain, name = asking
+    for other, other_end, other_plain, other_name in ends:
+        is_left = other_name and not _others(ends, other_name, is_publisher=False)
+        are_alike = other_plain == plain and (end.type or other_end.type) == (other_end.type or end.type)
+        if (
+            other is node
+            or not (is_left and are_alike and _is_publisher(ends, other, other_plain))
+            or _are_of_two_groups(nodes, node, other)
+        ):
+            continue
+        moved = [one for one in (other, node) if one.namespace or one.launched.remappings]
+        if moved:
             meet = f"{other.launched.executable} publishes on {other_name}, but {node.launched.executable} subscribes to {name}"
             are_together = node.namespace == other.namespace
-            told = _by_slash((other, other_end), (node, end), meet) or _moved(
-                moved, meet, plain, are_together=are_together
-            )
-            first = found.setdefault((told.place, told.fix), told)
-            about = tuple(dict.fromkeys((*first.about, other_name, name)))
-            found[told.place, told.fix] = replace(first, about=about)
-            break
-    yield from found.values()
+            told = _by_slash((other, other_end), (node, end), meet)
+            told = told or _moved(moved[0], meet, plain, are_together=are_together)
+            yield replace(told, about=(*told.about, other_name, name))
 
 
 def _are_of_two_groups(nodes: Sequence[Started], node: Started, other: Started) -> bool:
@@ -387,9 +386,9 @@ def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Find
     return Finding("launch-apart", cause, moved.launched.place, fix)
 
 
-def _others(ends: Sequence[tuple[Any, End, str, str]], name: str, *, is_publisher: bool) -> bool:
+def _others(ends: Sequence[_End], name: str, *, is_publisher: bool) -> bool:
     return any(end.is_publisher is is_publisher and topic == name for _, end, _, topic in ends)
 
 
-def _is_publisher(ends: Sequence[tuple[Any, End, str, str]], node: Started, plain: str) -> bool:
+def _is_publisher(ends: Sequence[_End], node: Started, plain: str) -> bool:
     return any(owner is node and end.is_publisher and topic == plain for owner, end, topic, _ in ends)

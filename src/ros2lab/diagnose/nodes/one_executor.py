@@ -25,20 +25,27 @@ def joined(source: PythonSource, function: Function, spins: Sequence[ast.Call]) 
     calls = [n for n in walk(function) if isinstance(n, ast.Call) and n.args]
     moved = [call for call in calls if ast.unparse(call.func) in {f"{other}.add_node" for other in others}]
     edits = [f"write `{kept}.add_node({ast.unparse(c.args[0])})` instead of line {c.lineno}" for c in moved]
+    rows = [f"`{kept}.add_node({text})`" for text in dict.fromkeys(map(ast.unparse, nodes))]
+    where, gone = _in_place_of(function, spins, nodes)
+    edits.append(f"write {in_a_row([*made, *rows, f'`{kept}.spin()`'])} instead of {where}")
+    return f"{in_a_row([*edits, *gone])}{more}"
+
+
+def _in_place_of(
+    function: Function, spins: Sequence[ast.Call], nodes: Sequence[ast.expr]
+) -> tuple[str, list[str]]:
+    """Return the line, or lines, that a single spin replaces, and what is to be removed and moved besides."""
+    lines = [spin.lineno for spin in spins]
+    first, last = lines[0], lines[-1]
+    if lines == [*range(first, last + 1)]:
+        return lines_in_words(first, last), []
     # What is spun must be there: an object that is made between two spins is spun in the place of the last.
     needed = {*names_read(n for spin in spins for n in walk(spin))}
-    first, last = spins[0].lineno, spins[-1].lineno
-    later = names_bound(n for n in own_nodes(function) if first < getattr(n, "lineno", 0) < last)
-    place = spins[-1] if needed & later else spins[0]
-    rows = [f"`{kept}.add_node({text})`" for text in dict.fromkeys(map(ast.unparse, nodes))]
-    lines = [spin.lineno for spin in spins]
-    are_adjacent = lines == [*range(first, last + 1)]
-    where = lines_in_words(first, last) if are_adjacent else f"line {place.lineno}"
-    edits.append(f"write {in_a_row([*made, *rows, f'`{kept}.spin()`'])} instead of {where}")
-    edits += [f"remove line {line}" for line in lines if line != place.lineno and not are_adjacent]
-    ended = [c.lineno for c in _ends(function, nodes) if place is spins[-1] and first < c.lineno < last]
-    edits += [f"move line {line} below line {last}" for line in ended]
-    return f"{in_a_row(edits)}{more}"
+    made = names_bound(n for n in own_nodes(function) if first < getattr(n, "lineno", 0) < last)
+    place = last if needed & made else first
+    gone = [f"remove line {line}" for line in lines if line != place]
+    ended = [call.lineno for call in _ends(function, nodes) if place == last and first < call.lineno < last]
+    return f"line {place}", gone + [f"move line {line} below line {last}" for line in ended]
 
 
 def joined_after(source: PythonSource, loop: ast.For, spin: ast.Call) -> str:

@@ -32,28 +32,40 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     """Return the finding of an attribute or a method that a node class lacks."""
     if found := chain_fault(owner, node, members):
         return found
-    name = node.attr
+    name, is_called = node.attr, any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
     where, fix = _elsewhere(owner, name)
-    public = [member for member in members if member[0] != "_" or name[0] == "_"]
-    like = [member for member in public if may_mean(name, member, public)]
-    close = None if where else nearest(name, owner.attributes) or nearest(name, like)
-    is_called = any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
-    if is_called and not where and close not in owner.methods:
-        held = [holder for holder in holders(Unknown(owner.source, name, node), {name}) if holder != "self"]
-        if len(held) == 1:
-            cause = f"{owner.definition.name} has no {what} {name}: {held[0]} has it."
-            fix = f"write {held[0]}.{name} instead of self.{name}"
-            return Finding("attribute-missing", cause, owner.source.at(node), fix)
-    if not where and not is_called:
+    if where:
+        cause = f"{owner.definition.name} has no {what} {name}{where}"
+        return Finding("attribute-missing", cause, owner.source.at(node), fix)
+    close = _nearest_member(owner, name, members)
+    if is_called and close not in owner.methods and (holder := _only_holder(owner, node)):
+        cause = f"{owner.definition.name} has no {what} {name}: {holder} has it."
+        fix = f"write {holder}.{name} instead of self.{name}"
+        return Finding("attribute-missing", cause, owner.source.at(node), fix)
+    if not is_called:
         fix = f"set self.{name} in __init__, or fix its spelling"
         close = _as_used(owner, node, close) if close else None
     meant = f" Did you mean {close}?" if close else ""
-    cause = f"{owner.definition.name} has no {what} {name}{where or '.'}{meant}"
-    if not where and (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
+    cause = f"{owner.definition.name} has no {what} {name}.{meant}"
+    if (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
         cause, fix = told
     elif close:
         fix = f"write self.{close}, or define self.{name} in __init__"
     return Finding("attribute-missing", cause, owner.source.at(node), fix)
+
+
+def _nearest_member(owner: NodeClass, name: str, members: Collection[str]) -> str | None:
+    """Return the attribute or the member of Node that a name may mean; None if it is like none."""
+    public = [member for member in members if member[0] != "_" or name[0] == "_"]
+    like = [member for member in public if may_mean(name, member, public)]
+    return nearest(name, owner.attributes) or nearest(name, like)
+
+
+def _only_holder(owner: NodeClass, node: ast.Attribute) -> str:
+    """Return the only other object at hand that has a method; empty if there is none, or more than one."""
+    unknown = Unknown(owner.source, node.attr, node)
+    held = [holder for holder in holders(unknown, {node.attr}) if holder != "self"]
+    return held[0] if len(held) == 1 else ""
 
 
 def _as_used(owner: NodeClass, node: ast.Attribute, close: str) -> str | None:
