@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, lines_in_words
 from ros2lab.diagnose.sources.parameter_file import Written, is_for, written_values
 
 
@@ -22,7 +22,7 @@ def replaced_values(shown: str, text: str) -> Iterator[Finding]:
             continue
         last = later[-1]
         cause = f"{shown} sets {lost.name} to {_short(lost)} on line {lost.line}, but line {last.line} sets it to {_short(last)} for the same node, and the last value counts."
-        first, second = _lines(lost), _lines(last)
+        first, second = lines_in_words(*lost.lines), lines_in_words(*last.lines)
         if first == second:  # in braces
             first, second = (f"`{value.name.rpartition('.')[2]}: {value.text}`" for value in (lost, last))
         fix = f"remove {second} if {_short(lost)} is meant, or {first} if {_short(last)} is"
@@ -36,8 +36,3 @@ def _covers(new: Written, lost: Written) -> bool:
 
 def _short(value: Written) -> str:
     return " ".join(value.text.split())
-
-
-def _lines(value: Written) -> str:
-    first, last = value.lines
-    return f"line {first}" if first == last else f"lines {first} to {last}"
