@@ -108,6 +108,7 @@ def test_an_instructors_own(tmp_path: Path) -> None:
     ("old", "new", "line", "words"),
     [
         ("schema: 1", "schema: 2", 1, "the schema must be 1"),
+        ("schema: 1", "schema: 1\ndoubted: 2", 2, "a number from 0 to 1"),
         ("schema: 1\n", "", 1, "schema is missing"),
         ("documentation: 40}", "documentation: 30}", 2, "add up to 90, not to 100"),
         ("documentation: 40}", "documentation: 40, bonus: 11}", 2, "bonus must be at most 10"),

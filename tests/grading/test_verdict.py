@@ -1065,7 +1065,7 @@ def test_two_words_of_a_nodes_own_count_as_one_that_was_asked_for(
     assert f"each word that the node knows: {words[0]}, {words[1]} and {words[2]}." in criterion.reason
 
 
-@pytest.mark.parametrize(("log", "points"), [(evidences.echo, 9), (evidences.log_by_word, 17), (None, 0)])
+@pytest.mark.parametrize(("log", "points"), [(evidences.echo, 6), (evidences.log_by_word, 17), (None, 0)])
 def test_a_subscriber_on_another_topic_has_what_it_does(
     rubric: Rubric, log: Callable[[str], list[str]] | None, points: float
 ) -> None:
@@ -1079,6 +1079,30 @@ def test_a_subscriber_on_another_topic_has_what_it_does(
     grade = verdict(given, rubric)
     assert grade.components["command_subscriber"].points == points
     assert any("Commands were published on /chatter" in note for note in grade.notes)
+
+
+@pytest.mark.parametrize(
+    ("topic", "kind", "period", "points"),
+    [
+        ("/topic", evidences.STRING, 2.0, 16.25),  # its period tells that it is meant
+        ("/topic", evidences.STRING, 0.5, 8.5),
+        ("/robot/status", "std_msgs/msg/Int32", 2.0, 17),  # its topic and its period do
+        ("/robot/status", evidences.STRING, 0.5, 14.75),
+    ],
+)
+def test_what_any_node_does_counts_half_where_little_tells_that_it_is_meant(
+    rubric: Rubric, topic: str, kind: str, period: float, points: float
+) -> None:
+    """So a tutorial's node that was handed in as it is has less than half of a part."""
+    run = evidences.status_run(topic=topic, kind=kind, period=period)
+    others = [run for run in right().runs if run.setting == "alone" and run.programs != [evidences.STATUS]]
+    given = replace(right(), runs=[*others, run])
+    grade = verdict(given, rubric)
+    life = next(one for one in grade.criteria if one.id == "status_publisher.life")
+    assert grade.components["status_publisher"].points == points
+    assert ("because little tells that this node is meant for /robot/status" in life.reason) == (points < 10)
+    assert bool(life.hint) == (points < 10)
+    assert verdict(given, replace(rubric, doubted=1)).components["status_publisher"].points >= points
 
 
 def test_who_only_drives_after_a_command_on_another_topic_obeys_it(rubric: Rubric) -> None:
@@ -1212,7 +1236,7 @@ def test_what_follows_a_word_on_another_topic_is_no_answer_to_a_command(rubric: 
         name: judged(given, rubric, f"command_subscriber.{name}")
         for name in ("commands", "log", "robustness")
     }
-    assert {name: one.points for name, one in got.items()} == {"commands": 0, "log": 0, "robustness": 2}
+    assert {name: one.points for name, one in got.items()} == {"commands": 0, "log": 0, "robustness": 1}
     assert all("takes geometry_msgs/msg/Twist" in got[name].reason for name in ("commands", "log"))
 
 

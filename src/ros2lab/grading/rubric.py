@@ -28,6 +28,7 @@ from ros2lab.located_yaml import QUICK, Reader
 SCHEMA = 1
 LEVELS = "levels.yaml"
 TOTAL, MOST_BONUS = 100, 10
+DOUBTED = 0.5
 _FILE = re.compile(r"\w+[._/]\w")  # a file name at the beginning of a title keeps its case
 BONUS = "bonus"
 
@@ -80,11 +81,14 @@ class Rubric:
         assignment: the assignment; a component with the name of one of its parts is about that part.
         components: the most points of each component, in the order of the report.
         criteria: in the order of the report.
+        doubted: the share that counts of what any node does, where that by which the part's node is known has
+            earned less than half.
     """
 
     assignment: Assignment
     components: Mapping[str, float]
     criteria: tuple[Criterion, ...]
+    doubted: float = DOUBTED
 
 
 def load(path: Path | None = None, assignment: Assignment | None = None) -> Rubric:
@@ -116,7 +120,7 @@ class _RubricReader(Reader):
         root = self.root(text)
         if root is None:
             raise RubricError(f"{self.name}: it is empty; see docs/grading.md for what a rubric holds.")
-        parts = self.fields(root, "schema", "components", "criteria")
+        parts = self.fields(root, "schema", "components", "criteria", optional=("doubted",))
         if self.value(parts["schema"]) != SCHEMA:
             raise self.error(parts["schema"], f"the schema must be {SCHEMA}")
         components = {
@@ -135,7 +139,8 @@ class _RubricReader(Reader):
                 raise self.error(
                     parts["criteria"], f"the criteria of {component} add up to {given:g}, not to {points:g}"
                 )
-        return Rubric(assignment, components, tuple(criteria))
+        doubted = self.number(parts["doubted"], 0, 1) if "doubted" in parts else DOUBTED
+        return Rubric(assignment, components, tuple(criteria), doubted)
 
     def _check_total(self, node: yaml.Node, components: Mapping[str, float]) -> None:
         total = sum(points for name, points in components.items() if name != BONUS)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Part
@@ -31,6 +32,8 @@ LONGEST_WHY = 200
 NOT_TRIED = "This could not be tried here, costs nothing, and is left to the instructor: {}."
 NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
+DOUBTED = "Only {share:.0%} of it counts, because little tells that this node is meant for {wanted}."
+MEANT = "Use the topic {wanted} and the type {wanted_type}."
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -61,7 +64,7 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
         for name, part in assignment.parts.items()
         if not case.players[name] and not case.is_foreign(part) and missing(case, part).seen["why"]
     }
-    machine = [*_judged(rubric, answers, gone)]
+    machine = [*_weighed(rubric, answers, [*_judged(rubric, answers, gone)])]
     criteria = [_decided(judgement, decisions.get(judgement.id)) for judgement in machine]
     total = round(sum(criterion.points for criterion in criteria), 2)
     return Grade(
@@ -109,6 +112,29 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
             hint=hint.format_map(answer.seen) if share < 1 else "",
             evidence=list(answer.evidence),
         )
+
+
+def _weighed(
+    rubric: Rubric, answers: Mapping[str, Answer], judged: Sequence[Judgement]
+) -> Iterator[Judgement]:
+    """Yield the judgements; what any node does counts less where little tells that the part's node is meant."""
+    telling = {criterion.id for criterion in rubric.criteria if QUESTIONS[criterion.question].tells_node}
+    for judgement in judged:
+        known_by = [
+            other for other in judged if other.component == judgement.component and other.id in telling
+        ]
+        earned, most = sum(other.points for other in known_by), sum(other.max for other in known_by)
+        is_doubted = judgement.component in rubric.assignment.parts and earned < most / 2
+        if is_doubted and judgement.points and judgement.id not in telling and rubric.doubted < 1:
+            seen = answers[judgement.id].seen
+            yield replace(
+                judgement,
+                points=round(judgement.points * rubric.doubted, 2),
+                reason=f"{judgement.reason} {DOUBTED.format(share=rubric.doubted, **seen)}",
+                hint=judgement.hint or MEANT.format_map(seen),
+            )
+        else:
+            yield judgement
 
 
 def _decided(judgement: Judgement, decision: Decision | None) -> Judgement:

@@ -88,6 +88,7 @@ class Question:
         needs: what the assignment must give for such a part, such as `period`; empty if nothing.
         mute: the answers that may only mean that something could not be tried here.
         deeds: what the code must do for there to be anything to try, besides what every end needs.
+        tells_node: whether it asks by what the node of a part is known, and not what any node does.
     """
 
     name: str
@@ -99,6 +100,7 @@ class Question:
     needs: str
     mute: frozenset[str]
     deeds: frozenset[str]
+    tells_node: bool
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
@@ -155,6 +157,7 @@ def question(
     needs: str = "",
     mute: str = "",
     deeds: str = "",
+    tells_node: bool = False,
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Register a function of a `Case`, or of a `Case` and a `Part`, as a question that a rubric can ask.
 
@@ -167,6 +170,7 @@ def question(
         mute: the levels that may only mean that something could not be tried here, separated by spaces.
         deeds: what the code must do, or these levels would be the same anywhere, separated by spaces; see
             `deeds`.
+        tells_node: whether it asks by what the node of a part is known, and not what any node does.
     """
 
     def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
@@ -183,6 +187,7 @@ def question(
             needs,
             frozenset(mute.split()),
             frozenset(deeds.split()),
+            tells_node,
             ask,
         )
         return ask

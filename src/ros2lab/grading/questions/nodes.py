@@ -66,7 +66,12 @@ TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
 
-@question("right doubled apart near other written missing", "topic node why", CODES | TOPIC_CODES)
+@question(
+    "right doubled apart near other written missing",
+    "topic node why",
+    CODES | TOPIC_CODES,
+    tells_node=True,
+)
 def has_its_topic(case: Case, part: Part) -> Answer:
     """Whether a node publishes on, or subscribes to, the topic of its part, and plays no other part."""
     player = case.at_once(part)
@@ -84,7 +89,7 @@ def has_its_topic(case: Case, part: Part) -> Answer:
     return Answer(level, seen, (player.key,), seen["topic"])
 
 
-@question("right stamped wrong written missing", "type topic", CODES | TYPE_CODES)
+@question("right stamped wrong written missing", "type topic", CODES | TYPE_CODES, tells_node=True)
 def has_its_type(case: Case, part: Part) -> Answer:
     """Whether the topic has the type that is asked for; `stamped` is that type with a header."""
     player = case.main(part)

@@ -28,6 +28,7 @@ TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
     needs="period",
     mute="once silent",
     deeds=f"{REPEATS} {PACED}",
+    tells_node=True,
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come with the period that is asked for, by the node itself or as launched."""
@@ -103,7 +104,13 @@ def comes_again(case: Case, part: Part) -> Answer:
 
 
 @question(
-    "right too_often silent missing", "topic why", nodes.CODES, ("publisher",), needs="when", mute="silent"
+    "right too_often silent missing",
+    "topic why",
+    nodes.CODES,
+    ("publisher",),
+    needs="when",
+    mute="silent",
+    tells_node=True,
 )
 def comes_when_it_should(case: Case, part: Part) -> Answer:
     """Whether a message comes only once, or only when a request or a command has changed something."""
