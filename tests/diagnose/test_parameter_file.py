@@ -310,3 +310,23 @@ def test_ros_parameters_twice_in_one_node(tmp_path: Path, text: str, fix: str) -
 def test_a_value_that_is_replaced_on_its_own_line() -> None:
     (found,) = replaced_values("some.yaml", "some:\n  ros__parameters: {p: 1, q: 3, p: 2}\n")
     assert found.fix == "remove `p: 2` if 1 is meant, or `p: 1` if 2 is"
+
+
+@pytest.mark.parametrize(
+    ("value", "lists"),
+    [
+        ("[{name: a, x: 1.5}, {name: b, x: 3}]", ["name: [a, b]", "x: [1.5, 3.0]", "stops.name and stops.x"]),
+        ("[{x: 1}, {x: 2}]", ["below stops: x: [1, 2];"]),
+        ("[[0, 1.5], [2, 3]]", ["stops: [0.0, 1.5, 2.0, 3.0]"]),
+        ('[["a b", c], d]', ['stops: ["a b", c, d]']),
+        ("[[0, 1.5], [a, 3]]", ["for each thing that it holds"]),
+        ("[{name: a}, {x: 1}]", ["for each thing that it holds"]),
+        ("[{}, {}]", ["for each thing that it holds"]),
+    ],
+)
+def test_lists_of_lists_and_of_mappings_are_written_as_lists_that_a_parameter_can_hold(
+    value: str, lists: list[str]
+) -> None:
+    with pytest.raises(ParameterFileError) as caught:
+        read_parameter_file(f"node:\n  ros__parameters:\n    stops: {value}\n")
+    assert all(text in caught.value.fix for text in lists)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -266,20 +267,60 @@ def _expect_alike(key: yaml.Node, value: yaml.SequenceNode) -> None:
         raise _value_error(
             key,
             f"{key.value} is a list that does not hold plain values",
-            "write one list of numbers or of strings",
+            _unnested(key.value, value.value),
         )
-    kinds = {kind_of(item.value if item.style else _value(item.value)) or "" for item in value.value}
+    kinds = _kinds(value.value)
     if len(kinds) > 1:
         *others, last = sorted(kind.lower() for kind in kinds)
-        is_text = "STRING" in kinds
-        are_numbers = kinds == {"INTEGER", "DOUBLE"}
-        alike = "in quotes" if is_text else "as values of one type"
+        alike = "in quotes" if "STRING" in kinds else "as values of one type"
         fix = f"write all of them {alike}"
-        if are_numbers:
-            numbers = [_with_point(item.value) for item in value.value]
-            fix = f"write every number with a decimal point: {key.value}: [{', '.join(numbers)}]"
+        if kinds == _NUMBERS:
+            fix = f"write every number with a decimal point: {key.value}: {_list_of(value.value)}"
         reason = f"the list {key.value} mixes values of different types: {', '.join(others)} and {last}"
         raise _value_error(key, reason, fix)
+
+
+def _kinds(items: Iterable[yaml.ScalarNode]) -> set[str]:
+    return {kind_of(item.value if item.style else _value(item.value)) or "" for item in items}
+
+
+def _unnested(name: str, items: Sequence[yaml.Node]) -> str:
+    """Return how what is written as a list of lists, or of mappings, can be given as parameters."""
+    rows = [
+        {key.value: cell for key, cell in item.value} for item in items if isinstance(item, yaml.MappingNode)
+    ]
+    columns = {key: [row[key] for row in rows if key in row] for key in itertools.chain(*rows)}
+    if not rows:
+        cells = [[item] if isinstance(item, yaml.ScalarNode) else item.value for item in items]
+        flat = [*itertools.chain(*cells)]
+        if _are_plain(flat):
+            return f"write one list, and take it apart again in the node: {name}: {_list_of(flat)}"
+    elif columns and all(len(column) == len(items) and _are_plain(column) for column in columns.values()):
+        lists = " and ".join(f"{key}: {_list_of(column)}" for key, column in columns.items())
+        names = " and ".join(f"{name}.{key}" for key in columns)
+        return f"write a list for each key, below {name}: {lists}; the node then declares {names}"
+    return "write a list of numbers or of strings for each thing that it holds"
+
+
+_NUMBERS = {"INTEGER", "DOUBLE"}
+
+
+def _are_plain(items: Iterable[yaml.Node]) -> bool:
+    """Return whether nodes are values that one list of a parameter may hold, once numbers are written alike."""
+    items = [*items]
+    if not items or not all(isinstance(item, yaml.ScalarNode) for item in items):
+        return False
+    return len(_kinds(items)) == 1 or _kinds(items) == _NUMBERS
+
+
+def _list_of(items: Sequence[yaml.ScalarNode]) -> str:
+    """Return plain values as a list, all numbers with a decimal point if one has it."""
+    has_doubles = _kinds(items) == _NUMBERS
+    written = (
+        f'"{item.value}"' if item.style else _with_point(item.value) if has_doubles else item.value
+        for item in items
+    )
+    return f"[{', '.join(written)}]"
 
 
 def _with_point(text: str) -> str:
