@@ -26,6 +26,7 @@ class Asker(Node):
 """
 TAIL = "\n\ndef main():\n    node = Asker()\n    rclpy.spin(node)\n"
 TIMER, SERVICE = "self.create_timer(1.0, self.ask)", "self.create_service(Trigger, 'ask', self.ask)"
+THREADS = "self.executor = MultiThreadedExecutor()"
 SPIN = "rclpy.spin_until_future_complete(self, {})"
 LATER = [
     (f"answer = self.cli.call_async(self.req)\n{SPIN.format('answer')}\nprint(answer.result())", 1),
@@ -47,9 +48,33 @@ RIGHT = [
     (TIMER, "if self.future.done():\n    print(self.future.result())"),
     (TIMER, "self.table.call(self.req)"),
     ("self.button.add_command(command=self.ask)", "self.cli.call(self.req)"),
-    ("self.executor = MultiThreadedExecutor()\nself.create_timer(1.0, self.ask)", "self.cli.call(self.req)"),
+    (
+        f"{THREADS}\nself.create_timer(1.0, self.ask, MutuallyExclusiveCallbackGroup())",
+        "self.cli.call(self.req)",
+    ),
+    (f"{THREADS}\nself.create_timer(1.0, self.ask, callback_group=self.own)", "self.cli.call(self.req)"),
+    (
+        f"{THREADS}\n{TIMER}\nself.cli = self.create_client(Trigger, 'level', callback_group=self.own)",
+        "self.cli.call(self.req)",
+    ),
+    (f"{THREADS}\n{TIMER}", "self.table.call(self.req)"),
+    (f"{THREADS}\n{TIMER}\nself.all = ReentrantCallbackGroup()", "self.cli.call(self.req)"),
+    (
+        f"{THREADS}\n{TIMER}",
+        "done = threading.Event()\nself.button.add_done_callback(lambda _: done.set())\ndone.wait(1.0)",
+    ),
     ("pass", "self.cli.call(self.req)"),
 ]
+
+
+# In one callback group, several threads run one callback after the other.
+IN_ONE_GROUP = [
+    (TIMER, "self.cli.call(self.req)"),
+    (SERVICE, "return self.cli.call(self.req)"),
+    (TIMER, "answer = self.cli.call_async(self.req)\nwhile not answer.done():\n    time.sleep(0.1)"),
+    (TIMER, "done = threading.Event()\nanswer = self.cli.call_async(self.req)\nanswer.add_done_callback(lambda _: done.set())\ndone.wait()"),
+    ("self.create_timer(1.0, self.ask, callback_group=self.own)\nself.cli = self.create_client(Trigger, 'level', callback_group=self.own)", "self.cli.call(self.req)"),
+]  # fmt: skip
 
 
 def told(init: str, body: str, parameters: str = "self", more: str = "") -> tuple[str, list[Finding]]:
@@ -103,3 +128,17 @@ def test_a_method_that_a_callback_calls_waits_as_well() -> None:
 @pytest.mark.parametrize(("init", "body"), RIGHT)
 def test_what_waits_for_nothing_is_right(init: str, body: str) -> None:
     assert told(init, body)[1] == []
+
+
+@pytest.mark.parametrize(("init", "body"), IN_ONE_GROUP)
+def test_several_threads_do_not_help_within_a_callback_group(init: str, body: str) -> None:
+    """Wherever the executor is made: the client gets a group of its own."""
+    for init_here, more in (
+        (f"{THREADS}\n{init}", ""),
+        (init, "\n\ndef several():\n    return MultiThreadedExecutor()\n"),
+    ):
+        _text, [finding] = told(init_here, body, more=more)
+        assert "the same callback group" in finding.cause
+        assert finding.fix.startswith(
+            "write `self.cli = self.create_client(Trigger, 'level', callback_group=Mut"
+        )

@@ -24,7 +24,7 @@ from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.uses import own_stores
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
-_FREE = frozenset(("MultiThreadedExecutor", "ReentrantCallbackGroup"))
+_THREADS, _REENTRANT = "MultiThreadedExecutor", "ReentrantCallbackGroup"
 
 
 @dataclass(frozen=True)
@@ -95,14 +95,32 @@ class _Callback:
 def deadlocks(sources: NodeSources) -> Iterator[Finding]:
     """Yield callbacks that wait for something only their own executor could deliver."""
     seen: set[int] = set()
+    names = {source: {last_name(n) for n in source.nodes} for source in sources.sources.values()}
+    has_threads = any(_THREADS in found for found in names.values())
     for callback in _callbacks(sources):
         source, function = callback.source, callback.function
-        names = {last_name(n) for n in source.nodes}
-        if id(function) in seen or names & _FREE:
+        if id(function) in seen or _REENTRANT in names[source]:
             continue
         seen.add(id(function))
-        if waits := [*_waits(source, function)]:
-            yield _told(callback, waits, sources)
+        waits = [*_waits(source, function)]
+        if has_threads:
+            waits = [wait for wait in waits if _is_in_its_group(callback, wait)]
+        if waits:
+            yield _told(callback, waits, sources, has_threads=has_threads)
+
+
+def _is_in_its_group(callback: _Callback, wait: _Wait) -> bool:
+    """Return whether the client whose answer a callback waits for is in the callback's own callback group."""
+    made = _made_by(callback, wait)
+    call = made.value if made else None
+    return isinstance(call, ast.Call) and _group_of(call) == _group_of(callback.given)
+
+
+def _group_of(call: ast.Call) -> str:
+    """Return the callback group that something of a node is made with, as written; empty for the node's own."""
+    is_timer = getattr(call.func, "attr", "") == "create_timer"
+    group = argument(call, 2 if is_timer else len(call.args), "callback_group")
+    return ast.unparse(group) if group is not None and ast.unparse(group) != "None" else ""
 
 
 def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
@@ -153,6 +171,24 @@ def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
                 yield _Wait(statement, call, future or ast.Constant(None))
             elif name.rpartition(".")[2] in ("call", "send_goal") and name.rpartition(".")[0] in clients:
                 yield _Wait(statement, call, None)
+            elif future := _future_that_sets(source, function, call):
+                yield _Wait(statement, call, future)
+
+
+def _future_that_sets(source: PythonSource, function: Function, call: ast.Call) -> ast.expr | None:
+    """Return the future whose done callback sets the event that a call waits for without a limit."""
+    if not isinstance(call.func, ast.Attribute) or call.func.attr != "wait" or call.args or call.keywords:
+        return None
+    event = ast.unparse(call.func.value)
+    for node in own_nodes(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=future, attr="add_done_callback"), args=[given]):
+                called = _plain(source, given) or given
+                if any(
+                    ast.unparse(n) == f"{event}.set" for n in ast.walk(called) if isinstance(n, ast.Attribute)
+                ):
+                    return future
+    return None
 
 
 def _looped_for(loop: ast.While) -> ast.expr | None:
@@ -186,10 +222,15 @@ def _clients(source: PythonSource) -> dict[str, ast.Assign]:
     return found
 
 
-def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> Finding:
+def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources, *, has_threads: bool) -> Finding:
     source, function, first = callback.source, callback.function, waits[0]
     text = ast.unparse(first.node.test if isinstance(first.node, ast.While) else first.node)
     cause = f"{function.name}() is called by the executor, and `{text}` in it waits for an answer that the executor cannot receive until {function.name}() has returned."
+    if has_threads:
+        cause = (
+            f"{cause[:-1]}: both are in the same callback group, of which only one callback runs at a time."
+        )
+        return Finding("callback-waits", cause, source.at(first.node), f"write {_grouped(callback, waits)}")
     held = (block for node in (function, *own_nodes(function)) for block in blocks(node))
     block = next((statements for statements in held if first.statement in statements), function.body)
     is_whole = block is function.body and not any(isinstance(wait.future, ast.Constant) for wait in waits)
@@ -276,7 +317,7 @@ def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
         written = wait.with_answer(awaited) or awaited
         last = wait.statement.end_lineno or wait.statement.lineno
         edits.append(f"`{written}` on {lines_in_words(wait.statement.lineno, last)}")
-    return f"write {', '.join(edits)}{_grouped(callback, waits)}"
+    return f"write {', '.join(edits)}, and {_grouped(callback, waits)}"
 
 
 def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> str:
@@ -304,29 +345,30 @@ def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSource
             f"`executor = MultiThreadedExecutor()`, `executor.add_node({node})` and `executor.spin()` on line {spin.lineno}{where}, "
             "with `from rclpy.executors import MultiThreadedExecutor`"
         )
-    return f"write {', '.join(edits)}{_grouped(callback, waits)}"
+    return f"write {', '.join(edits)}, and {_grouped(callback, waits)}"
 
 
 def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
     """Say how to give the clients a callback group of their own, without the node's other callbacks."""
-    clients = _clients(callback.source)
+    rows = []
+    for made in dict.fromkeys(found for wait in waits if (found := _made_by(callback, wait))):
+        grouped = copy.deepcopy(made)
+        call = grouped.value
+        kept = [keyword for keyword in call.keywords if keyword.arg != "callback_group"]  # type: ignore[attr-defined]
+        group = ast.keyword("callback_group", ast.parse("MutuallyExclusiveCallbackGroup()", mode="eval").body)
+        call.keywords = [*kept, group]  # type: ignore[attr-defined]
+        rows.append(f"`{ast.unparse(grouped)}` on line {made.lineno}")
+    written = " and ".join(rows) or "a callback group of its own for the client"
+    return f"{written}, with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
+
+
+def _made_by(callback: _Callback, wait: _Wait) -> ast.Assign | None:
+    """Return the statement that makes the client whose answer is waited for; None if that is not seen."""
     assigned = {
         ast.unparse(n.targets[0]): n.value for n in own_nodes(callback.function) if isinstance(n, ast.Assign)
     }
-    asked = [wait.client or _client_of(assigned.get(ast.unparse(wait.asked))) for wait in waits]
-    made = list(
-        dict.fromkeys(
-            clients[text] for client in asked if client and (text := ast.unparse(client)) in clients
-        )
-    )
-    rows = []
-    for assignment in made:
-        call = copy.deepcopy(assignment)
-        group = ast.keyword("callback_group", ast.parse("MutuallyExclusiveCallbackGroup()", mode="eval").body)
-        call.value.keywords.append(group)  # type: ignore[attr-defined]
-        rows.append(f"`{ast.unparse(call)}` on line {assignment.lineno}")
-    more = f", and {' and '.join(rows)}" if rows else ", and give the client a callback group of its own"
-    return f"{more}, with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
+    client = wait.client or _client_of(assigned.get(ast.unparse(wait.asked)))
+    return _clients(callback.source).get(ast.unparse(client)) if client else None
 
 
 def _client_of(call: ast.expr | None) -> ast.expr | None:
