@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.nodes.one_executor import joined, joined_after, spun_together
+from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, rests, stands_still
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached
@@ -16,13 +17,11 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
 
-_CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
 # With these a program may last or wait without spinning.
 _WAITING = frozenset(
     ("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep", "input")
 )
 _SPINS_ITSELF = re.compile(r"spin|Executor|Thread")
-_SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its timers
 
 
 def entrance_faults(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]:
@@ -42,8 +41,9 @@ def entrance_faults(entrance: Entrance, mains: Collection[str]) -> Iterator[Find
                 call.source.at(call.call),
                 _without_with(statement, call.call),
             )
-    if any(call.short in _CALLED_BACK for call in entrance.calls):
+    if any(call.short in CALLED_BACK for call in entrance.calls):
         yield from _spin(entrance)
+    yield from stands_still(entrance)
 
 
 def _left_aside(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]:
@@ -137,7 +137,7 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
         yield from _one_turn(entrance)
     if not entrance.spins and not entrance.may_do_more and not _names_spin(entrance):
         yield from _unspun_loop(entrance)
-    yield from _rests(entrance)
+    yield from rests(entrance)
     yield from _idle_executor(entrance)
     yield from _left_out(entrance)
     yield from second_spins(entrance)
@@ -210,49 +210,6 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
         cause = f"spin_once() calls at most one callback, and {name} does not call it in a loop, so the program then ends."
         fix = f"if it is to go on, write rclpy.spin({given}) instead of {ast.unparse(once[-1].call)}"
         yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
-
-
-def _rests(entrance: Entrance) -> Iterator[Finding]:
-    """Yield an endless loop that spins once and sleeps in each round, so that only one callback a round is called."""
-    turns = {id(turn.call): turn for turn in entrance.calls if turn.name == "rclpy.spin_once"}
-    for loop in (node for function in entrance.functions for node in own_nodes(function)):
-        inside = [turns[id(node)] for node in walk(loop) if id(node) in turns]
-        if not isinstance(loop, ast.While) or not inside or not _is_endless(loop, inside[0].source):
-            continue
-        turn = inside[0]
-        for statement in loop.body:
-            call = statement.value if isinstance(statement, ast.Expr) else None
-            if not isinstance(call, ast.Call) or turn.source.resolve(call.func) != "time.sleep":
-                continue
-            length = entrance.sources.value(turn.source, call.args[0]) if call.args else None
-            if not isinstance(length, (int, float)) or length < _SHORT_REST:
-                continue
-            if _is_too_slow(entrance, length):
-                given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
-                yield Finding(
-                    "callback-waits",
-                    f"spin_once() calls one callback, and then this loop sleeps for {length:g} s, so callbacks run only that often and messages pile up.",
-                    turn.source.at(statement),
-                    f"write rclpy.spin({given}) instead of the loop, and move the loop's other work into a timer callback",
-                )
-
-
-def _is_too_slow(entrance: Entrance, length: float) -> bool:
-    """Return whether one callback each time is too few: there are several, or one that is due more often."""
-    made = [
-        c for c in entrance.sources.creations if c.method in _CALLED_BACK and c.function in entrance.functions
-    ]
-    periods = [entrance.sources.value(c.source, c.source.written(c.given("timer_period_sec"))) for c in made]
-    return len(made) > 1 or any(isinstance(period, (int, float)) and period <= length for period in periods)
-
-
-def _is_endless(loop: ast.While, source: PythonSource) -> bool:
-    """Return whether only Ctrl-C ends a loop."""
-    is_ok = isinstance(loop.test, ast.Call) and source.resolve(loop.test.func) == "rclpy.ok"
-    is_constant = isinstance(loop.test, ast.Constant) and bool(loop.test.value)
-    by_error = {id(n) for h in walk(loop) if isinstance(h, ast.ExceptHandler) for n in walk(h)}
-    ends = (node for node in own_nodes(loop) if isinstance(node, (ast.Break, ast.Return, ast.Raise)))
-    return (is_ok or is_constant) and all(id(node) in by_error for node in ends)
 
 
 def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
@@ -331,7 +288,7 @@ def _made_nodes(entrance: Entrance, spin: Call) -> Iterator[tuple[ast.Assign, st
 
 def _needs_spin(entrance: Entrance, owner: NodeClass) -> bool:
     """Return whether a node has callbacks, which only a spin calls."""
-    return any(made.owner is owner and made.method in _CALLED_BACK for made in entrance.sources.creations)
+    return any(made.owner is owner and made.method in CALLED_BACK for made in entrance.sources.creations)
 
 
 def _is_used(spin: Call, name: str) -> bool:

@@ -1,0 +1,94 @@
+"""A loop with a rhythm of its own that calls spin_once: it stands still until a callback is due."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+
+HEAD = """\
+import time
+
+import rclpy
+from std_msgs.msg import Int32, UInt16
+
+
+"""
+CLASS = """\
+class Metronome(rclpy.node.Node):
+    def __init__(self):
+        super().__init__('metronome')
+        self.bpm = 120
+        self.pub = self.create_publisher(Int32, 'beat', 10)
+        {more}
+
+    def on_bpm(self, msg):
+        self.bpm = msg.data
+
+    def click(self):
+        self.pub.publish(Int32(data=1))
+
+
+def main():
+    rclpy.init()
+    node = Metronome()
+    while rclpy.ok():
+        {loop}
+"""
+FUNCTIONS = """\
+def main():
+    rclpy.init()
+    node = rclpy.create_node('metronome')
+    pub = node.create_publisher(Int32, 'beat', 10)
+    while rclpy.ok():
+        {loop}
+"""
+TAIL = "\n\nif __name__ == '__main__':\n    main()\n"
+TAKES = "self.create_subscription(UInt16, 'bpm', self.on_bpm, 10)"
+TIMED = "self.create_timer(0.1, self.click)"
+BEATS = ("rclpy.spin_once(node)", "node.click()", "time.sleep(60 / node.bpm)")
+
+
+def codes(tmp_path: Path, written: str) -> list[str]:
+    files = Files.right(NAMES[1]).put("driver", HEAD + written + TAIL)
+    return [finding.code for finding in of_workspace(files.write(tmp_path))]
+
+
+def of_class(more: str, *loop: str) -> str:
+    return CLASS.format(more=more, loop="\n        ".join(loop))
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        of_class(TAKES, *BEATS),
+        of_class(TAKES, "node.click()", "rclpy.spin_once(node)", "time.sleep(1.0)"),
+        of_class("pass", "rclpy.spin_once(node)", "node.click()"),
+        of_class("pass", "node.click()", "time.sleep(0.1)", "rclpy.spin_once(node)"),
+        of_class("pass", *BEATS),
+        FUNCTIONS.format(loop="pub.publish(Int32())\n        rclpy.spin_once(node)"),
+    ],
+)
+def test_a_loop_that_stands_still(tmp_path: Path, written: str) -> None:
+    assert "callback-waits" in codes(tmp_path, written)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        of_class(TAKES, "rclpy.spin_once(node, timeout_sec=0)", *BEATS[1:]),
+        of_class(TAKES, "rclpy.spin_once(node)", "node.click()"),  # it answers each message
+        of_class(TAKES, "rclpy.spin_once(node)", "node.click()", "time.sleep(0.01)"),
+        of_class(TAKES, "rclpy.spin_once(node)", "time.sleep(0.01)"),
+        of_class("pass", "rclpy.spin_once(node)"),
+        of_class(TIMED, "rclpy.spin_once(node)", "node.get_name()"),
+        of_class(TAKES, "rclpy.spin_once(node)", "node.click()", "break"),
+        of_class("self.listener = TransformListener(Buffer(), self)", "rclpy.spin_once(node)", "node.click()").replace("class M", "from tf2_ros import Buffer, TransformListener\n\n\nclass M"),
+        of_class(TAKES, *BEATS).replace("rclpy.node.Node", "Clocked").replace("class M", "from tick import Clocked\n\n\nclass M"),
+    ],
+)  # fmt: skip
+def test_a_loop_that_goes_on(tmp_path: Path, written: str) -> None:
+    assert "callback-waits" not in codes(tmp_path, written)
