@@ -38,7 +38,7 @@ test: ## run the tests, unit to browser
 	.venv/bin/lint-imports --no-cache --no-logo
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md deploy/*/README.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy & mypy=$$!; \
-	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal $(thorough); tests=$$?; \
+	.venv/bin/python -m pytest --numprocesses 8 --dist worksteal $(thorough); tests=$$?; \
 	wait $$mypy && exit $$tests
 
 test-all: thorough := --thorough
