@@ -204,7 +204,7 @@ def silent_after(watch: Watch, ears: list[Ear], seconds: float, step: float = ma
 
 def unfollowing(topics: Iterable[str]) -> str:
     """Say which topic shows that a program does not follow the stepped clock."""
-    return f"While the clock was stepped, nothing came on {min(topics)} when it was due."
+    return f"What comes on {min(topics)} does not follow the stepped clock: it was watched on the real one."
 
 
 def _is_doubtful(ear: Ear) -> bool:
