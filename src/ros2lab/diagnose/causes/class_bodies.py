@@ -16,14 +16,7 @@ _Said = Callable[["_Body", re.Match[str]], tuple[str, str] | None]
 
 
 class _Body:
-    """A class that cannot be made, and the field that is to blame.
-
-    Attributes:
-        source: the file.
-        definition: the class; None where the fields stand in a call, as in `namedtuple('P', 'x y')`.
-        fields: the fields of the class by name, the last one of each name.
-        name: the field to blame; empty if it is the class itself.
-    """
+    """A class that cannot be made, and the field that is to blame; both are empty if they are not known."""
 
     def __init__(self, source: PythonSource, definition: ast.ClassDef | None, name: str, line: int) -> None:
         self.source, self.definition, self.name, self._line = source, definition, name, line
@@ -50,13 +43,7 @@ class _Body:
 
 
 def of_class_body(kind: str, message: str, spot: Spot) -> Finding | None:
-    """Return a finding about the field that keeps a class from being created; None if there is none.
-
-    Args:
-        kind: the exception's class.
-        message: what it says.
-        spot: the line that Python names.
-    """
+    """Return a finding about the field that keeps a class from being created; None if there is none."""
     source = spot.source
     if source is None or kind not in ("TypeError", "ValueError", "AttributeError"):
         return None

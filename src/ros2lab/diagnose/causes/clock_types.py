@@ -15,12 +15,7 @@ _TIME, _CLOCK = "rclpy.time.Time", "rclpy.clock.Clock"
 
 
 def of_clock_types(message: str, spot: Spot) -> Finding | None:
-    """Return a finding about where a line's system-clock time was made; None if none is seen.
-
-    Args:
-        message: what rclpy says.
-        spot: the line.
-    """
+    """Return a finding about where a line's system-clock time was made; None if none is seen."""
     source = spot.source
     if source is None or not _SAYS.search(message):
         return None

@@ -18,13 +18,7 @@ _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules"))
 
 
 def of_data_file(kind: str, message: str, look: Look | None) -> Finding | None:
-    """Return what is wrong in a JSON file of the workspace; None if no file fails with this message.
-
-    Args:
-        kind: the exception's class.
-        message: what json says.
-        look: the workspace.
-    """
+    """Return what is wrong in a JSON file of the workspace; None if no file fails with this message."""
     if look is None or kind != "JSONDecodeError":
         return None
     for package in look.packages:

@@ -28,11 +28,9 @@ _DECLARES = ("declare_parameter", "declare_parameters", "set_parameters", "set_p
 
 @dataclass(frozen=True)
 class _Use:
-    """A call of a node's method that names parameters.
+    """A call of a node's method, and the expression in it that names parameters.
 
     Attributes:
-        call: the call.
-        named: the expression in it that names them.
         names: the parameters that the error is about.
         lines: the student's lines in the traceback, as (file, line), the innermost first.
     """

@@ -59,12 +59,7 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def key_asked(spot: Spot, key: str = "") -> ast.Subscript | None:
-    """Return the element that a line asks for; None if there is none, or it is unclear which is meant.
-
-    Args:
-        spot: the line.
-        key: the missing key, as Python writes it.
-    """
+    """Return the element that a line asks for, by its key as Python writes it; None if it is unclear which is meant."""
     asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
     named = [n for n in asked if ast.unparse(n.slice) == key]
     marked = [spot.marked] if isinstance(spot.marked, ast.Subscript) else []

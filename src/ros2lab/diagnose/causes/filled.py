@@ -18,12 +18,7 @@ from ros2lab.diagnose.sources.spelling import with_article
 
 
 def of_filled(message: str, spot: Spot) -> Finding | None:
-    """Return which field of a published message was given another type; None if none is seen.
-
-    Args:
-        message: Python's message: the field's value lacks an attribute that its message type has.
-        spot: the line with publish().
-    """
+    """Return which field of a message on a line with publish() was given another type; None if none is seen."""
     said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
     if said is None or spot.function is None or spot.source is None:
         return None
@@ -116,12 +111,7 @@ def _with_item(
 
 
 def of_item(message: str, spot: Spot) -> Finding | None:
-    """Return which functions a dictionary or list calls instead of storing them; None if there are none.
-
-    Args:
-        message: Python's message about the item that is called.
-        spot: the line with the call.
-    """
+    """Return which functions a dictionary or list calls instead of storing them; None if there are none."""
     if "'NoneType' object is not callable" not in message or spot.source is None:
         return None
     held = [

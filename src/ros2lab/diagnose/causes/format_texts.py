@@ -45,11 +45,8 @@ class _Use:
     """A format string that is filled.
 
     Attributes:
-        node: the expression that holds the text.
-        source: the file that the text is in.
         text: the text; of an f-string, the part after the colon.
         values: the expressions that fill it, each with its name; empty for values by position.
-        fill: the function that fills it.
     """
 
     node: ast.expr
@@ -61,13 +58,7 @@ class _Use:
 
 
 def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
-    """Return which part of a format string failed, and how it was meant; None if none did.
-
-    Args:
-        kind: the exception's class.
-        message: what it says.
-        spot: the line that fills the string.
-    """
+    """Return which part of a format string failed, and how it was meant; None if none did."""
     if kind not in _RAISED_BY or spot.source is None:
         return None
     for use in (candidate for candidate in _uses(spot) if re.search(_RAISED_BY[kind], candidate.text)):

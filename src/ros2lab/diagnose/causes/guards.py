@@ -18,14 +18,7 @@ def may_be_left(spot: Spot) -> bool:
 
 
 def left_out(lacks: str, has: str, name: str, spot: Spot) -> str:
-    """Return how to skip a line while something is missing.
-
-    Args:
-        lacks: the condition under which the line would fail.
-        has: its opposite.
-        name: what is used in the line and below it.
-        spot: the line.
-    """
+    """Return how to skip a line, and what uses a name below it, under the condition `lacks`, the opposite of `has`."""
     function = spot.function
     if function is None or function.name == "__init__":
         return (

@@ -17,12 +17,7 @@ _CANNOT_BE_MADE = ("NotImplementedError", "TypeError")
 
 
 def of_part(kind: str, spot: Spot) -> Finding | None:
-    """Return which part of a service or action a line should make; None if it makes no whole type.
-
-    Args:
-        kind: the exception's class.
-        spot: the line.
-    """
+    """Return which part of a service or action a line should make; None if it makes no whole type."""
     source = spot.source
     if source is None or kind not in _CANNOT_BE_MADE:
         return None

@@ -50,13 +50,7 @@ class _Leaf:
 
 
 def of_call_that_gave_none(origin: Origin, call: ast.Call, spot: Spot) -> _Told | None:
-    """Return where the None that a call returned comes from; None if that is not seen.
-
-    Args:
-        origin: the name that holds the value.
-        call: the call that returned it.
-        spot: the line that fails because of it.
-    """
+    """Return where the None that a call returned comes from; None if that is not seen."""
     leaves = [*_leaves(origin.source, call, spot.function if origin.source is spot.source else None)]
     # A forgotten return comes before a value that the function did not get itself.
     for leaf in sorted(leaves, key=lambda leaf: leaf.node is not None):

@@ -102,13 +102,7 @@ def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
 
 
 def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
-    """Return a finding about a function given a whole message instead of its contents; None if it was not.
-
-    Args:
-        message: what Python says.
-        spot: the line of the function that failed.
-        caller: the line that called it.
-    """
+    """Return a finding about a function given a whole message instead of its contents; None if it was not."""
     said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
     field, function = interfaces.only_field(said["kind"]) if said else "", spot.function
     if said is None or not field or function is None or caller.source is None:

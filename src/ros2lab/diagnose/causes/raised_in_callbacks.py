@@ -45,14 +45,7 @@ _NOT_WRITTEN_YET = "NotImplementedError"
 
 @dataclass(frozen=True)
 class _Callback:
-    """A function that rclpy called, and how it was passed on.
-
-    Attributes:
-        kind: the name of the call, or of its keyword, that passes it on.
-        call: that call.
-        owner: the class that defines the function; None if none does.
-        spot: the line that was running in it.
-    """
+    """A function that rclpy called, by which call and which kind of it, with the line that was running in it."""
 
     sources: NodeSources
     function: Function
@@ -234,12 +227,7 @@ def _text(raising: ast.Raise | ast.Assert) -> str:
 
 
 def _answers(callback: _Callback, text: str) -> list[str]:
-    """Return the statements with which a callback of its kind refuses what it is asked.
-
-    Args:
-        callback: the callback.
-        text: the expression of the text that says why; empty if there is none.
-    """
+    """Return the statements with which a callback refuses what it is asked; the text is an expression that says why."""
     last = callback.last if parameters(callback.function) else ""
     shown = text or repr(f"{callback.function.name}: this is not possible now")
     told = f"{callback.tells}({shown})"

@@ -40,14 +40,7 @@ class _Read:
 
 
 def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Finding | None:
-    """Return how a missing key is called in the file that a program reads; None if that is not seen.
-
-    Args:
-        key: the missing key.
-        asked: the subscript that looks it up.
-        spot: the line.
-        look: the workspace.
-    """
+    """Return how a missing key is called in the file that a program reads; None if that is not seen."""
     source = spot.source
     if source is None or any(
         isinstance(value, ast.Dict) for value in spot.assigned(ast.unparse(asked.value))

@@ -23,14 +23,7 @@ _GONE_THROUGH = frozenset(
 
 
 def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | None:
-    """Return a finding about a wrong value for a field that holds several; None if nothing can be said.
-
-    Args:
-        field: the field.
-        what: what it must be, in the words of the message's class.
-        value: what it was given.
-        spot: the line.
-    """
+    """Return a finding about a wrong value for a field that holds several; None if nothing can be said."""
     said = _SAYS.match(what)
     if said is None or spot.source is None:
         return None

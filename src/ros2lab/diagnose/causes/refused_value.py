@@ -19,13 +19,7 @@ _RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>
 
 
 def of_refused(message: str, spot: Spot, look: Look | None = None) -> Finding | None:
-    """Return a finding about the value that a field refuses; None if it is not clear which value that is.
-
-    Args:
-        message: what the message's class says.
-        spot: the line.
-        look: the workspace.
-    """
+    """Return a finding about the value that a field refuses; None if it is not clear which value that is."""
     said = _SAYS.search(message)
     if said is None or spot.source is None:
         return None

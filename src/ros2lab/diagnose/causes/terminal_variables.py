@@ -19,13 +19,7 @@ _OTHER_TERMINAL = re.compile(r"(?i)\bterminal\b|\btab\b|\bwindow\b|\bfenster\b")
 
 
 def of_variable(name: str, place: str, error: ErrorText) -> Finding:
-    """Return a finding about why a program does not see a variable, and what to type so that it does.
-
-    Args:
-        name: the variable.
-        place: the line that reads it.
-        error: what was typed and printed.
-    """
+    """Return a finding about why a program does not see a variable, and what to type so that it does."""
     # A student's note such as `# terminal 2` is no command, but tells where the next one was typed.
     shown = [line for step in error.steps for line in (step.command, *step.lines)]
     typed = _before_the_program([line for line in shown if line in error.typed or line.startswith("#")])

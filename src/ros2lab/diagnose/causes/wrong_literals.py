@@ -35,11 +35,7 @@ def of_wrong_literal(
 ) -> Finding | None:
     """Return the finding about the literals that make a value of the wrong type; None if there are none.
 
-    Args:
-        message: what Python or the class of a message says.
-        spot: the line that fails.
-        given: the expressions that may have the wrong value; without any, the operands and arguments on the line.
-        look: the workspace.
+    The value is that of one of the given expressions; without any, of the operands and arguments on the line.
     """
     source = spot.source
     if source is None:

@@ -25,14 +25,7 @@ _Better = tuple[str, str]  # the corrected command, and what was wrong with it
 
 
 def of_colcon(line: str, words: Sequence[str], look: Look, said: str) -> _Better | None:
-    """Return the command that was meant and why; None if no word is known to be wrong.
-
-    Args:
-        line: what was typed.
-        words: the words of it.
-        look: the workspace.
-        said: what was printed.
-    """
+    """Return the command that was meant and why; None if no word is known to be wrong."""
     folders = {package.shown("").rstrip("/"): package.name for package in look.packages}
     names = {*folders.values()}
     return (

@@ -67,13 +67,7 @@ class Corrected:
 
 
 def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
-    """Correct the first wrong word of a command; None if no word is known to be wrong.
-
-    Args:
-        line: what was typed.
-        look: the workspace.
-        said: what was printed.
-    """
+    """Correct the first wrong word of a command; None if no word is known to be wrong."""
     words = words_in(line.rstrip("& "))
     match words:
         case ["colcon", "build" | "test", *_]:

@@ -123,13 +123,7 @@ def _unknown_package(name: str, look: Look | None) -> Finding:
 def no_executable(
     command: tuple[str, str, str] | None, look: Look | None, typed: Sequence[str] = ()
 ) -> Finding:
-    """Say why `ros2 run` does not find an executable.
-
-    Args:
-        command: such as ("run", "my_bot", "talker"), if it is known.
-        look: the workspace, if there is one.
-        typed: the commands that were typed.
-    """
+    """Say why `ros2 run` does not find an executable."""
     package = _package(command[1], look) if command else None
     if command is None or package is None or look is None:
         return _fault_of(package, look, _LOSE_EXECUTABLES) or _nowhere(command)
@@ -241,13 +235,7 @@ def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str
 
 
 def no_module(name: str, place: str, look: Look | None) -> Finding | None:
-    """Say why Python does not find a module; None if it may be misspelled, or without a workspace.
-
-    Args:
-        name: the name of the module, as it is imported.
-        place: the place of the import.
-        look: the workspace; None if there is none.
-    """
+    """Say why Python does not find a module; None if it may be misspelled, or without a workspace."""
     top = name.partition(".")[0]
     if top in PACKAGES and is_installed(top) and (name == top or is_module(name)):
         return Finding(
@@ -274,10 +262,7 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
 def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look | None) -> Finding | None:
     """Return the finding of an import that failed; None if what was meant is not known.
 
-    Args:
-        spot: the line of the import; without a source, only the message is known.
-        groups: the module, and the name in it, of the message `cannot import name`.
-        look: the workspace; None if there is none.
+    Without its line, only the message `cannot import name` is known, as `groups`.
     """
     modules = _modules(look)
     source = spot.source

@@ -116,12 +116,7 @@ def _is_in_exercise(error: BaseException) -> bool:
 
 
 class Explanation:
-    """A finding as a notebook shows it.
-
-    Args:
-        finding: the finding to show.
-        is_folded: whether everything but the cause is hidden until it is clicked.
-    """
+    """A finding as a notebook shows it; if it is folded, all but its cause is hidden until it is clicked."""
 
     def __init__(self, finding: Finding, *, is_folded: bool = False) -> None:
         self.finding, self.is_folded = finding, is_folded

@@ -17,12 +17,7 @@ _ECHOED = re.compile(r"data: '?(?P<text>[^\W\d][^'\n]*[^\W\d])'?$", re.MULTILINE
 
 
 def of_older_node(error: ErrorText, look: Look) -> Finding | None:
-    """Say that a node of an earlier start still runs; None if the text shows no or all starts.
-
-    Args:
-        error: the text, which lists nodes with the same name.
-        look: the workspace.
-    """
+    """Say that a node of an earlier start still runs; None if the text shows no or all starts."""
     listed = Counter(
         line.strip()
         for step in error.steps

@@ -20,12 +20,7 @@ _GUARD = "`if __name__ == '__main__':`"
 
 
 def of_quiet_program(text: str, look: Look | None) -> Finding | None:
-    """Say why a file that was run did nothing; None if no such file was run.
-
-    Args:
-        text: what was typed and printed.
-        look: the workspace.
-    """
+    """Say why a file that was run did nothing; None if no such file was run."""
     for line, printed in reversed(commands_with_output(text)) if look else ():
         if any(map(str.strip, printed)):
             continue

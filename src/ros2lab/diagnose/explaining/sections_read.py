@@ -23,13 +23,7 @@ _LOGGED = re.compile(
 
 @dataclass(frozen=True)
 class _Ran:
-    """A node of the workspace that was started with a parameter file.
-
-    Attributes:
-        runs_as: its full name at run time.
-        names: the names that a section meant for it may have.
-        file: the name of the file.
-    """
+    """A node of the workspace that was started with a parameter file, and the names that a section for it may have."""
 
     runs_as: str
     names: frozenset[str]

@@ -43,12 +43,7 @@ def is_step_by_step(folder: Path) -> bool:
 
 
 def is_text_step_by_step(text: str, folder: Path | None) -> bool:
-    """Return whether an error is told step by step.
-
-    Args:
-        text: of the error.
-        folder: where the command was typed; None if that is not known.
-    """
+    """Return whether an error is told step by step; the folder is where the command was typed, if that is known."""
     files = [Path(frame.file) for frame in read_error(text).frames]
     folders = [file.parent for file in files if file.is_absolute()]
     return any(map(is_step_by_step, folders if folder is None else [folder, *folders]))

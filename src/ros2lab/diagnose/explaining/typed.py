@@ -199,12 +199,7 @@ def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) ->
 
 
 def _field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None:
-    """Split a name such as `/scale/weight/data` into a topic and a field; None if it does not name a field.
-
-    Args:
-        name: what was written.
-        types: the type of each topic, by its name without the leading slash.
-    """
+    """Split a name such as `/scale/weight/data` into a topic and a field; None if it does not name a field."""
     parts = name.strip("/").split("/")
     for n in range(len(parts) - 1, 0, -1):
         topic = "/".join(parts[:n])

@@ -14,12 +14,7 @@ from ros2lab.diagnose.sources.spelling import nearest
 
 
 def as_message(word: str, fields: Mapping[str, str]) -> str:
-    """Return a message as valid YAML with the fields of its type.
-
-    Args:
-        word: what was typed.
-        fields: the types of its fields, such as `string` or `geometry_msgs/Vector3`.
-    """
+    """Return a message as valid YAML with the fields of its type, such as `string` or `geometry_msgs/Vector3`."""
     return _nested(word, fields) or _flowing(word, fields)
 
 
@@ -94,14 +89,7 @@ def _nested(word: str, fields: Mapping[str, str]) -> str:
 
 
 def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> str:
-    """Return a field as YAML that matches its type.
-
-    Args:
-        name: its name.
-        value: what YAML reads it as.
-        written: the text that was written.
-        fields: the types of all fields.
-    """
+    """Return a field as YAML that matches its type."""
     kind = fields.get(name, "")
     inner = interfaces.fields_of(kind.replace("/", ".msg."))
     if inner and isinstance(value, list) and len(value) <= len(inner):

@@ -17,14 +17,7 @@ _ZEROS = {"boolean": "true", "string": "''", "wstring": "''", "float": "0.0", "d
 
 
 def of_call(plain: Sequence[str], step: Step, look: Look, *, is_action: bool) -> Iterator[Finding]:
-    """Yield why a call waits: the code offers the service or the action by another name or with another type.
-
-    Args:
-        plain: the words after `ros2 service call` or `ros2 action send_goal` that are no options.
-        step: the command, and what it printed.
-        look: the workspace.
-        is_action: whether an action is called.
-    """
+    """Yield why a call waits: the code offers the service or the action by another name or with another type."""
     if not plain or step.is_answered:
         return
     ends = [end for package in look.packages for end in service_ends(look.sources(package))]
@@ -71,13 +64,7 @@ def is_same_type(given: str, right: str) -> bool:
 
 
 def retyped(line: str, given: str, right: str) -> str:
-    """Say which command to type: with another type, and with a message of it unless that which was typed fits.
-
-    Args:
-        line: the command.
-        given: the type in it.
-        right: the type that it needs, such as `std_srvs.srv.SetBool`.
-    """
+    """Say which command to type: with the type that it needs, and with a message of it unless that which was typed fits."""
     better = line.replace(given, _shown(right), 1)
     words = words_in(line)
     after = words[words.index(given) + 1 :] if given in words else []

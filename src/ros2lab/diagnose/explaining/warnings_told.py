@@ -37,13 +37,7 @@ class _Warning:
 
 
 def of_warning(line: str, text: str, look: Look | None) -> Finding | None:
-    """Pass on a warning with its place and its fix; None if the line is no warning.
-
-    Args:
-        line: the line that begins the warning.
-        text: everything that was printed.
-        look: the workspace.
-    """
+    """Pass on a warning with its place and its fix; None if the line is no warning."""
     head = WARNING.match(line)
     every = [*_warnings(text.splitlines())]
     first = next(

@@ -12,13 +12,7 @@ _Part = tuple[bool, str]  # whether it is a substitution, and its text
 
 
 def choice_when_it_runs(source: PythonSource, node: ast.AST, early: Collection[str]) -> str:
-    """Return a fix that lets launch choose between values when it runs; empty if the choice has another form.
-
-    Args:
-        source: the launch file.
-        node: the comparison, or the `if`, that comes too early.
-        early: the substitutions in it, as they are written.
-    """
+    """Return a fix that lets launch choose between values when it runs; empty if the choice has another form."""
     for choice in source.nodes:
         if isinstance(choice, (ast.If, ast.IfExp)) and any(
             inner is node for inner in (choice, *ast.walk(choice.test))

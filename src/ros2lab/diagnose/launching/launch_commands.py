@@ -18,12 +18,7 @@ from ros2lab.diagnose.sources.static_value import dotted, evaluate
 
 @dataclass(frozen=True)
 class Word:
-    """A word of a command.
-
-    Attributes:
-        text: what the command is given; None if it is known only when the file is loaded.
-        written: how the file writes it.
-    """
+    """A word of a command, as the file writes it; its text is None if it is known only when the file is loaded."""
 
     text: str | None
     written: str
@@ -46,11 +41,7 @@ class LaunchCommand:
     is_python: bool = True
 
     def told_as(self, shown: str) -> list[str] | None:
-        """Return its words if launch shows this command; None if it shows another one.
-
-        Args:
-            shown: the command as launch shows it: its words with spaces between them, the first perhaps with its folder.
-        """
+        """Return its words if launch shows this command, with its folder or without; None if it shows another one."""
         known = [re.escape(word.text) if word.text is not None else "(.+)" for word in self.words]
         match = re.fullmatch(rf"(?:\S*/)?{' '.join(known)} *", shown, re.DOTALL)
         if match is None:

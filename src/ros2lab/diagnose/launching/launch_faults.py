@@ -24,10 +24,7 @@ def launch_faults(
 ) -> Iterator[Finding]:
     """Yield what a launch file names that does not exist, and what it starts that stays hidden or unread.
 
-    Args:
-        launch_file: the file.
-        packages: those of the workspace, by name.
-        executables: those of each package; None where they are not known.
+    The executables of a package are None where they are not known.
     """
     yield from launch_file.faults
     declared = {name for package in packages.values() for name in package.declared}

@@ -206,9 +206,7 @@ def _as_list(value: ast.expr) -> str:
 def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Finding]:
     """Yield arguments declared but not used, or the reverse; none for a file that includes others.
 
-    Args:
-        source: the file.
-        worded: arguments of which it is known already how they should be used.
+    Of those in `worded` it is known already how they should be used.
     """
     calls = [node for node in source.nodes if isinstance(node, ast.Call)]
     named: dict[str, dict[str, ast.Call]] = {"DeclareLaunchArgument": {}, "LaunchConfiguration": {}}

@@ -31,11 +31,9 @@ from ros2lab.scratch import scratch_folder
 
 
 def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
-    """Return launch files with what launch itself says they would start.
+    """Return launch files with what launch itself says they would start; those that it cannot load are unchanged.
 
-    Args:
-        files: the files as they were read, by path; those that launch cannot load are returned unchanged.
-        packages: those of the workspace, whose folders stand for their installed share folders.
+    The folders of the packages stand for their installed share folders.
     """
     told = _ask([path for path, file in files.items() if not file.faults], packages)
     return [_as_told(path, file, told.get(str(path)), packages) for path, file in files.items()]
@@ -45,11 +43,6 @@ def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePac
     """Return how many nodes each copy of a launch file would start; None where launch refuses it.
 
     It is 0 where something outside the file is missing, such as a value for an argument without a default.
-
-    Args:
-        path: the file; its neighbours are linked beside each copy.
-        texts: the copies.
-        packages: those of the workspace.
     """
     with scratch_folder() as folder:
         copies = [folder / str(number) / path.name for number in range(len(texts))]
@@ -345,12 +338,7 @@ def _lacking(
 ) -> Iterator[Finding]:
     """Yield the package or module that a file names and that is neither in the workspace nor installed.
 
-    Args:
-        path: the file.
-        file: what was read of it.
-        told: what launch lacks, and where.
-        packages: those of the workspace.
-        is_later: whether launch loads the file without it, so that only a slip is told.
+    If launch loads the file without it and needs it only later, only a slip is told.
     """
     (name, *_) = re.findall(r"'([^']+)'", told["lacks"]) or [""]
     own, top = [package.name for package in packages], name.partition(".")[0]

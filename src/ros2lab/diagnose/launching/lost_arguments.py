@@ -15,14 +15,7 @@ _MISSING = re.compile(r"launch configuration '(?P<name>[^']+)' does not exist")
 
 
 def lost_argument(said: str, path: Path, source: PythonSource, files: Iterable[Path]) -> list[Finding] | None:
-    """Return why a launch configuration does not exist; empty if another file gives it, None if that is not what is said.
-
-    Args:
-        said: launch's reason not to load the file.
-        path: where the file is.
-        source: the file.
-        files: all launch files of the workspace.
-    """
+    """Return why a launch configuration does not exist; empty if another file gives it, None if launch says something else."""
     match = _MISSING.search(said)
     if match is None:
         return None

@@ -13,13 +13,7 @@ from ros2lab.diagnose.sources.python_source import read_text
 
 
 def own_module(path: Path, name: str, packages: Sequence[SourcePackage]) -> tuple[str, str] | None:
-    """Return why launch does not find a module that is in the workspace, and what to do; None if it is not there.
-
-    Args:
-        path: the launch file.
-        name: the module, as it is imported.
-        packages: the packages of the workspace.
-    """
+    """Return why launch does not find a module that is in the workspace, and what to do; None if it is not there."""
     for package in packages:
         if found := not_built(package, name) or not_built(package, name.partition(".")[0]):
             return f"{found.cause[0].lower()}{found.cause[1:]}", found.fix

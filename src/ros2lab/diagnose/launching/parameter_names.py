@@ -26,12 +26,7 @@ _Home = tuple[NodeSources, str]
 
 
 def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Iterator[Finding]:
-    """Yield parameters that a parameter file or launch file gives to a node that does not declare them.
-
-    Args:
-        packages: those of the workspace, each with its files.
-        launch_files: all of its launch files.
-    """
+    """Yield parameters that a parameter file or launch file gives to a node that does not declare them."""
     homes = _homes(packages, launch_files)
     for package, sources in packages.values():
         alike = declared_in(sources) or {}

@@ -23,15 +23,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 @dataclass(frozen=True)
 class Started:
-    """A node of the workspace as a launch file starts it.
-
-    Attributes:
-        launched: what the launch file says.
-        package: the package that has it.
-        sources: that package's files.
-        module: the module of its entry point.
-        function: the function that its entry point calls.
-    """
+    """A node of the workspace as a launch file starts it."""
 
     launched: Launched
     package: SourcePackage
@@ -164,10 +156,7 @@ def started_faults(
 ) -> Iterator[Finding]:
     """Yield what keeps the nodes of a launch file from their parameters or from each other.
 
-    Args:
-        file: as launch has loaded it.
-        packages: those of the workspace, each with its files.
-        is_alone: whether nothing but the workspace's own nodes is ever started with them.
+    They are alone if nothing but the workspace's own nodes is ever started with them.
     """
     nodes = started_in(file, packages)
     yield from _parameters(nodes)
@@ -363,14 +352,7 @@ def _by_slash(sender: tuple[Started, End], reader: tuple[Started, End], meet: st
 
 
 def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Finding:
-    """Return a finding about a node that a launch file separates from another one.
-
-    Args:
-        moved: the node.
-        meet: what both do now, in a clause.
-        plain: the topic without any launch file.
-        are_together: whether both are in the same namespace, which then affects only one of them.
-    """
+    """Return a finding about a node that a launch file separates from another one."""
     why = f"in the namespace {moved.namespace}" if moved.namespace else "with a topic remapped"
     way = (
         f"write {plain[1:]!r}, without a slash, in both"

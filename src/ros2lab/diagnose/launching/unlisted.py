@@ -14,13 +14,7 @@ _ACTIONS = ("launch.actions.", "launch_ros.actions.")
 
 @dataclass(frozen=True)
 class Unlisted:
-    """An action, or a list of actions, that launch is never given.
-
-    Attributes:
-        statement: what makes it.
-        name: the variable that holds it; empty if none does.
-        made: the calls that make it.
-    """
+    """A statement that makes actions that launch is never given, with its calls and their variable, if they have one."""
 
     source: PythonSource
     statement: ast.Assign | ast.Expr

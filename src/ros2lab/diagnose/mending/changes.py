@@ -52,12 +52,7 @@ MOST_TOLD = 3  # changes that are equally likely
 
 
 def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
-    """Yield changes to a line and to the lines that made its values.
-
-    Args:
-        trial: the line.
-        said: what is said of it, which may name the wanted class.
-    """
+    """Yield changes to a line and to the lines that made its values; what is said of it may name the wanted class."""
     yield from _as_said(trial, said)
     if isinstance(trial.statement, ast.FunctionDef):
         yield from _of_definition(trial.statement, trial)

@@ -40,12 +40,7 @@ def loaded(
 ) -> Finding | None:
     """Return a finding with the cheapest change by which launch starts most; None if none is known.
 
-    Args:
-        finding: what is known.
-        source: the file.
-        line: its line; 0 if launch names none.
-        look: the workspace.
-        passed_on: what launch says.
+    The line is 0 if launch, which says what is passed on, names none.
     """
     path = source.path
     if path is None or load_copies(path, [source.text.encode()], look.packages) != [None]:

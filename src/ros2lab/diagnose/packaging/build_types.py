@@ -11,12 +11,7 @@ _EXPORT = re.compile(r"<export\b[^<>]*>")
 
 
 def build_type_written(text: str, kind: str) -> tuple[int | None, str]:
-    """Return the line at which a manifest gets a build type, and how; None for a manifest without an end.
-
-    Args:
-        text: the manifest, which is XML.
-        kind: the build type that it needs.
-    """
+    """Return the line at which a manifest gets a build type, and how; None for a manifest without an end."""
     bare, element = without_comments(text), f"<build_type>{kind}</build_type>"
     for pattern in (_ELEMENT, _EXPORT):
         if match := pattern.search(bare):

@@ -14,14 +14,10 @@ _OF_THE_INDEX = re.compile(r"\bament_index\b|(?:^|/)package\.xml$")
 
 
 def is_for_ros(package: SourcePackage, started: Collection[str] = ()) -> bool:
-    """Return whether a package has a package.xml, or something that only a ROS package needs.
+    """Return whether a package has a package.xml, or something that only a ROS package needs, or is started by launch.
 
     colcon builds a folder with only a setup.py as a Python package, and one with a CMakeLists.txt as a CMake
     package: neither needs a package.xml if it is only imported or linked.
-
-    Args:
-        package: the package.
-        started: the names of the packages whose nodes launch files start.
     """
     if package.has("package.xml") or renamed_manifest(package) or package.name in started:
         return True

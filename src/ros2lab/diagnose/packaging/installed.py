@@ -277,13 +277,7 @@ def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
 
 
 def environment_faults(root: Path, names: Collection[str], environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Yield why a terminal's environment hides packages of the workspace.
-
-    Args:
-        root: the workspace.
-        names: the names of its packages.
-        environ: the environment of the terminal.
-    """
+    """Yield why a terminal's environment hides packages of the workspace."""
     prefixes = [Path(part) for part in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if part]
     missing = []
     for name in sorted(names):

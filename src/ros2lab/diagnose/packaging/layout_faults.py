@@ -20,13 +20,7 @@ _LAYOUT = ".colcon_install_layout"  # which colcon writes into each install fold
 def layout_faults(
     root: Path, packages: Collection[SourcePackage], passed_over: Collection[PassedOver]
 ) -> Iterator[Finding]:
-    """Yield what is where colcon or ROS does not look for it.
-
-    Args:
-        root: the workspace.
-        packages: the packages that colcon sees.
-        passed_over: the packages that it does not see, and why.
-    """
+    """Yield what is where colcon or ROS does not look for it."""
     seen = {package.name for package in packages}
     wanted = {name for package in packages for name in _needs(package)}
     told: set[str] = set()

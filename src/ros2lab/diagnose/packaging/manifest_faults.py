@@ -39,13 +39,7 @@ _BROUGHT_ALONG = frozenset(
 def manifest_faults(
     package: SourcePackage, workspace_names: Collection[str], plain: Collection[str] = ()
 ) -> Iterator[Finding]:
-    """Yield what is wrong with a package's package.xml.
-
-    Args:
-        package: a package that is meant for ROS.
-        workspace_names: the names of all packages in its workspace.
-        plain: the names of those that are not for ROS: package.xml may declare them, but need not.
-    """
+    """Yield what is wrong with the package.xml of a package for ROS; of the plain packages, it need not declare any."""
     shown = package.shown("package.xml")
     if not package.has("package.xml") and (misnamed := renamed_manifest(package)):
         yield Finding(

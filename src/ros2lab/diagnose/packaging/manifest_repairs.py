@@ -23,9 +23,7 @@ _WORDS = Vocabulary(
 def repaired(text: str, keywords: Mapping[str, Any]) -> tuple[int, str] | None:
     """Return the number of a line and how to repair it; None if no small change makes the manifest better.
 
-    Args:
-        text: the manifest, which catkin_pkg rejects.
-        keywords: the arguments of setup(), which say some of the same.
+    The keywords are the arguments of setup(), which say some of the same.
     """
     if len(text) > _MOST or "<!DOCTYPE" in text:
         return None

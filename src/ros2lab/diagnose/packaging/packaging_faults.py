@@ -32,12 +32,9 @@ from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss
 def packaging_faults(
     package: SourcePackage, *, is_for_ros: bool = True, is_as_meant: bool = False
 ) -> Iterator[Finding]:
-    """Yield what is wrong with the packaging of a Python package.
+    """Yield what is wrong with the packaging of a Python package, and keeps ROS from finding it if it is for ROS.
 
-    Args:
-        package: the package.
-        is_for_ros: whether ROS has to find it and its executables, too.
-        is_as_meant: whether a misspelt keyword argument of setup() counts as the right one, once reported.
+    If it is taken as meant, a misspelt keyword of setup() counts as the right one, once it is reported.
     """
     setup = package.setup
     if setup is None or (package.kind == "cmake" and not is_for_ros):

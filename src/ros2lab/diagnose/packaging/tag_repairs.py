@@ -41,12 +41,7 @@ _ALIKE = 0.55  # how similar a tag and the right one are, from 0 to 1
 
 
 def tag_slips(text: str, keywords: Mapping[str, Any]) -> Iterator[Slip]:
-    """Yield a manifest with a change of one tag, the likeliest first.
-
-    Args:
-        text: the manifest.
-        keywords: the arguments of setup(), which say some of the same.
-    """
+    """Yield a manifest with a change of one tag, the likeliest first; the keywords of setup() say some of the same."""
     for rank, slip in enumerate(_changes(Lines(text), keywords)):
         yield replace(slip, cost=rank / 1000)
 

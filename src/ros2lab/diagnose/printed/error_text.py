@@ -59,12 +59,7 @@ _INSTALLED = re.compile(
 
 @dataclass(frozen=True)
 class Frame:
-    """One frame of a traceback; the innermost frame is the last.
-
-    Attributes:
-        part: the part of the line that Python marks below it; empty if it marks nothing.
-        text: the line of code itself, if it was printed.
-    """
+    """One frame of a traceback, with the part of the line that Python marks and its text, if they were printed."""
 
     file: str
     line: int
@@ -79,13 +74,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class ErrorReport:
-    """One error.
-
-    Attributes:
-        kind: the class of the exception, without its module; empty if it is not an exception.
-        message: its message.
-        frames: its traceback, the innermost frame last.
-    """
+    """One error: the class of the exception without its module, if it is one, and its frames, the innermost last."""
 
     kind: str
     message: str

@@ -21,7 +21,6 @@ class Spot:
 
     Attributes:
         source: the file; None if it cannot be read.
-        line: the number of the line.
         is_innermost: whether the error was raised in this line itself, not in a library that it calls.
         part: the part of the line that Python marks.
     """

@@ -55,12 +55,7 @@ _THAT_RUN = (["run"], ["launch"], ["bag"])  # verbs that start programs, which m
 
 @dataclass(frozen=True)
 class Step:
-    """A command with its output.
-
-    Attributes:
-        command: what was typed; empty for the lines before the first prompt.
-        lines: what was printed below it.
-    """
+    """A command, empty before the first prompt, with what was printed below it."""
 
     command: str
     lines: tuple[str, ...]
