@@ -103,21 +103,30 @@ def seen_of(root: Path) -> str:
 class Look:
     """What can be learnt about a workspace without running its programs.
 
+    Without a root there is no workspace: nothing is in it, and nothing is wrong.
+
     Args:
         root: the folder of the workspace or of a package.
         environ: the environment of the terminal in which it is used; None skips checking it.
         loads: whether launch loads the launch files, in a separate process; otherwise they are only parsed.
     """
 
-    def __init__(self, root: Path, environ: Mapping[str, str] | None = None, *, loads: bool = False) -> None:
-        self.root, self.environ, self.loads = root, environ, loads
-        self.packages, self.passed_over = discover(root)
+    def __init__(
+        self, root: Path | None, environ: Mapping[str, str] | None = None, *, loads: bool = False
+    ) -> None:
+        self.root, self.environ, self.loads = root or Path(), environ, loads
+        self.packages, self.passed_over = discover(root) if root else ([], [])
+        self._is_workspace = root is not None
         self._sources: dict[Path, NodeSources] = {}
+
+    def __bool__(self) -> bool:
+        """Return whether there is a workspace."""
+        return self._is_workspace
 
     @cached_property
     def findings(self) -> list[Finding]:
         """Everything that is wrong, the likeliest cause first."""
-        return ranked(self._findings())
+        return ranked(self._findings()) if self else []
 
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
@@ -302,6 +311,16 @@ class Look:
             for path in package.launch_files
         }
         return load(read, self.packages) if self.loads else [*read.values()]
+
+    @property
+    def files(self) -> list[PythonSource]:
+        """The Python files of all packages."""
+        return [source for package in self.packages for source in package.sources.values()]
+
+    @property
+    def launches(self) -> list[tuple[LaunchFile, Path]]:
+        """All launch files, each with its path."""
+        return [*zip(self.launch_files, self.launch_paths, strict=True)]
 
     @property
     def launch_paths(self) -> list[Path]:

@@ -17,9 +17,9 @@ _WORDS = {"True": "true", "False": "false", "None": "null", "undefined": "null"}
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules"))
 
 
-def of_data_file(kind: str, message: str, look: Look | None) -> Finding | None:
+def of_data_file(kind: str, message: str, look: Look) -> Finding | None:
     """Return what is wrong in a JSON file of the workspace; None if no file fails with this message."""
-    if look is None or kind != "JSONDecodeError":
+    if kind != "JSONDecodeError":
         return None
     for package in look.packages:
         for path in sorted(package.folder.rglob("*.json")):

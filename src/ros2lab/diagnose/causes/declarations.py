@@ -10,14 +10,14 @@ from typing import Any
 
 from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.parameter_faults import declared_in, default_by_use, sections_of
+from ros2lab.diagnose.nodes.parameter_faults import declared_in, default_by_use
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of, first_texts, names_given
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, given_to, parameters, read_text
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.spelling import nearest
@@ -89,14 +89,12 @@ def _use_of(names: tuple[str, ...], error: ErrorText, look: Look) -> _Use | None
     frames = error.own
     places = [place_of([frame], look).rpartition(":") for frame in frames]
     spot = spot_at(place_of(frames, look), look)
-    homes = [
-        (look.sources(package), source) for package in look.packages for source in package.sources.values()
-    ]
-    for sources, source in homes:
-        if places and source.shown == places[0][0]:
-            lines = tuple((file, int(line)) for file, _, line in places if line.isdigit())
-            uses = _uses_at(look, sources, source, spot, lines)
-            return next((found for use in uses if (found := _about(use, names))), None)
+    lines = tuple((file, int(line)) for file, _, line in places if line.isdigit())
+    for sources in map(look.sources, look.packages):
+        for source in sources.sources.values():
+            if places and source.shown == places[0][0]:
+                uses = _uses_at(look, sources, source, spot, lines)
+                return next((found for use in uses if (found := _about(use, names))), None)
     return None
 
 
@@ -156,8 +154,9 @@ def _declaring(use: _Use, listed: list[str]) -> str:
     text, node = ast.unparse(use.named), use.node
     lines = [f"{node}.declare_parameter({name!r}, {_given_value(name, use.look)})" for name in listed]
     lines = lines or [f"{node}.declare_parameter({text}, {_default(use, use.names[0])})"]
-    nodes = use.spot.source.nodes if use.spot.source else ()
-    around = (n for n in nodes if isinstance(n, ast.comprehension) and n.iter.lineno in use.spot.lines)
+    around = (
+        n for n in use.spot.file.nodes if isinstance(n, ast.comprehension) and n.iter.lineno in use.spot.lines
+    )
     if loop := next((n for n in around if text in map(ast.unparse, ast.walk(n.target))), None):
         head = f"for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}:"
         lines = [f"{head} {line}" for line in lines]
@@ -189,11 +188,7 @@ def _given_value(name: str, look: Look, fallback: str = "...") -> str:
     """Return the value that a file or launch file gives a parameter; the fallback if none does."""
     sections: list[Mapping[Any, Any]] = [n.values for file in look.launch_files for n in file.nodes]
     for path in (path for package in look.packages for path in package.parameter_files):
-        try:
-            content = read_parameter_file(read_text(path))
-        except ParameterFileError:
-            continue
-        sections += [values for _, values in sections_of(content)] if isinstance(content, Mapping) else []
+        sections += [values for _, values in sections_in(read_text(path))]
     known = (section[name] for section in sections if name in section)
     return next(
         (repr(value) for value in known if isinstance(value, (str, int, float, bool, list))), fallback

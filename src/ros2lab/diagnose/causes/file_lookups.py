@@ -18,9 +18,9 @@ from ros2lab.diagnose.sources.spelling import nearest
 _BUILD = "colcon build --packages-select"
 
 
-def of_missing_file(path: str, place: str, look: Look | None) -> Finding | None:
+def of_missing_file(path: str, place: str, look: Look) -> Finding | None:
     """Return why a file is not where a program opens it; None if the package has no such file."""
-    if look is None or path.startswith("~"):
+    if path.startswith("~"):
         return None
     return of_shared_file(path, look) if path.startswith("/") else _of_relative_file(path, place, look)
 

@@ -48,13 +48,13 @@ def _libraries(kind: str) -> list[str]:
 def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
     """Yield the published message's fields of a message type that are given another: target, type, value."""
     assert spot.source is not None
-    published = tuple(f"{path}." for path in _published(spot))
+    sent = tuple(f"{path}." for path in published(spot))
     sources = NodeSources({spot.source.name: spot.source})
     kinds = Kinds(sources)
     for owner, function, node in sources.scoped(spot.source):
         scope = Scope(kinds, spot.source, owner, function)
         for target, value in assignments([node]) if function is spot.function else ():
-            if isinstance(target, ast.Attribute) and ast.unparse(target).startswith(published):
+            if isinstance(target, ast.Attribute) and ast.unparse(target).startswith(sent):
                 wanted = field_kind((interfaces.fields_of(scope.kind(target.value)) or {}).get(target.attr))
                 if wanted and interfaces.fields_of(wanted) and scope.kind(value) != wanted:
                     yield target, wanted, value
@@ -64,7 +64,7 @@ def _of_appended(kind: str, name: str, spot: Spot) -> Finding | None:
     """Return which item of a list in a published message has another type than the list; None if none is seen."""
     assert spot.source is not None
     sources = NodeSources({spot.source.name: spot.source})
-    kinds, sent = Kinds(sources), _published(spot)
+    kinds, sent = Kinds(sources), published(spot)
     for owner, function, node in sources.scoped(spot.source):
         match node:
             case ast.Call(func=ast.Attribute(attr="append", value=ast.Attribute() as items), args=[value]):
@@ -84,9 +84,9 @@ def _of_appended(kind: str, name: str, spot: Spot) -> Finding | None:
     return None
 
 
-def _published(spot: Spot) -> list[str]:
+def published(spot: Spot) -> list[str]:
     """Return what a line publishes, as it is written."""
-    calls = [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish"]
+    calls = [call for call in spot.calls if getattr(call.func, "attr", "") == "publish"]
     return [ast.unparse(call.args[0]) for call in calls if call.args]
 
 

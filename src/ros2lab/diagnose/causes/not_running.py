@@ -17,7 +17,7 @@ def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     function = own_nodes(spot.function) if spot.function else ()
     inits, ends = _lines(function, ("init",)), _lines(function, _ENDS)
     before = [line for line in ends if line < spot.line]
-    anywhere = _lines(spot.source.nodes if spot.source else (), ("init",))
+    anywhere = _lines(spot.file.nodes, ("init",))
     what = f"rclpy is not running when `{spot.text}` is reached"
     if inits and min(inits) > spot.line:
         return (
@@ -43,7 +43,7 @@ def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 def _with_own_signals(spot: Spot, line: int) -> str:
     """Say how rclpy goes on after Ctrl-C, until the program shuts it down itself."""
-    nodes = spot.source.nodes if spot.source else []
+    nodes = spot.file.nodes
     init = next(n for n in nodes if isinstance(n, ast.Call) and n.lineno == line and _is(n, ("init",)))
     given = [
         *map(ast.unparse, (*init.args, *init.keywords)),

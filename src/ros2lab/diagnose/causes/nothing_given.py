@@ -97,7 +97,7 @@ def _assigned(source: PythonSource, name: ast.expr, function: Function | None) -
 
 def _of_leaf(leaf: _Leaf, origin: Origin, spot: Spot) -> _Told | None:
     """Return what is said of an expression that gave None; None if there is nothing to say."""
-    use = spot.source.at(spot.line) if spot.source else origin.place
+    use = spot.place or origin.place
     call = leaf.node
     if not isinstance(call, ast.Call):
         where = f"{leaf.function.name}() returns" if leaf.function else "it comes from"
@@ -162,7 +162,7 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
         cause = f"`{leaf.text}` is None: the response did not arrive in the time that line {waits[-1].lineno} waits."
         return (
             cause,
-            spot.source.at(spot.line) if spot.source else origin.place,
+            spot.place or origin.place,
             _asked_first(origin.name, spot),
         )
     cause = (
@@ -231,7 +231,7 @@ def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
     cause = f"{origin.name} is None on line {spot.line}: `{leaf.text}` returns None for a key that {owner} does not have."
     if near:
         return f"{cause} It has {near}.", place, f"write {near} instead of {key}"
-    use = spot.source.at(spot.line) if spot.source else place
+    use = spot.place or place
     return cause, use, _asked_first(origin.name, spot)
 
 

@@ -138,7 +138,7 @@ def _is_of(kind: str, said: str) -> bool:
 def _origins(spot: Spot, part: str, name: str) -> Iterator[Origin]:
     """Yield the origins of each value on the line that an error may be about."""
     assert spot.source is not None
-    for node in (n for line in spot.lines for n in Spot(spot.source, line).nodes):
+    for node in spot.whole:
         match node:
             case ast.Attribute(value=used, attr=attr) if part == "owner" and attr == name:
                 yield from _made(spot, used)
@@ -343,7 +343,7 @@ _OF_PARAMETER = re.compile(r"\bParameterValue\b|field must be|incompatible funct
 def of_parameter(message: str, spot: Spot) -> Finding | None:
     """Return a finding about a line that uses the ParameterValue of a parameter as its value; else None."""
     source = spot.source if _OF_PARAMETER.search(message) else None
-    for node in (n for line in spot.lines for n in Spot(source, line).nodes):
+    for node in spot.whole:
         if source is None or not isinstance(node, (ast.Name, ast.Attribute, ast.Call)):
             continue
         origins = [*_made(spot, node)] if isinstance(getattr(node, "ctx", ast.Load()), ast.Load) else []

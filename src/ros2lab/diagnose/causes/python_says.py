@@ -187,7 +187,7 @@ def _own_call(spot: Spot, function: Function) -> ast.Call | None:
 
 def _overridden(spot: Spot, function: Function) -> str:
     """Return which base class has the method that a method overrides; empty if none is known to."""
-    classes = {n.name: n for n in (spot.source.nodes if spot.source else ()) if isinstance(n, ast.ClassDef)}
+    classes = {n.name: n for n in (spot.file.nodes) if isinstance(n, ast.ClassDef)}
     owner = next((found for found in classes.values() if function in found.body), None)
     for base in map(ast.unparse, owner.bases if owner else ()):
         inner = classes[base].body if base in classes else ()
@@ -345,7 +345,7 @@ def of_function(name: str, place: str, spot: Spot) -> Finding:
     owners = spot.holds(name)
     owner = owners[0] if owners else "the object before the dot"
     code, cause = "attribute-unknown", f"{owner} is a function, so it has no {name}"
-    imports = spot.source.imports if spot.source else ()
+    imports = spot.file.imports
     module = next(
         (
             imported.target.rpartition(".")[0]

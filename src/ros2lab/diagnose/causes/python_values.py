@@ -85,7 +85,7 @@ def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Return cause and fix for a value that cannot be hashed, as rclpy does with nodes."""
     kind = match["kind"]
-    for node in spot.source.nodes if spot.source else ():
+    for node in spot.file.nodes:
         if not isinstance(node, ast.ClassDef) or node.name != kind:
             continue
         made = next(

@@ -85,16 +85,11 @@ def _with_letter(part: str) -> str:
 
 def _texts(spots: list[Spot], look: Look) -> Iterator[tuple[PythonSource, ast.Constant]]:
     """Yield the strings of the student's files, those of the lines in the traceback first, the longest first."""
-    own = [(spot.source, node) for spot in spots for line in spot.lines for node in _nodes(spot, line)]
-    files = [source for package in look.packages for source in package.sources.values()]
-    rest = [(source, node) for source in files for node in source.nodes]
+    own = [(spot.file, node) for spot in spots for node in spot.whole]
+    rest = [(source, node) for source in look.files for node in source.nodes]
     for some in (own, rest):
-        texts = [(s, n) for s, n in some if s and isinstance(n, ast.Constant) and isinstance(n.value, str)]
+        texts = [(s, n) for s, n in some if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         yield from sorted(texts, key=lambda pair: -len(str(pair[1].value)))
-
-
-def _nodes(spot: Spot, line: int) -> list[ast.AST]:
-    return Spot(spot.source, line).nodes
 
 
 def _in_files(name: str, wrong: int, look: Look) -> tuple[str, str] | None:
@@ -112,7 +107,7 @@ def _in_files(name: str, wrong: int, look: Look) -> tuple[str, str] | None:
 def _at_use(spot: Spot, kind: str, name: str, what: str) -> str:
     """Say how to change the expression of the name where it is used."""
     wrong = name[_first_wrong(name, what) :][:1]
-    for node in (n for line in spot.lines for n in _nodes(spot, line)):
+    for node in spot.whole:
         if not isinstance(node, ast.Call) or not (node.args or node.keywords):
             continue
         given = [k.value for k in node.keywords if k.arg in ("node_name", "namespace", "topic", "srv_name")]

@@ -83,7 +83,7 @@ def _in_launch(name: str, what: str, look: Look) -> Finding | None:
     """Return where a launch file writes a name that is refused, a line that says what it is first; None if none does."""
     better = allowed(name, what)
     found = []
-    for file, path in zip(look.launch_files, look.launch_paths, strict=True):
+    for file, path in look.launches:
         for number, line in enumerate(read_text(path).splitlines(), 1):
             for written in (name, name.lstrip("/")):
                 if re.search(rf"(?<![\w/-]){re.escape(written)}(?![\w/-])", line):

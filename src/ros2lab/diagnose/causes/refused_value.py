@@ -18,7 +18,7 @@ _SAYS = re.compile(r"The '(?P<field>\w+)' field must be (?P<what>.+)")
 _RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>\d+)\]")
 
 
-def of_refused(message: str, spot: Spot, look: Look | None = None) -> Finding | None:
+def of_refused(message: str, spot: Spot, look: Look) -> Finding | None:
     """Return a finding about the value that a field refuses; None if it is not clear which value that is."""
     said = _SAYS.search(message)
     if said is None or spot.source is None:

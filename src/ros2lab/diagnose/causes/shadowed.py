@@ -31,7 +31,7 @@ _PATH = re.compile(r"[('\"]((?:/|\w:)[^()'\"]+\.pyc?)\b")
 _RUN_BY_FILE = re.compile(r"\bpython[\d.]* (?:-\w+ )*(?P<file>[^\s-]\S*\.py)\b")
 
 
-def of_shadow(error: ErrorText, look: Look | None) -> Finding | None:
+def of_shadow(error: ErrorText, look: Look) -> Finding | None:
     """Say which file hides a module of a library; None if the module lacks what the error names even so.
 
     A name that is missing from a module which does have it shows that another module was imported, whoever asks for
@@ -54,19 +54,19 @@ def of_shadow(error: ErrorText, look: Look | None) -> Finding | None:
     return None
 
 
-def _known(module: str, look: Look | None) -> frozenset[str]:
+def _known(module: str, look: Look) -> frozenset[str]:
     """Return the names of a module of the workspace, of a library or of Python; empty if there is none."""
     found = importable_names(module) if module in sys.stdlib_module_names else None
-    for package in look.packages if look and found is None else ():
+    for package in look.packages if found is None else ():
         inner = (name.split(".")[1:2] for name in package.sources if name.startswith(f"{module}."))
         if module in package.sources:
             return frozenset(bound_names(package.sources[module])).union(*inner)
     return found or importable_names(module) or frozenset()
 
 
-def _own_files(module: str, look: Look | None) -> list[Path | None]:
+def _own_files(module: str, look: Look) -> list[Path | None]:
     """Return the files of the workspace that are the module itself; none for one of Python."""
-    packages = look.packages if look and module not in sys.stdlib_module_names else ()
+    packages = look.packages if module not in sys.stdlib_module_names else ()
     return [package.sources[module].path for package in packages if module in package.sources]
 
 
@@ -76,12 +76,12 @@ def _names_of(file: Path, module: str) -> frozenset[str]:
     return global_names(source) - {i.local for i in source.imports if i.target.startswith(f"{module}.")}
 
 
-def _beside(report: ErrorReport, look: Look | None) -> Iterator[Path]:
+def _beside(report: ErrorReport, look: Look) -> Iterator[Path]:
     """Yield the folders in which Python may have found a module of the student, the likeliest first."""
     named = [Frame(path, 1) for path in _PATH.findall(report.message)]
     for frame in (*own_frames(named), *reversed(own_frames(report.frames))):
         shown = place_of([frame], look).rpartition(":")[0]
-        path = (look.root if look else Path()) / shown
+        path = look.root / shown
         yield path.parent.parent if path.name == "__init__.py" else path.parent
     if look:
         yield look.root
@@ -90,9 +90,9 @@ def _beside(report: ErrorReport, look: Look | None) -> Iterator[Path]:
             yield package.folder / package.name
 
 
-def _hidden(module: str, file: Path, error: ErrorText, look: Look | None) -> Finding:
+def _hidden(module: str, file: Path, error: ErrorText, look: Look) -> Finding:
     """Return the finding of a file that hides a module, with its other name and where else that must stand."""
-    shown = shown_path(file, look.root if look else None).removesuffix("/__init__.py")
+    shown = shown_path(file, look.root).removesuffix("/__init__.py")
     what = "folder" if file.name == "__init__.py" else "file"
     of_python, of_package = module in sys.stdlib_module_names, any(_own_files(module, look))
     hidden = (
@@ -127,12 +127,12 @@ def _other_name(module: str, file: Path) -> str:
     return classes[0] if is_free else f"own_{module}"
 
 
-def _named(module: str, file: Path, look: Look | None) -> tuple[list[str], SourcePackage | None, str]:
+def _named(module: str, file: Path, look: Look) -> tuple[list[str], SourcePackage | None, str]:
     """Return where the workspace names a module, the package that has it, and under which name all these have it."""
     known = None if any(_own_files(module, look)) else _known(module, look)
-    for package in look.packages if look else ():
+    for package in look.packages:
         own = next((name for name, source in package.sources.items() if source.path == file), None)
-        if own is None or look is None:
+        if own is None:
             continue
         lines = [
             (source, imported.line)
@@ -161,10 +161,10 @@ def _means(
     return known is not None and is_beside and first == module and bool(name) and name not in known
 
 
-def _as_executable(error: ErrorText, look: Look | None) -> str:
+def _as_executable(error: ErrorText, look: Look) -> str:
     """Return the `ros2 run` of a file that was started with python3; empty if it has no entry point."""
     typed = [match["file"] for line in error.typed if (match := _RUN_BY_FILE.search(line))]
-    for package in look.packages if typed and look else ():
+    for package in look.packages if typed else ():
         for point in package.points:
             source = package.sources.get(point.module)
             if source and source.path and source.path.name == Path(typed[-1]).name and point.name:
@@ -172,7 +172,7 @@ def _as_executable(error: ErrorText, look: Look | None) -> str:
     return ""
 
 
-def _unseen(module: str, name: str, report: ErrorReport, look: Look | None) -> Finding:
+def _unseen(module: str, name: str, report: ErrorReport, look: Look) -> Finding:
     """Return the finding of a module of Python that is hidden by a file which cannot be seen from here."""
     place = place_of(own_frames(report.frames), look)
     cause = f"Python's own {module} has {name}, so another module was imported: a file {module}.py, or a folder {module}, is found before it."

@@ -12,7 +12,7 @@ _ENDS = ("rclpy.shutdown", "rclpy.try_shutdown")
 
 def shut_by(spot: Spot, error: ErrorText) -> str:
     """Say which other line of the file shuts rclpy down; empty after Ctrl-C, or unless there is just one."""
-    calls = [n for n in (spot.source.nodes if spot.source else ()) if isinstance(n, ast.Call)]
+    calls = [n for n in (spot.file.nodes) if isinstance(n, ast.Call)]
     lines = {n.lineno for n in calls if ast.unparse(n.func) in _ENDS} - {spot.line}
     if len(lines) != 1 or any("^C" in step.text for step in error.steps):
         return ""

@@ -9,9 +9,10 @@ from typing import TypeGuard
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.service_faults import ServiceEnd, server_for, service_ends
+from ros2lab.diagnose.nodes.service_faults import ServiceEnd, server_for
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.printed.names_there import all_service_ends
+from ros2lab.diagnose.printed.spots import Spot, spot_of
 from ros2lab.diagnose.sources.own_functions import own_function, returned
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 
@@ -24,10 +25,9 @@ _DEEPEST = 3  # functions followed that return the result
 def of_unanswered(error: ErrorText, look: Look) -> Finding | None:
     """Say why a request got no response in the time that the code waits; None if that is not the error."""
     match = _OF_NONE.match(error.report.message) if error.report else None
-    own = error.own if match else []
-    spot = spot_at(place_of(own[:1], look), look) if own else None
-    if match is None or spot is None:
+    if match is None:
         return None
+    spot = spot_of(error.report, look)
     for node in spot.nodes:
         if isinstance(node, ast.Attribute) and node.attr == match["name"]:
             for request, wait, source in _asked(node.value, spot):
@@ -64,7 +64,7 @@ def _is_request(node: ast.expr) -> TypeGuard[ast.Call]:
 
 
 def _told(request: ast.Call, wait: ast.Call, source: PythonSource, value: str, look: Look) -> Finding | None:
-    ends = [end for package in look.packages for end in service_ends(look.sources(package))]
+    ends = all_service_ends(look)
     func = request.func
     assert isinstance(func, ast.Attribute)
     client = next((end for end in ends if not end.is_server and end.is_kept_as(func.value)), None)

@@ -46,7 +46,7 @@ def of_unfit_parameter(message: str, spot: Spot) -> Finding | None:
 
 def _values(spot: Spot) -> Iterator[ast.expr]:
     """Yield the expressions of a line, and what is assigned to the names in it."""
-    for node in (n for line in spot.lines for n in Spot(spot.source, line).nodes):
+    for node in spot.whole:
         if isinstance(node, ast.expr):
             yield node
             if isinstance(node, (ast.Name, ast.Attribute)):
@@ -80,7 +80,7 @@ def _alike(values: Any) -> Any:
 
 def _by_key(value: dict[Any, Any], spot: Spot) -> str:
     """Return the calls that declare a parameter for each key of a dictionary; empty if that is not what is asked."""
-    for call in (n for line in spot.lines for n in Spot(spot.source, line).nodes):
+    for call in spot.whole:
         match call:
             case ast.Call(
                 func=ast.Attribute(attr="declare_parameter"), args=[ast.Constant(value=str(name)), *_]

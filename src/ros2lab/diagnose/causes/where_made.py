@@ -26,7 +26,7 @@ from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 
 
-def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+def where_made(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     """Return what is wrong where a value, class or function used on an error's line was made."""
     report = error.report or ErrorReport("", "")
     frames = own_frames(report.frames)
@@ -54,7 +54,7 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
     return [made] if made else []
 
 
-def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding | None:
+def _told_at_once(report: ErrorReport, spot: Spot, look: Look) -> Finding | None:
     """Return what an error's message and its line tell together; None if they tell nothing."""
     kind, message = report.kind, report.message
     return (
@@ -112,7 +112,7 @@ def _is_load(node: ast.Name | ast.Attribute) -> bool:
     return isinstance(node.ctx, ast.Load)
 
 
-def _of_key(message: str, spot: Spot, error: ErrorText, look: Look | None) -> Finding | None:
+def _of_key(message: str, spot: Spot, error: ErrorText, look: Look) -> Finding | None:
     """Return a finding about a missing key of the environment or of a file; None if it is neither."""
     asked = key_asked(spot, message)
     if asked is None or spot.source is None or not (spot.is_innermost or ast.unparse(asked.slice) == message):

@@ -30,9 +30,7 @@ _OF_TEXT = re.compile(
 _MOST = 3  # literals that are told
 
 
-def of_wrong_literal(
-    message: str, spot: Spot, given: Sequence[ast.expr], look: Look | None
-) -> Finding | None:
+def of_wrong_literal(message: str, spot: Spot, given: Sequence[ast.expr], look: Look) -> Finding | None:
     """Return the finding about the literals that make a value of the wrong type; None if there are none.
 
     The value is that of one of the given expressions; without any, of the operands and arguments on the line.
@@ -76,10 +74,10 @@ def _counts(source: PythonSource, value: ast.expr) -> bool:
     return False
 
 
-def _sources_of(source: PythonSource, look: Look | None) -> NodeSources:
-    for package in look.packages if look else ():
+def _sources_of(source: PythonSource, look: Look) -> NodeSources:
+    for package in look.packages:
         if any(own.shown == source.shown for own in package.sources.values()):
-            return look.sources(package) if look else NodeSources({})
+            return look.sources(package)
     return NodeSources({source.name: source})
 
 

@@ -5,17 +5,21 @@ from __future__ import annotations
 import itertools
 import re
 import shlex
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from ros2lab.diagnose.explaining.colcon_commands import of_colcon
 from ros2lab.diagnose.explaining.typed_message import as_message, misfit, read_as
 from ros2lab.diagnose.explaining.usage import accepted_form, plain_words
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.parameter_faults import declared_in
-from ros2lab.diagnose.nodes.service_faults import service_ends
-from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.names_there import (
+    all_service_ends,
+    declared_parameters,
+    node_names,
+    topic_ends,
+)
 from ros2lab.diagnose.printed.transcript import words_in
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text
@@ -120,60 +124,33 @@ class _Known:
     """The names that exist for each place in a command."""
 
     def __init__(self, look: Look, rest: list[str]) -> None:
-        self.look, self.rest = look, rest
-        self.sources = [look.sources(package) for package in look.packages]
-        self.types = {end.topic: end.type for sources in self.sources for end in ends_of(sources)}
-
-    def package(self) -> list[str]:
-        return [package.name for package in self.look.packages]
-
-    def executable(self) -> list[str]:
-        return list(self.look.executables.get(self.rest[0] if self.rest else "") or ())
-
-    def launch_file(self) -> list[str]:
-        package = self.look.package(self.rest[0]) if self.rest else None
-        return [path.name for path in package.launch_files] if package else []
-
-    def topic(self) -> list[str]:
-        return [f"/{topic}" for topic in self.types if not topic.startswith("~")]
-
-    def type(self) -> list[str]:
-        return [kind.replace(".", "/") for kind in self.types.values() if kind]
-
-    def node(self) -> list[str]:
-        return [f"/{name}" for sources in self.sources for name in sources.node_names() if name]
-
-    def parameter(self) -> list[str]:
-        return [name for sources in self.sources for name in declared_in(sources) or ()]
-
-    def service(self) -> list[str]:
-        ends = (end for sources in self.sources for end in service_ends(sources))
-        return [f"/{end.name}" for end in ends if end.is_server and end.name and not end.is_action]
-
-    def default(self, parameter: str) -> object:
-        """Return the default of a parameter; UNKNOWN if no node declares it."""
-        found = {name: value for s in self.sources for name, value in (declared_in(s) or {}).items()}
-        return found.get(parameter, UNKNOWN)
+        self.look, self.first = look, rest[0] if rest else ""
+        self.types = {end.topic: end.type for end in topic_ends(look)}
+        self.parameters = declared_parameters(look)
 
     def is_foreign(self, place: str, word: str) -> bool:
         """Return whether a word may mean something that is not in the workspace."""
         if place == "package":
             return interfaces.folder_of(word) is not None or word in interfaces.PACKAGES
-        return place in ("executable", "launch file") and self.rest[0] not in self.package()
+        return place in ("executable", "launch file") and self.first not in self.at("package")
 
     def at(self, place: str) -> list[str]:
         """Return the names that exist for a place, such as "topic"."""
-        ways: Mapping[str, Callable[[], list[str]]] = {
-            "package": self.package,
-            "executable": self.executable,
-            "launch file": self.launch_file,
-            "topic": self.topic,
-            "type": self.type,
-            "node": self.node,
-            "parameter": self.parameter,
-            "service": self.service,
+        return self._names.get(place, [])
+
+    @cached_property
+    def _names(self) -> dict[str, list[str]]:
+        look, package = self.look, self.look.package(self.first)
+        servers = [end.name for end in all_service_ends(look) if end.is_server and not end.is_action]
+        return {
+            "package": [package.name for package in look.packages],
+            "executable": [*(look.executables.get(self.first) or ())],
+            "launch file": [path.name for path in package.launch_files] if package else [],
+            "topic": [f"/{topic}" for topic in self.types if not topic.startswith("~")],
+            "node": node_names(look),
+            "parameter": [*self.parameters],
+            "service": [f"/{name}" for name in servers if name],
         }
-        return ways[place]() if place in ways else []
 
 
 class _Command:
@@ -204,7 +181,7 @@ class _Command:
     def _shifted(self, places: tuple[str, ...]) -> Iterator[Corrected]:
         """Yield corrections if the package name is missing, which launch allows for a path, or misplaced."""
         is_two = places in (_PLACES["run"], _PLACES["launch"])
-        if not is_two or not self.plain or self.plain[0] in self.known.package():
+        if not is_two or not self.plain or self.plain[0] in self.known.at("package"):
             return
         first, *others = self.plain
         look = self.known.look
@@ -238,7 +215,7 @@ class _Command:
             yield from self._message(word)
         elif place == "value":
             yield from self._value(self.plain[1], word)
-        elif place == "executable" and word in self.known.launch_file():
+        elif place == "executable" and word in self.known.at("launch file"):
             why = f"{word} is a launch file, not an executable: start it with ros2 launch."
             yield Corrected(self.line.replace("ros2 run", "ros2 launch", 1), why)
         elif place in ("type", "service type"):
@@ -293,7 +270,7 @@ class _Command:
             yield Corrected(self._with(word, text), why)
 
     def _value(self, name: str, word: str) -> Iterator[Corrected]:
-        default = self.known.default(name)
+        default = self.known.parameters.get(name, UNKNOWN)
         if isinstance(default, bool):
             right = word.lower() if word.lower() in ("true", "false") else str(default).lower()
         elif isinstance(default, float):
@@ -330,7 +307,7 @@ class _Command:
     def _declared(self) -> Collection[str] | None:
         """Return the arguments that the launch file declares; None if they are not known."""
         look = self.known.look
-        for file, path in zip(look.launch_files, look.launch_paths, strict=True):
+        for file, path in look.launches:
             if len(self.plain) > 1 and path.name == self.plain[1]:
                 text = read_text(path)
                 is_whole = path.suffix == ".py" and "IncludeLaunchDescription(" not in text
@@ -355,7 +332,7 @@ class _Command:
                 yield from self._file(word)
             if before in ("-p", "--param") and "--ros-args" in self.rest and ":=" not in word:
                 name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
-                default = self.known.default(name)
+                default = self.known.parameters.get(name, UNKNOWN)
                 value = value or (str(default) if default is not UNKNOWN else "1.0")
                 why = f"The rule {word!r} after {before} has no `:=` between the name and the value."
                 yield Corrected(self._with(word, f"{name}:={value}"), why)

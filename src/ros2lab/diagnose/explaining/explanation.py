@@ -69,20 +69,16 @@ _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, loads: bool) -> list[Finding]:
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     root = workspace or _workspace_of(read_error(text))
-    look = Look(root, loads=loads and "launch" in text) if root is not None else None
+    look = Look(root, loads=loads and "launch" in text)
     text = without_own(text, look)
     error = read_error(text)
     if built := failed_build(error.steps):
         found = explain(built, workspace, sources, loads=loads)
         if found and found[0].code != UNKNOWN:
             return found
-    if (
-        sure := (of_earlier(error, look) if look else None)
-        or of_shadow(error, look)
-        or of_ros_variable(error)
-    ):
+    if sure := of_earlier(error, look) or of_shadow(error, look) or of_ros_variable(error):
         return [sure]
-    if look is None:
+    if not look:
         return _of_error(error, text, _beside(error, sources, look), look)
     error = _whole(error, text, look)
     known = [*_beside(error, sources, look), *of_needed(look.findings, error, look)]
@@ -91,7 +87,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     return [worth_typing(finding, look) for finding in shown] or _of_error(error, text, known, look)
 
 
-def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look | None) -> list[Finding]:
+def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look) -> list[Finding]:
     """Return the findings that explain an error; else those that are known of its files or workspace."""
     known = [*beside]
     found = _explained(error, known, look)
@@ -103,7 +99,7 @@ def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look
     return [worth_typing(finding, look) for finding in (_first_tried(found, error, look) if look else found)]
 
 
-def _undecided(error: ErrorText, look: Look | None) -> list[Finding]:
+def _undecided(error: ErrorText, look: Look) -> list[Finding]:
     """Say that an error is unknown; empty with a workspace, or if the text need not contain an error."""
     did_well = all(step.ended_well or step.is_answer for step in error.steps if step.text.strip())
     is_plain = not error.decisive or LABELLED.match(error.decisive) is not None
@@ -117,7 +113,7 @@ def _whole(error: ErrorText, text: str, look: Look) -> ErrorText:
     return replace(error, reports=tuple(_whole_report(report, look) for report in error.reports))
 
 
-def _explained(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+def _explained(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     """Return the findings for an error, after the known ones if they name neither place nor fix."""
     checked = _checked(error, known, look) if look else []
     found = _with_command(_of_what_was_said(error, known, checked, look), error, known, look)
@@ -149,7 +145,7 @@ def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Fin
 
 
 def _of_what_was_said(
-    error: ErrorText, known: list[Finding], checked: list[Finding], look: Look | None
+    error: ErrorText, known: list[Finding], checked: list[Finding], look: Look
 ) -> list[Finding]:
     """Return what an error message means, what caused it elsewhere, or what the tool says itself."""
     found = _worded(error, [*known, *checked], look)
@@ -173,13 +169,13 @@ def _of_what_was_said(
     return [*history, *own_shells(error.typed), *frozen, *of_processes(error.text, look), *found]
 
 
-def _said_by_tools(error: ErrorText, look: Look | None, *, is_frozen: bool) -> list[Finding]:
+def _said_by_tools(error: ErrorText, look: Look, *, is_frozen: bool) -> list[Finding]:
     """Return what a tool says itself; nothing where a program was only stopped, or logs what it is written to log."""
     is_no_tools = not error.reports and (is_frozen or is_own_log(error.decisive, look))
     return [] if is_no_tools else said_by_tools(error, look)
 
 
-def _with_choice(error: ErrorText, look: Look | None) -> list[Finding]:
+def _with_choice(error: ErrorText, look: Look) -> list[Finding]:
     """Return the finding of a launch error that names the allowed values; empty if it names none."""
     said = of_launch(error, look) if not error.reports else None
     return [said] if said and said.fix.startswith("write ") else []
@@ -208,7 +204,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
     )
 
 
-def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+def _worded(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     """Return the findings for the meanings of an error's lines."""
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
@@ -233,14 +229,12 @@ _OF_THE_COMMAND = frozenset(
 )
 
 
-def _with_command(
-    found: list[Finding], error: ErrorText, known: list[Finding], look: Look | None
-) -> list[Finding]:
+def _with_command(found: list[Finding], error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     """Make the corrected command the fix of the first finding if the command was wrong."""
     first = found[0] if found else Finding(UNKNOWN, "")
     is_told = first.code not in (SAID, UNKNOWN)
     is_refused = REFUSED.search(error.text) is not None
-    if look is None or first in known or first.code not in _OF_THE_COMMAND:
+    if not look or first in known or first.code not in _OF_THE_COMMAND:
         return found
     if is_told and "`" in first.fix and not is_refused:
         return found
@@ -268,7 +262,7 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
     paths = {_file(place): look.root / _file(place) for place in named if _file(place).endswith(".py")}
     if "Caught exception in launch" in error.text:
         # launch seldom names the line: any line may be meant.
-        files = zip(look.launch_files, look.launch_paths, strict=True)
+        files = look.launches
         paths |= {file.shown: path for file, path in files if path.suffix == ".py"}
         named += [
             f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)
@@ -320,9 +314,7 @@ _REFUSED_BY_LAUNCH = frozenset(
 _NOT_THERE = frozenset(("not-built", "package-not-found", "executable-missing"))
 
 
-def _asked_first(
-    error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
-) -> list[Finding]:
+def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding], look: Look) -> list[Finding]:
     """Return the faults of a failed build or launch, or else of the entry point that was run."""
     if refused := _refused_by_launch(error, known, found, look):
         return refused
@@ -338,13 +330,13 @@ def _asked_first(
 
 
 def _refused_by_launch(
-    error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
+    error: ErrorText, known: list[Finding], found: list[Finding], look: Look
 ) -> list[Finding]:
     """Return the faults in a launch file that launch could not load, or whose program it could not start."""
     stops = [finding for finding in known if finding.code in _REFUSED_BY_LAUNCH]
     if "exception occurred while executing process" in error.text:
         return stops
-    if look is None or "Caught exception in launch" not in error.text:
+    if "Caught exception in launch" not in error.text:
         return []
     files = {file.shown for file in look.launch_files}
     is_told = bool(found) and found[0].code in _REFUSED_BY_LAUNCH
@@ -371,9 +363,7 @@ def _names(line: str, place: str) -> bool:
     return "/" in file and f"/{file}'" in line
 
 
-def _meant(
-    meaning: Meaning, line: str, error: ErrorText, known: list[Finding], look: Look | None
-) -> list[Finding]:
+def _meant(meaning: Meaning, line: str, error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     match = meaning.pattern.search(line)
     groups = match.groupdict(default="") if match else {}
     if asked := asked_for(meaning, groups, error, look):
@@ -414,7 +404,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
     return int(not words.isdisjoint(_WORD.findall(f"{finding.cause} {finding.place} {finding.fix}")))
 
 
-def _unknown(error: ErrorText, look: Look | None) -> Finding:
+def _unknown(error: ErrorText, look: Look) -> Finding:
     return own_words(error, look) or Finding(
         UNKNOWN,
         f"This error is not known here; the line to look up is: {error.decisive}",
@@ -429,7 +419,7 @@ def _workspace_of(error: ErrorText) -> Path | None:
     return next((root for root in roots if root is not None), None)
 
 
-def _beside(error: ErrorText, sources: Mapping[str, str], look: Look | None) -> Iterator[Finding]:
+def _beside(error: ErrorText, sources: Mapping[str, str], look: Look) -> Iterator[Finding]:
     """Yield faults in the cells and the files outside any workspace that a traceback names."""
     for file in dict.fromkeys(frame.file for frame in own_frames(error.frames)):
         path = Path(file)
@@ -439,5 +429,5 @@ def _beside(error: ErrorText, sources: Mapping[str, str], look: Look | None) -> 
             yield from (
                 finding for finding in alone if finding.code not in ("name-undefined", "parameter-undeclared")
             )
-        elif look is None and path.suffix == ".py" and path.is_file():
+        elif not look and path.suffix == ".py" and path.is_file():
             yield from text_faults(read_source(path, path.stem, file))

@@ -8,8 +8,10 @@ import re
 from collections.abc import Mapping
 from difflib import get_close_matches
 
+from ros2lab.diagnose.causes.filled import published
 from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.causes.shut_twice import shut_by
+from ros2lab.diagnose.causes.undeclared_arguments import default_of
 from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.code.meant_names import meant, used_too_early
@@ -19,7 +21,7 @@ from ros2lab.diagnose.explaining.not_found import below_folders, no_module, wron
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field
-from ros2lab.diagnose.nodes.parameter_faults import declared_in, of_parameter_file
+from ros2lab.diagnose.nodes.parameter_faults import of_parameter_file
 from ros2lab.diagnose.nodes.parameter_values import given_at, retyped, type_in_words, value_in_words
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
@@ -30,7 +32,7 @@ _MOST_OFFERED = 6  # similar names that are suggested
 
 
 def said_of(
-    meaning: Meaning, groups: Mapping[str, str], line: str, error: ErrorText, look: Look | None
+    meaning: Meaning, groups: Mapping[str, str], line: str, error: ErrorText, look: Look
 ) -> list[Finding]:
     """Explain an error by its message alone; empty if that says nothing."""
     place = place_of(own_frames(error.frames), look)
@@ -65,7 +67,7 @@ def said_of(
 
 
 def _in_words(
-    meaning: Meaning, groups: Mapping[str, str], place: str, error: ErrorText, look: Look | None
+    meaning: Meaning, groups: Mapping[str, str], place: str, error: ErrorText, look: Look
 ) -> Finding:
     """Return the finding of a meaning, with the names in the message filled in."""
     code, shown = meaning.codes[0], groups
@@ -79,37 +81,22 @@ def _in_words(
         shut_by(spot_at(place, look), error) if code == "shutdown-twice" else ""
     ) or meaning.cause.format(**shown).replace(" ()", "")
     if code == "launch-argument":
-        groups = {**groups, "default": _default_of(groups["name"], look)}
+        default = default_of(groups["name"], look)
+        groups = {**groups, "default": groups["name"] if default is None else default}
     do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
     if code == "parameter-type" and groups.get("name"):
         if fix := retyped(groups["name"], groups["value"], groups["wanted"], error.typed):
             return Finding(code, cause, "", fix)
         is_declared = groups["wanted"] == "INTEGER" and not groups["value"].lstrip("-").isdigit()
         place = place if is_declared else given_at(groups["name"], look, error.typed) or place
-    elif code == "publish-text" and groups.get("given") and (sent := _published(spot_at(place, look))):
-        do = filling(f"{groups['package']}.msg.{groups['wanted']}", sent, groups["given"])
+    elif code == "publish-text" and groups.get("given") and (sent := published(spot_at(place, look))):
+        do = filling(f"{groups['package']}.msg.{groups['wanted']}", sent[0], groups["given"])
     elif "what" in groups and "name" in groups:
         do = _field_fix(spot_at(place, look), groups) or do
     return Finding(code, cause, place, do)
 
 
-def _default_of(name: str, look: Look | None) -> str:
-    """Return a default for a launch argument: that of the parameter of its name, or else the name itself."""
-    defaults: dict[str, object] = {"use_sim_time": False}  # every node has this one
-    for package in look.packages if look else ():
-        defaults |= declared_in(look.sources(package)) or {} if look else {}
-    value = defaults.get(name)
-    plain = str(value).lower() if isinstance(value, bool) else str(value)
-    return plain if isinstance(value, (bool, int, float, str)) else name
-
-
-def _published(spot: Spot) -> str:
-    """Return what a line publishes; empty if it calls no publish()."""
-    calls = (n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish")
-    return next((ast.unparse(call.args[0]) for call in calls if call.args), "")
-
-
-def _of_syntax(report: ErrorReport, look: Look | None) -> Finding:
+def _of_syntax(report: ErrorReport, look: Look) -> Finding:
     place = place_of([*reversed(report.frames)], look)
     code = "setup-syntax" if is_setup(place) else "node-syntax"
     source = spot_at(place, look).source
@@ -154,7 +141,7 @@ def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
     return ""
 
 
-def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:
+def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look) -> Finding:
     name, owner = groups["name"], groups.get("owner") or groups.get("module") or "the object before the dot"
     homes = homes_of(name) if groups.get("module") else ()
     if owner == "NoneType":
@@ -187,16 +174,16 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix, (owner,))
 
 
-def _submodule(owner: str, name: str, spot: Spot, look: Look | None) -> str:
+def _submodule(owner: str, name: str, spot: Spot, look: Look) -> str:
     """Return the submodule that a line uses and that its file does not import; empty if there is none.
 
     It may be nested more deeply than the missing attribute, as in `xml.etree.ElementTree`.
     """
-    imports = spot.source.imports if spot.source else ()
+    imports = spot.file.imports
     is_hidden = spot.source and spot.source.path and spot.source.path.with_name(f"{owner}.py").is_file()
     if is_hidden or any(f"{imported.target}.".startswith(f"{owner}.{name}.") for imported in imports):
         return ""
-    own = {module for package in (look.packages if look else ()) for module in package.sources}
+    own = {module for package in look.packages for module in package.sources}
     named = {imported.local: owner for imported in _imports(owner, spot)}
     asked = [ast.unparse(node).split(".") for node in spot.nodes if isinstance(node, ast.Attribute)]
     written = [".".join([named.get(first, first), *rest]) for first, *rest in asked]
@@ -206,8 +193,4 @@ def _submodule(owner: str, name: str, spot: Spot, look: Look | None) -> str:
 
 def _imports(owner: str, spot: Spot) -> list[Import]:
     """Return the imports of a package in the file of a line, under any name."""
-    return [
-        imported
-        for imported in (spot.source.imports if spot.source else ())
-        if owner in (imported.local, imported.target)
-    ]
+    return [imported for imported in (spot.file.imports) if owner in (imported.local, imported.target)]

@@ -27,7 +27,7 @@ def of_launched_command(error: ErrorText, look: Look) -> Finding | None:
     died = [match["cmd"] for match in _DIED.finditer(error.text)] if not error.reports else []
     commands = [
         command
-        for file, path in zip(look.launch_files, look.launch_paths, strict=True)
+        for file, path in look.launches
         for command in (launch_commands(path, file.shown) if died else ())
     ]
     for shown in died:

@@ -85,10 +85,10 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
     return Finding("not-sourced", f"{cause}.", "", fix)
 
 
-def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
+def no_package(name: str, look: Look, error: ErrorText) -> Finding:
     """Say why ROS does not find a package."""
-    package = _package(name, look)
-    if look is None or package is None:
+    package = look.package(name)
+    if package is None:
         return _unknown_package(name, look)
     if not package.has("package.xml"):
         return next(manifest_faults(package, ()))  # the command needs it as a ROS package
@@ -103,29 +103,27 @@ def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     return next(iter(stops), None) or not_yet_built(package, look, error)
 
 
-def _unknown_package(name: str, look: Look | None) -> Finding:
+def _unknown_package(name: str, look: Look) -> Finding:
     """Say where colcon does not see a package, or which name was meant."""
-    for passed_over in look.passed_over if look else ():
+    for passed_over in look.passed_over:
         if passed_over.package.name == name:
             return hidden(passed_over)
     if look and (found := next(outside(look.root, name), None)):
         return found
-    named = [f for f in look.findings if f.code == "package-name" and name in f.about] if look else []
+    named = [f for f in look.findings if f.code == "package-name" and name in f.about]
     if named:
         return named[0]
-    names = [package.name for package in look.packages] if look else []
+    names = [package.name for package in look.packages]
     cause = f"ROS finds no package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
     near = nearest(name, names)
     do = "check the name, build the workspace, and source install/setup.bash in this terminal"
     return Finding("package-not-found", cause, "", f"write {near} instead of {name}" if near else do)
 
 
-def no_executable(
-    command: tuple[str, str, str] | None, look: Look | None, typed: Sequence[str] = ()
-) -> Finding:
+def no_executable(command: tuple[str, str, str] | None, look: Look, typed: Sequence[str] = ()) -> Finding:
     """Say why `ros2 run` does not find an executable."""
-    package = _package(command[1], look) if command else None
-    if command is None or package is None or look is None:
+    package = look.package(command[1]) if command else None
+    if command is None or package is None:
         return _fault_of(package, look, _LOSE_EXECUTABLES) or _nowhere(command)
     there, name = look.executables[package.name] or (), command[2]
     if there and name not in there and (meant := by_another_name(package, name)):
@@ -190,11 +188,11 @@ def _no_entry_point(package: SourcePackage, name: str) -> Finding:
 _UNINSTALLED = frozenset(("not-in-data-files", "installed-elsewhere", "install-stale", "setup-value"))
 
 
-def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
+def no_file(name: str, package_name: str, look: Look) -> Finding | None:
     """Say why `ros2 launch` does not find a file."""
-    package = _package(package_name, look)
+    package = look.package(package_name)
     names = [path.name for path in package.launch_files] if package else []
-    for finding in look.findings if look else ():
+    for finding in look.findings:
         if finding.code in _UNINSTALLED and {name, "data_files"} & {*finding.about}:
             return finding
     begun = [file for file in names if file.startswith(f"{name}.")]
@@ -222,19 +220,15 @@ def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
     )
 
 
-def _package(name: str, look: Look | None) -> SourcePackage | None:
-    return look.package(name) if look else None
-
-
-def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str, ...]) -> Finding | None:
+def _fault_of(package: SourcePackage | None, look: Look, codes: tuple[str, ...]) -> Finding | None:
     """Return a finding with the earliest possible code, about a package or, without one, any package."""
     folder = package.shown("-").removesuffix("-") if package else ""
-    found = [finding for finding in look.findings if finding.place.startswith(folder)] if look else []
+    found = [finding for finding in look.findings if finding.place.startswith(folder)]
     found = [finding for finding in found if finding.code != "replaced" or "/setup.py:" in finding.place]
     return next((finding for code in codes for finding in found if finding.code == code), None)
 
 
-def no_module(name: str, place: str, look: Look | None) -> Finding | None:
+def no_module(name: str, place: str, look: Look) -> Finding | None:
     """Say why Python does not find a module; None if it may be misspelled, or without a workspace."""
     top = name.partition(".")[0]
     if top in PACKAGES and is_installed(top) and (name == top or is_module(name)):
@@ -244,7 +238,7 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
             place,
             "start the node with `ros2 run`, in a terminal where ROS is sourced or the course's .venv is active; or with `python3` there",
         )
-    if look is None:
+    if not look:
         return None
     if found := _own_module(name, place, look):
         return found
@@ -259,7 +253,7 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
     )
 
 
-def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look | None) -> Finding | None:
+def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look) -> Finding | None:
     """Return the finding of an import that failed; None if what was meant is not known.
 
     Without its line, only the message `cannot import name` is known, as `groups`.
@@ -277,14 +271,14 @@ def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look | None) -> Fi
     return next((finding for finding in found if finding.place in here), None)
 
 
-def below_folders(spot: Spot, look: Look | None) -> Finding | None:
+def below_folders(spot: Spot, look: Look) -> Finding | None:
     """Return the finding about a line that imports a module of the workspace with the folders above it; else None."""
     found = (by_folders(spot.source, line, _modules(look)) for line in spot.lines) if spot.source else ()
     return next(filter(None, found), None)
 
 
-def _modules(look: Look | None) -> dict[str, PythonSource]:
-    packages = look.packages if look else []
+def _modules(look: Look) -> dict[str, PythonSource]:
+    packages = look.packages
     return {name: module for package in packages for name, module in package.sources.items()}
 
 

@@ -57,8 +57,7 @@ def _makers(name: str, look: Look) -> Iterator[tuple[str, str]]:
 def _not_in_the_sources(error: ErrorText, look: Look) -> str:
     """Say which received text is in no source file any more; empty if all are, or if none is."""
     echoed = [*dict.fromkeys(match["text"] for step in error.steps for match in _ECHOED.finditer(step.text))]
-    files = [source.text for package in look.packages for source in package.sources.values()]
-    gone = [text for text in echoed if not any(text in file for file in files)]
+    gone = [text for text in echoed if not any(text in source.text for source in look.files)]
     if len(gone) == len(echoed):
         return ""  # they are put together at run time
     return f" Its text {gone[0]!r} is no longer in any file." if gone else ""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 from ros2lab.diagnose.explaining.refused_settings import refused_setting
 from ros2lab.diagnose.finding import SAID, Finding
@@ -25,13 +24,13 @@ _VALUE = re.compile(r"%[-+ 0#]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")  # a placehold
 _NO_MODULE = re.compile(r"No module named '?([\w.]+)")
 
 
-def without_own(text: str, look: Look | None) -> str:
+def without_own(text: str, look: Look) -> str:
     """Remove what the student's own code says, and no error is: its warnings, and imports that it has caught."""
     text = _without_warnings(text, look) if "Warning: " in text else text
-    return _without_caught_imports(text, look) if look and "No module named" in text else text
+    return _without_caught_imports(text, look) if "No module named" in text else text
 
 
-def _without_warnings(text: str, look: Look | None) -> str:
+def _without_warnings(text: str, look: Look) -> str:
     """Remove the warnings of the student's own code from a text, each with the line of code below it."""
     lines = text.splitlines()
     left, n = [], 0
@@ -50,24 +49,23 @@ def _without_caught_imports(text: str, look: Look) -> str:
     """Remove the lines in which a program says which import it has caught, from a text without such a traceback."""
     if re.search(r"^(?:ModuleNotFoundError|ImportError): ", text, re.MULTILINE):
         return text
-    imports = [i for package in look.packages for source in package.sources.values() for i in source.imports]
+    imports = [i for source in look.files for i in source.imports]
     caught = {i.target.partition(".")[0] for i in imports if i.is_guarded}
     caught -= {i.target.partition(".")[0] for i in imports if not i.is_guarded}
     said = ((line, _NO_MODULE.search(line)) for line in text.splitlines(keepends=True))
     return "".join(line for line, found in said if found is None or found[1].partition(".")[0] not in caught)
 
 
-def own_words(error: ErrorText, look: Look | None) -> Finding | None:
+def own_words(error: ErrorText, look: Look) -> Finding | None:
     """Say where the student's own code contains the text of an error's line, or asks for what it says.
 
     None if it does neither.
     """
-    line, packages = error.decisive, look.packages if look else ()
-    sources = [source for package in packages for source in package.sources.values()]
+    line = error.decisive
     logged = _LOG_LINE.search(line)
     spoken = logged["text"] if logged else line
     said = [*_logged(line, look)] or [
-        (text, source.at(node)) for source in sources for text, node in _texts(source) if text in spoken
+        (text, source.at(node)) for source in look.files for text, node in _texts(source) if text in spoken
     ]
     if not said:
         return refused_setting(error, look)
@@ -80,15 +78,15 @@ def own_words(error: ErrorText, look: Look | None) -> Finding | None:
     )
 
 
-def is_own_log(line: str, look: Look | None) -> bool:
+def is_own_log(line: str, look: Look) -> bool:
     """Return whether a logger of the student's own nodes wrote a line."""
     return any(_logged(line, look))
 
 
-def _logged(line: str, look: Look | None) -> Iterator[tuple[str, str]]:
+def _logged(line: str, look: Look) -> Iterator[tuple[str, str]]:
     """Yield the text of a line that a logger of the student's nodes wrote, with each call that may log it."""
     match = _LOG_LINE.search(line)
-    if match is None or look is None:
+    if match is None:
         return
     for sources in map(look.sources, look.packages):
         names = sources.node_names()
@@ -119,7 +117,7 @@ def _pattern(written: ast.expr) -> str:
     return ".*"
 
 
-def _is_own(warning: re.Match[str], below: str, look: Look | None) -> bool:
+def _is_own(warning: re.Match[str], below: str, look: Look) -> bool:
     if not own_frames([Frame(warning["file"], int(warning["line"]))]):
         return False
     if _GIVES_ONE.match(below):
@@ -130,12 +128,11 @@ def _is_own(warning: re.Match[str], below: str, look: Look | None) -> bool:
     )
 
 
-def _files(file: str, look: Look | None) -> Iterator[PythonSource]:
-    path = (look.root if look else Path()) / file
+def _files(file: str, look: Look) -> Iterator[PythonSource]:
+    path = look.root / file
     if path.is_file():
         yield read_source(path, path.stem, file)
-    for package in look.packages if look else ():
-        yield from package.sources.values()
+    yield from look.files
 
 
 def _texts(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:

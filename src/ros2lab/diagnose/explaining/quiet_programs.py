@@ -19,9 +19,9 @@ from ros2lab.diagnose.sources.static_value import holds
 _GUARD = "`if __name__ == '__main__':`"
 
 
-def of_quiet_program(text: str, look: Look | None) -> Finding | None:
+def of_quiet_program(text: str, look: Look) -> Finding | None:
     """Say why a file that was run did nothing; None if no such file was run."""
-    for line, printed in reversed(commands_with_output(text)) if look else ():
+    for line, printed in reversed(commands_with_output(text)):
         if any(map(str.strip, printed)):
             continue
         for package, source in _run_by(line, look):
@@ -30,7 +30,7 @@ def of_quiet_program(text: str, look: Look | None) -> Finding | None:
     return None
 
 
-def _run_by(line: str, look: Look | None) -> Iterator[tuple[SourcePackage, PythonSource]]:
+def _run_by(line: str, look: Look) -> Iterator[tuple[SourcePackage, PythonSource]]:
     """Yield the files of the workspace that a command may run directly, each with its package."""
     for command in re.split(r" *(?:&&|;) *", line):
         words = [word for word in words_in(command) if not re.match(r"\w+=", word)]
@@ -42,7 +42,7 @@ def _run_by(line: str, look: Look | None) -> Iterator[tuple[SourcePackage, Pytho
             continue
         path = f"{rest[0].replace('.', '/')}.py" if is_module else rest[0]
         if path.endswith(".py"):
-            for package in look.packages if look else ():
+            for package in look.packages:
                 yield from ((package, source) for source in _files(package) if _is_meant(path, source))
 
 

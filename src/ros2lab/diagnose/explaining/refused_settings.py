@@ -17,10 +17,10 @@ _REFUSED = re.compile(r"^Set(?:ting)? parameter (?:(?P<name>\S+) )?failed: (?P<r
 _READ_ONLY = re.compile(r"read[-_ ]only", re.IGNORECASE)
 
 
-def refused_setting(error: ErrorText, look: Look | None) -> Finding | None:
+def refused_setting(error: ErrorText, look: Look) -> Finding | None:
     """Say that a node refuses a value because of how it declares the parameter; None if it does not."""
     match = _REFUSED.match(error.decisive)
-    if match is None or look is None:
+    if match is None:
         return None
     name, value = _set_by(error)
     name = match["name"] or name

@@ -21,6 +21,7 @@ from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
+from ros2lab.diagnose.printed.names_there import node_names, topic_ends
 from ros2lab.diagnose.printed.spots import spot_at
 from ros2lab.diagnose.printed.transcript import (
     LABELLED,
@@ -61,7 +62,7 @@ _ROS_1 = {
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
 
 
-def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
+def passed_on(line: str, error: ErrorText, look: Look) -> Finding | None:
     """Pass on a message of a tool, a shell or the system, with what to do; None if the line is none."""
     line = line.strip()
     if script := _SCRIPT.match(line):
@@ -94,7 +95,7 @@ def _concerns(warning: re.Match[str], step: Step) -> bool:
     return not OF_LATER.search(f"{warning['kind']}: {warning['message']}") and (is_own or not step.ended_well)
 
 
-def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
+def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
     """Return the error message of ros2, launch or colcon; None if the line is none.
 
     A mere warning is passed on only if it is known what was meant.
@@ -102,7 +103,7 @@ def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
     sentence = PREFIX.sub("", line, count=1)
     if _SENTENCE.match(without_data(sentence)) and not error.reports:
         quoted = re.findall(r"'([^']+)'", sentence)
-        known = set(_names(look)) if look and "did you mean" not in sentence else set()
+        known = set(_names(look)) if "did you mean" not in sentence else set()
         wrong, close = next(((word, name) for word in quoted if (name := nearest(word, known))), ("", None))
         hint = f" Nothing here is called {wrong}; there is {close}." if close else ""
         meant = re.search(r"did you mean '?([\w/]+)", sentence)
@@ -181,7 +182,7 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
     return Finding(SAID, f"{tool}: {said}.", "", help_)
 
 
-def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
+def _of_system(said: re.Match[str], look: Look) -> Finding | None:
     """Explain an error of the operating system about a file; None if it names no file."""
     quoted = re.findall(
         r"(?<!\w)[\u2018'\"]([^\u2019'\"]+)[\u2019'\"]", said["after"] or said["before"] or ""
@@ -192,7 +193,7 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
         return None
     number = SYSTEM[said["said"]]
     if path.endswith(("\\r", "\r", "^M")):
-        sources = [s for p in (look.packages if look else ()) for s in p.sources.values() if s.path]
+        sources = [s for p in look.packages for s in p.sources.values() if s.path]
         shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
         return Finding(
             SAID,
@@ -224,8 +225,8 @@ def _stale_link(path: str, look: Look) -> Finding | None:
     return next((f for f in stale if any(f"/{part}/" in f"{f.place}/" for part in parts)), None)
 
 
-def _missing(path: str, look: Look | None) -> Finding:
-    if look and (stale := _stale_link(path, look)):
+def _missing(path: str, look: Look) -> Finding:
+    if stale := _stale_link(path, look):
         return stale
     if look and not path.startswith("/") and (look.root / path).exists():
         cause = f"There is no {path} in the folder where this was typed; it is in {look.root}."
@@ -233,7 +234,7 @@ def _missing(path: str, look: Look | None) -> Finding:
     if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
         cause = f"There is no {path}: the workspace {look.root} has not been built yet."
         return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
-    if look and (found := of_shared_file(path, look)):
+    if found := of_shared_file(path, look):
         return found
     near = sorted(_alike(path, look)) if look else []
     where = f"; there is {near[0]}" if near else ""
@@ -283,18 +284,15 @@ def _alike(path: str, look: Look) -> Iterator[str]:
 
 def _names(look: Look) -> Iterator[str]:
     """Yield the names of the packages, executables, launch files, nodes and topics of a workspace."""
-    from ros2lab.diagnose.nodes.topic_faults import ends_of
-
     for package in look.packages:
-        sources = look.sources(package)
         yield package.name
         yield from look.executables[package.name] or ()
-        yield from (path.name for path in package.launch_files)
-        yield from (f"/{name}" for name in sources.node_names() if name)
-        yield from (end.topic for end in ends_of(sources) if isinstance(end.topic, str))
+    yield from (path.name for path in look.launch_paths)
+    yield from node_names(look)
+    yield from (end.topic for end in topic_ends(look))
 
 
-def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
+def of_launch(error: ErrorText, look: Look) -> Finding | None:
     """Pass on the exception of launch, with the place in the launch file; None if there is none."""
     match = re.search(r"Caught exception in launch[^:]*: (?P<said>.+)", error.text)
     if match is None:
@@ -317,9 +315,9 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
     return Finding(SAID, f"launch cannot load the launch file: {said.rstrip('.')}.", place, fix)
 
 
-def _refused_here(error: ErrorText, look: Look | None) -> Finding | None:
+def _refused_here(error: ErrorText, look: Look) -> Finding | None:
     """Return the fault that launch found in a file of the workspace, if the error is the same; else None."""
-    files = look.launch_files if look else []
+    files = look.launch_files
     faults = (
         fault
         for file in files
@@ -353,9 +351,9 @@ def _other_substitution(said: str) -> str:
     return f"write one that launch has: {', '.join(f'$({substitution} ...)' for substitution in known)}"
 
 
-def launch_line(error: ErrorText, look: Look | None) -> str:
+def launch_line(error: ErrorText, look: Look) -> str:
     """Return the line of the launch file that an error is about; else the file, if only one is possible."""
-    files = [*zip(look.launch_files, look.launch_paths, strict=True)] if look else []
+    files = look.launches
     run = [pair for pair in files if error.command and pair[1].name == Path(error.command[2]).name]
     run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
     said = error.text.partition("Caught exception in launch")[2]
@@ -379,7 +377,7 @@ def launch_line(error: ErrorText, look: Look | None) -> str:
     return run[0][0].shown if len(run) == 1 else ""
 
 
-def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
+def of_python(report: ErrorReport, place: str, look: Look) -> Finding | None:
     """Explain an exception that Python or a library raised at a line of the student's; else None."""
     if said := _SYSTEM_SAYS.match(report.message):
         number, words = SYSTEM[said["said"]], re.findall(r"'([^']+)'", said["after"] or "")
@@ -393,7 +391,7 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
 
 
-def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
+def _argument(report: ErrorReport, place: str, look: Look) -> Finding | None:
     """Say which value a library rejects, as in `Expected 'parameters' to be a list`; else None."""
     match = re.search(
         r"Expected '(?P<name>\w+)' to be (?P<wanted>.+?), but got '?(?P<given>.+?)'? of type '<class '(?P<kind>\w+)'>'",
@@ -416,10 +414,10 @@ def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     return Finding(SAID, cause, place or _in_launch(look, name), fix)
 
 
-def _in_launch(look: Look | None, keyword_name: str) -> str:
+def _in_launch(look: Look, keyword_name: str) -> str:
     """Return where a launch file passes this keyword argument; else the only launch file, or nothing."""
-    files = look.launch_files if look else []
-    for path, file in ((p, f) for p in (look.packages if look else ()) for f in p.launch_files):
+    files = look.launch_files
+    for path, file in ((p, f) for p in look.packages for f in p.launch_files):
         source = read_source(file, file.stem, path.shown(str(file.relative_to(path.folder))))
         for node in source.nodes:
             if isinstance(node, ast.keyword) and node.arg == keyword_name:

@@ -15,7 +15,7 @@ from ros2lab.diagnose.printed.transcript import harmless_lines, step_with
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 
 
-def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
+def said_by_tools(error: ErrorText, look: Look) -> list[Finding]:
     """Return the message of an exception or a tool; empty if there is none to pass on."""
     reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
     harmless = harmless_lines(error.steps)
@@ -33,7 +33,7 @@ def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
     return found
 
 
-def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
+def _of_report(report: ErrorReport, error: ErrorText, look: Look) -> Finding | None:
     """Return what an exception says about a line of the student's, or a warning that is printed like one."""
     place = place_of(own_frames(report.frames), look)
     # Python prints a warning after its place; an exception is at the beginning of its line.

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import PurePath
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.parameter_faults import other_name, sections_of
+from ros2lab.diagnose.nodes.parameter_faults import other_name
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.transcript import Step, words_in
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_for, line_of, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import is_for, line_of
 from ros2lab.diagnose.sources.python_source import read_text
 
 _LOGGED = re.compile(
@@ -37,11 +38,7 @@ def sections_read(error: ErrorText, look: Look) -> tuple[list[Finding], set[str]
         for package in look.packages:
             for path in (file for file in package.parameter_files if file.name == ran.file):
                 shown, text = package.shown(path.relative_to(package.folder).as_posix()), read_text(path)
-                try:
-                    content = read_parameter_file(text)
-                except ParameterFileError:
-                    continue
-                keys = [key for key, _ in sections_of(content)] if isinstance(content, Mapping) else []
+                keys = [key for key, _ in sections_in(text)]
                 meant = [key for key in keys if key.rstrip("/").rpartition("/")[2] in ran.names]
                 if any(is_for(key, ran.runs_as) for key in keys):
                     served.add(shown)

@@ -14,10 +14,10 @@ from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.finding import Finding, at, shown_path
 from ros2lab.diagnose.launching.misplaced_values import OPTIONS
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.read_once import read_once
-from ros2lab.diagnose.nodes.topic_faults import End, ends_of
+from ros2lab.diagnose.nodes.topic_faults import End
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.names_there import declared_parameters, node_names, topic_ends
 from ros2lab.diagnose.printed.transcript import Step, unsettled
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text
@@ -56,7 +56,7 @@ _NO_ONE = re.compile(
 )
 
 
-def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
+def typed_faults(error: ErrorText, look: Look) -> Iterator[Finding]:
     """Yield what is wrong with the commands in a text, the last one first.
 
     A node that answered a command is not reported as missing, even if it no longer runs.
@@ -77,15 +77,15 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
         while words and re.fullmatch(r"\w+=.*", words[0]):
             words = words[1:]
         match words:
-            case ["ros2", "topic", verb, *_] if look:
+            case ["ros2", "topic", verb, *_]:
                 yield from _topic(verb, plain_words(words, 2), step, error, look)
             case ["ros2", "run", *rest]:
                 yield from _run(rest, line)
             case ["ros2", ("service" | "action") as kind, "call" | "send_goal", *_] if look:
                 yield from of_call(plain_words(words, 2), step, look, is_action=kind == "action")
-            case ["ros2", "param", verb, *_] if look and step.lines:
+            case ["ros2", "param", verb, *_] if step.lines:
                 yield from _param(verb, plain_words(words, 2), step, look)
-            case ["ros2", "node", "info", name, *_] if look and step.lines and not step.is_answered:
+            case ["ros2", "node", "info", name, *_] if step.lines and not step.is_answered:
                 yield from _node(name, line, look)
 
 
@@ -97,12 +97,12 @@ def as_keyed(line: str) -> str:
 _BEGUN = re.compile(r"\[(?P<process>[\w.-]+)\]: process started with pid")
 
 
-def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
+def of_processes(text: str, look: Look) -> Iterator[Finding]:
     """Yield a finding if launch restarts a program each time it ends normally."""
     begun = Counter(match["process"] for match in _BEGUN.finditer(text))
     ended = (name for name in begun if f"[{name}]: process has finished cleanly" in text)
     again = next((name for name in ended if begun[name] > 1), "")
-    place = _respawned(look) if look and again else ""
+    place = _respawned(look) if again else ""
     if place:
         cause = (
             f"{again.rpartition('-')[0]} ends normally, and respawn makes launch start it again each time."
@@ -150,16 +150,14 @@ def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
             return
 
 
-def _all_ends(look: Look) -> list[End]:
-    return [end for package in look.packages for end in ends_of(look.sources(package))]
-
-
 def _topic(verb: str, plain: Sequence[str], step: Step, error: ErrorText, look: Look) -> Iterator[Finding]:
     line = step.command
     if not plain:
         return
     # `info` and `type` speak of both sides.
-    ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub") or verb in ("info", "type")]
+    ends = [
+        end for end in topic_ends(look) if end.is_publisher is (verb != "pub") or verb in ("info", "type")
+    ]
     there = {f"/{end.name or end.topic}": end for end in ends}
     does = "publishes on" if verb != "pub" else "subscribes to"
     end = there.get(f"/{plain[0].lstrip('/')}")
@@ -273,18 +271,17 @@ def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
 
 def _param(verb: str, plain: Sequence[str], step: Step, look: Look) -> Iterator[Finding]:
     line = step.command
-    nodes = {f"/{name}" for package in look.packages for name in look.sources(package).node_names() if name}
     if step.is_answered:
         is_set = verb == "set" and len(plain) > 1 and "successful" in step.text
         yield from _read_once(plain[1], look) if is_set else ()
-    elif plain and f"/{plain[0].rpartition('/')[2]}" not in nodes:
+    elif plain and f"/{plain[0].rpartition('/')[2]}" not in node_names(look):
         yield from _node(plain[0], line, look)
     else:
         yield from _parameter(plain, line, look)
 
 
 def _parameter(plain: Sequence[str], line: str, look: Look) -> Iterator[Finding]:
-    declared = {name for package in look.packages for name in declared_in(look.sources(package)) or ()}
+    declared = declared_parameters(look)
     if len(plain) > 1 and plain[1] not in declared and declared:
         wanted = nearest(plain[1], declared, 0.5)
         cause = f"No node here declares a parameter {plain[1]}; the declared ones are {', '.join(sorted(declared))}."
@@ -322,7 +319,7 @@ def _read_once(name: str, look: Look) -> Iterator[Finding]:
 
 
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
-    nodes = {f"/{node}" for package in look.packages for node in look.sources(package).node_names() if node}
+    nodes = {*node_names(look)}
     wanted = nearest(f"/{name.lstrip('/')}", nodes, 0.5)
     is_named = f"/{name.rpartition('/')[2]}" in nodes  # in any namespace
     if nodes and not is_named:

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from ros2lab.diagnose.explaining.typed_message import as_message, misfit
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.service_faults import ServiceEnd, service_ends
+from ros2lab.diagnose.nodes.service_faults import ServiceEnd
+from ros2lab.diagnose.printed.names_there import all_service_ends
 from ros2lab.diagnose.printed.transcript import Step, words_in
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.spelling import nearest
@@ -20,8 +21,7 @@ def of_call(plain: Sequence[str], step: Step, look: Look, *, is_action: bool) ->
     """Yield why a call waits: the code offers the service or the action by another name or with another type."""
     if not plain or step.is_answered:
         return
-    ends = [end for package in look.packages for end in service_ends(look.sources(package))]
-    servers = [end for end in ends if end.is_server and end.is_action is is_action]
+    servers = [end for end in all_service_ends(look) if end.is_server and end.is_action is is_action]
     what, name = "action" if is_action else "service", plain[0]
     there = [end for end in servers if _is_called(name, end)]
     if there:

@@ -73,7 +73,7 @@ def not_yet_built(package: SourcePackage, look: Look, error: ErrorText) -> Findi
     return Finding("not-built", cause, place, fix)
 
 
-def no_prerequisite(error: ErrorText, look: Look | None) -> Finding | None:
+def no_prerequisite(error: ErrorText, look: Look) -> Finding | None:
     """Say why colcon lacks what another package should have installed; None if it does not say that."""
     listed = re.search(r"packages have been built:\n((?:- .+\n?)+)", error.text)
     names = re.findall(r"- +([\w.-]+)", listed[1]) if listed else []
@@ -81,8 +81,8 @@ def no_prerequisite(error: ErrorText, look: Look | None) -> Finding | None:
         return None
     failed = re.findall(r"Failed +<<< ([\w.-]+)", error.text)
     user, missing = failed[0] if failed else "The package", " and ".join(names)
-    by_name = {package.name: package for package in look.packages} if look else {}
-    if look is None or not by_name.keys() >= {*names}:
+    by_name = {package.name: package for package in look.packages}
+    if not by_name.keys() >= {*names}:
         cause = f"{user} needs {missing}, which is neither in this workspace nor in one that this terminal has sourced."
         fix = f"source the install/setup.bash of the workspace in which {missing} is built, and build again"
         return Finding("not-built", cause, "", fix, (*names,))

@@ -36,7 +36,7 @@ class _Warning:
     said: str
 
 
-def of_warning(line: str, text: str, look: Look | None) -> Finding | None:
+def of_warning(line: str, text: str, look: Look) -> Finding | None:
     """Pass on a warning with its place and its fix; None if the line is no warning."""
     head = WARNING.match(line)
     every = [*_warnings(text.splitlines())]
@@ -79,7 +79,7 @@ def _is_said(line: str) -> bool:
     return re.match(r"\s*[A-Z`'\"].* .*[\w.?!`'\"]$", line) is not None and "::" not in line
 
 
-def _places(warning: _Warning, look: Look | None) -> Iterator[str]:
+def _places(warning: _Warning, look: Look) -> Iterator[str]:
     """Yield the student's lines that a warning is about: its own, or those of what it names."""
     frame = Frame(warning.file, warning.line)
     if own_frames([frame]):
@@ -94,7 +94,7 @@ def _places(warning: _Warning, look: Look | None) -> Iterator[str]:
                 yield source.at(node)
 
 
-def _fix(said: str, places: Sequence[str], look: Look | None) -> tuple[str, str]:
+def _fix(said: str, places: Sequence[str], look: Look) -> tuple[str, str]:
     """Return the fix that a warning hints at, and its place."""
     place = places[0] if places else ""
     if match := _INSTEAD.search(said) or _MEANT.search(said):

@@ -19,6 +19,7 @@ from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.entity_words import entity_repair
+from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values
@@ -31,6 +32,8 @@ from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
 
 _LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
+# Actions that may read or set any launch argument.
+_MAY_READ_ANY = ("Include", "OpaqueFunction", "SetLaunchConfiguration", "Push", "Group")
 _SHARE = "share:"  # stands for a package's share folder in a path
 
 
@@ -208,16 +211,11 @@ def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Findin
 
     Of those in `worded` it is known already how they should be used.
     """
-    calls = [node for node in source.nodes if isinstance(node, ast.Call)]
-    named: dict[str, dict[str, ast.Call]] = {"DeclareLaunchArgument": {}, "LaunchConfiguration": {}}
-    for call in calls:
-        name = (source.resolve(call.func) or "").rpartition(".")[2]
-        given = [k.value for k in call.keywords if k.arg in ("name", "variable_name")] or call.args[:1]
-        if name.startswith(("Include", "OpaqueFunction", "SetLaunchConfiguration", "Push", "Group")):
-            return
-        if name in named and given and isinstance(given[0], ast.Constant):
-            named[name][str(given[0].value)] = call
-    declared, used = named["DeclareLaunchArgument"], named["LaunchConfiguration"]
+    called = (source.resolve(node.func) or "" for node in source.nodes if isinstance(node, ast.Call))
+    if any(name.rpartition(".")[2].startswith(_MAY_READ_ANY) for name in called):
+        return
+    declared = dict(arguments_named(source, "DeclareLaunchArgument"))
+    used = dict(arguments_named(source, "LaunchConfiguration"))
     for name in used.keys() - declared.keys():
         # An argument that is not declared here may come from a launch file that includes this one.
         if near := nearest(name, declared.keys() - used.keys(), 0.6):

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import heads_of, signature_of
 
@@ -20,6 +21,7 @@ _WANTED = {
 }
 _INCLUDED = {"Python": (".py",), "XML": (".xml",), "YAML": (".yaml", ".yml")}
 _MADE = {"launch.substitutions": _SUBSTITUTION, "launch.conditions": _CONDITION}
+READING = ("LaunchConfiguration", "LaunchConfigurationEquals", "LaunchConfigurationNotEquals")
 _VAR = re.compile(r"^\$\(var (\w+)\)$")  # as XML writes it
 _TRUTHS = frozenset(("true", "false", "1", "0"))
 _IS_NAMED = frozenset(("package", "executable", "plugin", "name", "exec_name", "description"))
@@ -149,16 +151,8 @@ def _arguments(call: ast.expr) -> list[ast.expr]:
 
 def _plain_words(source: PythonSource) -> Iterator[Finding]:
     """Yield texts that are only the name of a declared argument, where its value is meant."""
-    declared, read = set(), set()
-    for call in calls_of_launch(source):
-        name = (source.resolve(call.func) or "").rpartition(".")[2]
-        texts = [
-            a.value for a in _arguments(call)[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str)
-        ]
-        if name == "DeclareLaunchArgument":
-            declared.update(texts)
-        elif "LaunchConfiguration" in name:
-            read.update(texts)
+    declared = {name for name, _ in arguments_named(source, "DeclareLaunchArgument")}
+    read = {name for name, _ in arguments_named(source, *READING)}
     for call in calls_of_launch(source):
         for word, form in _words(source, call):
             name = _VAR.sub(r"\1", str(word.value))

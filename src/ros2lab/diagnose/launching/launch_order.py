@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.started_faults import Started
-from ros2lab.diagnose.nodes.parameter_faults import is_node, sections_of
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.nodes.parameter_faults import is_node
 from ros2lab.diagnose.sources.python_source import read_text
 
 
@@ -34,10 +34,6 @@ def set_back(started: list[Started]) -> Iterator[Finding]:
 
 def _given_by(path: Path, node: Started) -> Iterator[tuple[str, Any]]:
     """Yield the parameters that a file sets for a node; none if it cannot be read."""
-    try:
-        content = read_parameter_file(read_text(path))
-    except (ParameterFileError, OSError):
-        return
-    for key, parameters in sections_of(content) if isinstance(content, Mapping) else ():
+    for key, parameters in sections_in(read_text(path)):
         if is_node(key, {node.name}):
             yield from ((str(name), value) for name, value in parameters.items())

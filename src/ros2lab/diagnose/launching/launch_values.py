@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_choices import choice_when_it_runs
 from ros2lab.diagnose.launching.opaque_functions import as_opaque_function, needed_at_once, runs_at_once
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to
@@ -40,21 +41,13 @@ def declared_late(source: PythonSource) -> Iterator[Finding]:
     for actions in lists:
         asked: set[str] = set()
         for action in actions:
-            names = {*_first_texts(source, action, "launch.substitutions.LaunchConfiguration")}
-            declared = [*_first_texts(source, action, "launch.actions.DeclareLaunchArgument")][:1]
-            for name in (argument for argument in declared if argument in asked):
+            names = {name for name, _ in arguments_named(source, "LaunchConfiguration", within=action)}
+            declared = [name for name, _ in arguments_named(source, "DeclareLaunchArgument", within=action)]
+            for name in asked.intersection(declared[:1]):
                 cause = f"The argument {name} is declared here, but an action above already uses it: launch goes through the list from top to bottom."
                 fix = f"move DeclareLaunchArgument({name!r}, ...) above the action that uses it"
                 yield Finding("launch-argument", cause, source.at(action), fix)
             asked |= names
-
-
-def _first_texts(source: PythonSource, node: ast.AST, called: str) -> Iterator[str]:
-    """Yield the first argument of each call of a class, if it is a string."""
-    for inner in ast.walk(node):
-        match inner:
-            case ast.Call(args=[ast.Constant(value=str(text)), *_]) if source.resolve(inner.func) == called:
-                yield text
 
 
 def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import contextlib
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -11,12 +10,13 @@ from typing import Any
 
 from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Started, started_in
-from ros2lab.diagnose.nodes.parameter_faults import declared_in, sections_of
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, line_of, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import line_of
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, write_instead
 
@@ -32,7 +32,7 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
         alike = declared_in(sources) or {}
         for path in package.parameter_files:
             inner, text = path.relative_to(package.folder).as_posix(), read_text(path)
-            for key, values in _sections(text):
+            for key, values in sections_in(text):
                 takers = _takers(key, (package.name, inner), homes, packages, launch_files)
                 for name, value in _flat(values):
                     # A misspelt parameter is reported elsewhere.
@@ -41,13 +41,6 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
                         yield from _fault("The file", (name, value), values, takers, place)
     for file in launch_files:
         yield from _of_launch_file(file, packages)
-
-
-def _sections(text: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:
-    """Yield the sections of a parameter file; none if it cannot be read, which is reported elsewhere."""
-    with contextlib.suppress(ParameterFileError):
-        content = read_parameter_file(text)
-        yield from sections_of(content) if isinstance(content, Mapping) else ()
 
 
 def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:

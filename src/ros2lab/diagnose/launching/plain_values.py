@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.launching.launch_kinds import calls_of_launch, named_arguments
+from ros2lab.diagnose.launching.launch_arguments import arguments_named
+from ros2lab.diagnose.launching.launch_kinds import READING, calls_of_launch, named_arguments
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_read, read_text
 from ros2lab.diagnose.sources.static_value import evaluate
 
@@ -55,17 +56,13 @@ def _truths(source: PythonSource) -> Iterator[Finding]:
 
 def _defaults(source: PythonSource) -> dict[str, str]:
     """Return the default values of the launch arguments that a file declares."""
-    found: dict[str, str] = {}
-    for node in source.nodes:
-        if isinstance(node, ast.Call) and (source.resolve(node.func) or "").endswith(
-            ".DeclareLaunchArgument"
-        ):
-            given = {keyword.arg: keyword.value for keyword in node.keywords}
-            first = evaluate(node.args[0] if node.args else given.get("name"), {}, {})
-            default = evaluate(given.get("default_value"), {}, {})
-            if isinstance(first, str) and isinstance(default, str):
-                found[first] = default
-    return found
+    given = [
+        (name, evaluate(keyword.value, {}, {}))
+        for name, call in arguments_named(source, "DeclareLaunchArgument")
+        for keyword in call.keywords
+        if keyword.arg == "default_value"
+    ]
+    return {name: default for name, default in given if isinstance(default, str)}
 
 
 def _argument(source: PythonSource, node: ast.expr) -> str:
@@ -73,13 +70,8 @@ def _argument(source: PythonSource, node: ast.expr) -> str:
     match node:
         case ast.Call(func=ast.Attribute(attr="perform", value=value)):
             made = source.written(value)
-            is_one = isinstance(made, ast.Call) and (source.resolve(made.func) or "").endswith(
-                ".LaunchConfiguration"
-            )
-            first = (
-                evaluate(made.args[0], {}, {}) if isinstance(made, ast.Call) and is_one and made.args else ""
-            )
-            return first if isinstance(first, str) else ""
+            asked = arguments_named(source, "LaunchConfiguration", within=made)
+            return next((name for name, call in asked if call is made), "")
         case ast.Subscript(
             value=ast.Attribute(attr="launch_configurations"), slice=ast.Constant(value=str(name))
         ):
@@ -204,13 +196,7 @@ def _only_read_once(source: PythonSource) -> set[str]:
     """Return the arguments that a file declares and reads in one place; none if an included file may read them."""
     if "IncludeLaunchDescription" in source.text:
         return set()
-    read = [
-        text.value
-        for node in source.nodes
-        if isinstance(node, ast.Call) and "LaunchConfiguration" in ast.unparse(node.func)
-        for text in node.args
-        if isinstance(text, ast.Constant)
-    ]
+    read = [name for name, _ in arguments_named(source, *READING)]
     return {name for name in _defaults(source) if read.count(name) == 1}
 
 

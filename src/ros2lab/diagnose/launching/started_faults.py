@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
-from ros2lab.diagnose.nodes.parameter_faults import sections_of
 from ros2lab.diagnose.nodes.partners import name_in
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_for, line_of, read_parameter_file
+from ros2lab.diagnose.sources.parameter_file import is_for, line_of
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 
@@ -247,11 +247,7 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
     for (_, path), takers in given.items():
         home = takers[0].package
         text = read_text(home.folder / path)
-        try:
-            content = read_parameter_file(text)
-        except ParameterFileError:
-            continue
-        keys = [key for key, _ in sections_of(content)] if isinstance(content, Mapping) else []
+        keys = [key for key, _ in sections_in(text)]
         unused = [key for key in keys if all(n.runs_as and not is_for(key, n.runs_as) for n in takers)]
         without = [n for n in takers if n.runs_as and not any(is_for(key, n.runs_as) for key in keys)]
         shown = home.shown(path)

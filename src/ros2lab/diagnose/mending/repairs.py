@@ -48,7 +48,7 @@ def tried(
     return _checked(finding, trial, is_sure=is_sure) if trial and trial.objections else finding
 
 
-def worth_typing(finding: Finding, look: Look | None) -> Finding:
+def worth_typing(finding: Finding, look: Look) -> Finding:
     """Return a finding whose fix names the imports that it needs; a fix that changes nothing is removed."""
     spot = spot_at(finding.place, look)
     if spot.source is not None and finding.fix.startswith("write "):
@@ -60,7 +60,7 @@ def worth_typing(finding: Finding, look: Look | None) -> Finding:
     return _with_imports(finding, look)
 
 
-def _with_imports(finding: Finding, look: Look | None) -> Finding:
+def _with_imports(finding: Finding, look: Look) -> Finding:
     """Return a finding whose fix names the missing imports of the classes that it writes into Python."""
     is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
     source = spot_at(finding.place, look).source if is_written else None

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import ast
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import Frame
+from ros2lab.diagnose.printed.error_text import ErrorReport, Frame, own_frames
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, assigned_to, read_source, read_text
 from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.diagnose.sources.static_value import expression
+
+_NO_FILE = PythonSource("", "", "")
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,16 @@ class Spot:
     part: str = ""
 
     @property
+    def file(self) -> PythonSource:
+        """The file; an empty one if it cannot be read."""
+        return self.source or _NO_FILE
+
+    @property
+    def place(self) -> str:
+        """The place of the line; empty if the file cannot be read."""
+        return self.source.at(self.line) if self.source else ""
+
+    @property
     def marked(self) -> ast.AST | None:
         """The expression that Python marks in the line; None if it marks none, or the whole line."""
         part = expression(self.part) if self.part else None
@@ -40,25 +53,34 @@ class Spot:
     @property
     def nodes(self) -> list[ast.AST]:
         """The syntax nodes that begin on the line."""
-        nodes = self.source.nodes if self.source else ()
-        return [node for node in nodes if getattr(node, "lineno", 0) == self.line]
+        return [node for node in self.file.nodes if getattr(node, "lineno", 0) == self.line]
+
+    @property
+    def whole(self) -> list[ast.AST]:
+        """The syntax nodes that begin on the lines of its statement, line by line."""
+        return [node for line in self.lines for node in Spot(self.source, line).nodes]
+
+    @property
+    def calls(self) -> list[ast.Call]:
+        """The calls that begin on the line."""
+        return [node for node in self.nodes if isinstance(node, ast.Call)]
 
     @property
     def text(self) -> str:
         """The text of the line."""
-        lines = self.source.text.splitlines() if self.source else []
+        lines = self.file.text.splitlines()
         return lines[self.line - 1].strip() if 0 < self.line <= len(lines) else ""
 
     @property
     def function(self) -> Function | None:
         """The innermost function around the line."""
-        return self.source.function_at(self.line) if self.source else None
+        return self.file.function_at(self.line)
 
     @property
     def lines(self) -> range:
         """The lines of the statement at the line; of an `if` or a `def`, those before its body."""
         best = range(self.line, self.line + 1)
-        for node in self.source.around(self.line, ast.stmt) if self.source else ():
+        for node in self.file.around(self.line, ast.stmt):
             body = getattr(node, "body", None)
             end = body[0].lineno if body else (node.end_lineno or 0) + 1
             if self.line < end:
@@ -67,7 +89,7 @@ class Spot:
 
     def assigned(self, text: str) -> list[ast.expr]:
         """Return the values that the file assigns to a name or an attribute such as `self.count`."""
-        return assigned_to(self.source.nodes if self.source else (), text)
+        return assigned_to(self.file.nodes, text)
 
     def holds(self, name: str) -> list[str]:
         """Return the expressions before `.name` in the line, the shortest first."""
@@ -75,12 +97,21 @@ class Spot:
         return sorted(found, key=len)
 
 
-def spot_at(place: str, look: Look | None) -> Spot:
+def spot_at(place: str, look: Look) -> Spot:
     """Return the spot at a place such as `src/pk/pk/talk.py:12`; without a source if there is none."""
     file, _, line = place.rpartition(":")
-    path = (look.root if look else Path()) / file
+    path = look.root / file
     is_known = line.isdigit() and path.is_file()
     return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
+
+
+def spot_of(report: ErrorReport | None, look: Look) -> Spot:
+    """Return the innermost line of the student's in a traceback; without a source if there is none."""
+    frames = own_frames(report.frames) if report else []
+    if report is None or not frames:
+        return Spot(None, 0)
+    is_innermost = frames[0] is report.frames[-1]
+    return replace(spot_at(place_of(frames, look), look), part=frames[0].part, is_innermost=is_innermost)
 
 
 def statement_around(place: str, look: Look) -> list[str]:
@@ -96,35 +127,27 @@ def is_setup(place: str) -> bool:
     return re.search(r"setup\.py(:|$)", place) is not None
 
 
-def place_of(frames: list[Frame], look: Look | None) -> str:
+def place_of(frames: Sequence[Frame], look: Look) -> str:
     """Return the place of the innermost frame; an installed copy counts as the student's own file."""
     if not frames:
         return ""
     file = frames[0].file
-    for package in look.packages if look else ():
+    for package in look.packages:
         for source in [*package.sources.values(), *([package.setup.source] if package.setup else [])]:
             if file == source.shown or file.endswith(f"/{'/'.join(Path(source.shown).parts[2:])}"):
                 return f"{source.shown}:{frames[0].line}"
         if (package.folder / file).is_file() and not Path(file).is_absolute():
             return f"{package.shown(file)}:{frames[0].line}"  # pytest names a test relative to its package
-    return f"{shown_path(Path(file), look.root if look else None)}:{frames[0].line}"
+    return f"{shown_path(Path(file), look.root)}:{frames[0].line}"
 
 
 def kind_in_words(name: str) -> str:
     """Return the name of a Python type in words, such as `a string`."""
-    words = {
-        "str": "a string",
-        "int": "an integer",
-        "float": "a number",
-        "NoneType": "None",
-        "list": "a list",
-    }
-    words |= {
-        "dict": "a dict",
-        "sequence": "a string",
-        "tuple": "a tuple",
-        "bool": "True or False",
-        "method": "a method",
-        "type": "a class",
-    }
-    return words.get(name, with_article(name))
+    return _KINDS.get(name, with_article(name))
+
+
+# Where the name of a type is not its word.
+_KINDS = {
+    **{"str": "a string", "int": "an integer", "float": "a number", "bool": "True or False"},
+    **{"sequence": "a string", "NoneType": "None", "type": "a class"},
+}

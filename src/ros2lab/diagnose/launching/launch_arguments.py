@@ -1,0 +1,32 @@
+"""Launch arguments and parameter files, as launch files name and read them."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ros2lab.diagnose.nodes.parameter_faults import sections_of
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+
+def arguments_named(
+    source: PythonSource, *kinds: str, within: ast.AST | None = None
+) -> Iterator[tuple[str, ast.Call]]:
+    """Yield the launch arguments that calls of some classes name, such as `DeclareLaunchArgument`, each with its call."""
+    for call in source.nodes if within is None else ast.walk(within):
+        if isinstance(call, ast.Call) and (source.resolve(call.func) or "").rpartition(".")[2] in kinds:
+            named = [keyword.value for keyword in call.keywords if keyword.arg in ("name", "variable_name")]
+            match [*call.args, *named]:
+                case [ast.Constant(value=str(name)), *_]:
+                    yield name, call
+
+
+def sections_in(text: str) -> list[tuple[str, Mapping[Any, Any]]]:
+    """Return the sections of a parameter file with their parameters; none if it cannot be read."""
+    try:
+        content = read_parameter_file(text)
+    except ParameterFileError:
+        return []
+    return [*sections_of(content)] if isinstance(content, Mapping) else []
