@@ -278,12 +278,17 @@ class Look:
         if package.folder not in self._sources:
             used = self._used if self.executables[package.name] is not None else set()
             made, written = partial(is_made, package), partial(written_modules, package)
-            beyond = Beyond(self._modules, made, written, package.is_built_by_cmake)
+            beyond = Beyond(self.modules, made, written, package.is_built_by_cmake)
             self._sources[package.folder] = NodeSources(package.sources, used, beyond)
         return self._sources[package.folder]
 
+    def sources_with(self, source: PythonSource) -> NodeSources:
+        """Return the files of the package that has a file; the file alone if none has it."""
+        home = next((own for own in self.packages if source in own.sources.values()), None)
+        return self.sources(home) if home else NodeSources({source.name: source})
+
     @cached_property
-    def _modules(self) -> Mapping[str, PythonSource]:
+    def modules(self) -> Mapping[str, PythonSource]:
         """The Python files of all packages, by the names of their modules."""
         return {name: source for package in self.packages for name, source in package.sources.items()}
 

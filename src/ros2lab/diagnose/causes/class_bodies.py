@@ -44,8 +44,8 @@ class _Body:
 
 def of_class_body(kind: str, message: str, spot: Spot) -> Finding | None:
     """Return a finding about the field that keeps a class from being created; None if there is none."""
-    source = spot.source
-    if source is None or kind not in ("TypeError", "ValueError", "AttributeError"):
+    source = spot.file
+    if kind not in ("TypeError", "ValueError", "AttributeError"):
         return None
     definition = _class_at(source, spot.line)
     is_call = any(isinstance(n, ast.Call) and ast.unparse(n.func).endswith("namedtuple") for n in spot.nodes)

@@ -16,8 +16,8 @@ _TIME, _CLOCK = "rclpy.time.Time", "rclpy.clock.Clock"
 
 def of_clock_types(message: str, spot: Spot) -> Finding | None:
     """Return a finding about where a line's system-clock time was made; None if none is seen."""
-    source = spot.source
-    if source is None or not _SAYS.search(message):
+    source = spot.file
+    if not _SAYS.search(message):
         return None
     for node in spot.nodes:
         operands = [node.left, node.right] if isinstance(node, ast.BinOp) else []

@@ -20,7 +20,7 @@ from ros2lab.diagnose.sources.spelling import with_article
 def of_filled(message: str, spot: Spot) -> Finding | None:
     """Return which field of a message on a line with publish() was given another type; None if none is seen."""
     said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
-    if said is None or spot.function is None or spot.source is None:
+    if said is None or spot.function is None:
         return None
     wrong = [
         field for field in _fields_filled(spot) if said["name"] in (interfaces.fields_of(field[1]) or {})
@@ -38,7 +38,7 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
     given = f"{with_article(name)} of rclpy" if said["kind"] == name else kind_in_words(said["kind"])
     cause = f"{ast.unparse(target)} holds the message type {name}, but `{ast.unparse(value)}` is {given}; Python notices only in publish()."
     more = [f"on line {field[0].lineno} {text}" for field, text in zip(wrong[1:], texts[1:], strict=True)]
-    return Finding("field-type", cause, spot.source.at(target), "; ".join([texts[0], *more]))
+    return Finding("field-type", cause, spot.file.at(target), "; ".join([texts[0], *more]))
 
 
 def _libraries(kind: str) -> list[str]:
@@ -47,12 +47,11 @@ def _libraries(kind: str) -> list[str]:
 
 def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
     """Yield the published message's fields of a message type that are given another: target, type, value."""
-    assert spot.source is not None
     sent = tuple(f"{path}." for path in published(spot))
-    sources = NodeSources({spot.source.name: spot.source})
+    sources = NodeSources({spot.file.name: spot.file})
     kinds = Kinds(sources)
-    for owner, function, node in sources.scoped(spot.source):
-        scope = Scope(kinds, spot.source, owner, function)
+    for owner, function, node in sources.scoped(spot.file):
+        scope = Scope(kinds, spot.file, owner, function)
         for target, value in assignments([node]) if function is spot.function else ():
             if isinstance(target, ast.Attribute) and ast.unparse(target).startswith(sent):
                 wanted = field_kind((interfaces.fields_of(scope.kind(target.value)) or {}).get(target.attr))
@@ -62,13 +61,12 @@ def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
 
 def _of_appended(kind: str, name: str, spot: Spot) -> Finding | None:
     """Return which item of a list in a published message has another type than the list; None if none is seen."""
-    assert spot.source is not None
-    sources = NodeSources({spot.source.name: spot.source})
+    sources = NodeSources({spot.file.name: spot.file})
     kinds, sent = Kinds(sources), published(spot)
-    for owner, function, node in sources.scoped(spot.source):
+    for owner, function, node in sources.scoped(spot.file):
         match node:
             case ast.Call(func=ast.Attribute(attr="append", value=ast.Attribute() as items), args=[value]):
-                scope = Scope(kinds, spot.source, owner, function)
+                scope = Scope(kinds, spot.file, owner, function)
             case _:
                 continue
         path = ast.unparse(items.value)
@@ -80,7 +78,7 @@ def _of_appended(kind: str, name: str, spot: Spot) -> Finding | None:
         wanted, given = field_kind(re.sub(r"^sequence<([^,>]+).*", r"\1", field)), scope.kind(value)
         is_it = given and wanted and given != wanted and given.rpartition(".")[2] == kind
         if is_it and name in (interfaces.fields_of(wanted) or {}):
-            return _with_item(spot.source, node, items, value, (str(wanted), str(given)))
+            return _with_item(spot.file, node, items, value, (str(wanted), str(given)))
     return None
 
 
@@ -112,14 +110,14 @@ def _with_item(
 
 def of_item(message: str, spot: Spot) -> Finding | None:
     """Return which functions a dictionary or list calls instead of storing them; None if there are none."""
-    if "'NoneType' object is not callable" not in message or spot.source is None:
+    if "'NoneType' object is not callable" not in message:
         return None
     held = [
         ast.unparse(node.func.value)
         for node in spot.nodes
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Subscript)
     ]
-    for node in spot.source.nodes:
+    for node in spot.file.nodes:
         match node:
             case ast.Assign(targets=[target], value=ast.Dict(values=values) | ast.List(elts=values)) if (
                 ast.unparse(target) in held
@@ -127,13 +125,13 @@ def of_item(message: str, spot: Spot) -> Finding | None:
                 called = [
                     item
                     for item in values
-                    if isinstance(item, ast.Call) and kind_of_call(spot.source, item) == "NoneType"
+                    if isinstance(item, ast.Call) and kind_of_call(spot.file, item) == "NoneType"
                 ]
                 if called:
                     texts = [f"{ast.unparse(call.func)} instead of {ast.unparse(call)}" for call in called]
                     first = ast.unparse(called[0])
                     cause = f"`{first}` calls the function right here and stores its return value, None, in {ast.unparse(target)}."
                     return Finding(
-                        "callback-called", cause, spot.source.at(called[0]), f"write {', '.join(texts)}"
+                        "callback-called", cause, spot.file.at(called[0]), f"write {', '.join(texts)}"
                     )
     return None

@@ -59,10 +59,10 @@ class _Use:
 
 def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
     """Return which part of a format string failed, and how it was meant; None if none did."""
-    if kind not in _RAISED_BY or spot.source is None:
+    if kind not in _RAISED_BY:
         return None
     for use in (candidate for candidate in _uses(spot) if re.search(_RAISED_BY[kind], candidate.text)):
-        for values in _stand_ins(use, message, spot.source):
+        for values in _stand_ins(use, message, spot.file):
             if not _is_alike(_said(use, use.text, values), f"{kind}: {message}"):
                 continue
             for text, old, new in use.changes(use.text, values):
@@ -73,7 +73,7 @@ def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
 
 
 def _told(use: _Use, old: str, new: str, message: str, spot: Spot) -> Finding:
-    same = use.source is spot.source
+    same = use.source is spot.file
     there = f"line {use.node.lineno}" if same and use.node.lineno != spot.line else "this line"
     there = there if same else use.source.at(use.node)
     cause = f"In the format string of {there}, `{old}` does not fit its value: {message}."
@@ -85,8 +85,7 @@ def _told(use: _Use, old: str, new: str, message: str, spot: Spot) -> Finding:
 
 def _uses(spot: Spot) -> Iterator[_Use]:
     """Yield the format strings that the statement on a line fills."""
-    source = spot.source
-    assert source is not None
+    source = spot.file
     for node in (inner for line in spot.lines for inner in Spot(source, line).nodes):
         match node:
             case ast.Call(func=ast.Attribute(attr="format", value=named), args=args, keywords=keywords):

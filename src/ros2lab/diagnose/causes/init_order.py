@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
-from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at, spot_of
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -29,12 +29,12 @@ def of_init_order(error: ErrorText, look: Look) -> Finding | None:
         return None
     frames = [*reversed(own_frames(report.frames))]
     spots = [spot_at(place_of([frame], look), look) for frame in frames]
-    if not spots or any(spot.source is None or not spot.source.tree.body for spot in spots):
+    if not spots or not all(spot.file.tree.body for spot in spots):
         return None
     if any(_ends(spot) for spot in spots):
         return None
     for spot in spots:
-        inits = [*_inits(_own_nodes(spot), spot.source)]
+        inits = [*_inits(_own_nodes(spot), spot.file)]
         if any(init.lineno < spot.lines[0] for init in inits):
             return None
         if inits:
@@ -50,10 +50,9 @@ def of_init_twice(error: ErrorText, look: Look) -> Finding | None:
     if report is None or "Context.init() must only be called once" not in report.message or not own:
         return None
     found: dict[str, tuple[PythonSource, ast.Call]] = {}
-    for package in look.packages:
-        for source in package.sources.values():
-            found |= {source.at(init): (source, init) for init in _inits(iter(source.nodes), source)}
-    failed = spot_at(place_of(own[:1], look), look)
+    for source in look.files:
+        found |= {source.at(init): (source, init) for init in _inits(iter(source.nodes), source)}
+    failed = spot_of(report, look)
     here = found.pop(_at(failed), None)
     if here is None or len(found) != 1 or failed.function is None:
         return None
@@ -89,14 +88,14 @@ def _own_nodes(spot: Spot) -> Iterator[ast.AST]:
     if function:
         yield from own_nodes(function)
         return
-    for statement in spot.source.tree.body if spot.source else ():
+    for statement in spot.file.tree.body:
         if not isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
             yield from ast.walk(statement)
 
 
-def _inits(nodes: Iterator[ast.AST], source: PythonSource | None) -> Iterator[ast.Call]:
+def _inits(nodes: Iterator[ast.AST], source: PythonSource) -> Iterator[ast.Call]:
     calls = (node for node in nodes if isinstance(node, ast.Call))
-    return (call for call in calls if source and source.resolve(call.func) == "rclpy.init")
+    return (call for call in calls if source.resolve(call.func) == "rclpy.init")
 
 
 def _ends(spot: Spot) -> bool:
@@ -113,7 +112,7 @@ def _is_started(spot: Spot) -> bool:
 
 def _statement(spot: Spot) -> ast.stmt | None:
     """Return the statement at the top level of the file that contains a line."""
-    body = spot.source.tree.body if spot.source else []
+    body = spot.file.tree.body
     return next((n for n in body if contains(n, spot.line)), None)
 
 
@@ -127,12 +126,11 @@ def _late(init: ast.Call, spot: Spot) -> Finding:
 
 def _on_import(spot: Spot, spots: list[Spot]) -> Finding:
     """Return the finding of a node that is made when Python imports the file."""
-    assert spot.source is not None
-    source, statement = spot.source, _statement(spot)
+    source, statement = spot.file, _statement(spot)
     first = min(
         (n.lineno for n in [*getattr(statement, "decorator_list", ()), statement] if n), default=spot.line
     )
-    sources = {s.source.shown: s.source for s in spots if s.source}
+    sources = {s.file.shown: s.file for s in spots}
     inits = [(home, init) for home in sources.values() for init in _inits(iter(home.nodes), home)]
     imported = "" if "rclpy" in source.names else ", with `import rclpy` at the top"
     cause = "This line runs when Python imports the file, before any function is called"
@@ -180,14 +178,14 @@ def _without(spots: list[Spot]) -> Finding | None:
     """Return the finding of a program that calls rclpy.init() nowhere on its way to the node."""
     spot = next((spot for spot in spots if _function(spot)), None)
     function = _function(spot) if spot else None
-    if spot is None or spot.source is None or function is None:
+    if spot is None or function is None:
         return None
     line, names = spot.lines[0], {parameter.arg for parameter in parameters(function)}
     written = "rclpy.init(args=args)" if "args" in names else "rclpy.init()"
-    imported = "" if "rclpy" in spot.source.names else ", with `import rclpy` at the top"
+    imported = "" if "rclpy" in spot.file.names else ", with `import rclpy` at the top"
     cause = f"{function.name}() makes a node before rclpy.init() is called."
     return Finding(_CODE, cause, _at(spot), f"write `{written}` above line {line}{imported}")
 
 
 def _at(spot: Spot) -> str:
-    return spot.source.at(spot.lines[0]) if spot.source else ""
+    return spot.file.at(spot.lines[0])

@@ -18,10 +18,10 @@ _CANNOT_BE_MADE = ("NotImplementedError", "TypeError")
 
 def of_part(kind: str, spot: Spot) -> Finding | None:
     """Return which part of a service or action a line should make; None if it makes no whole type."""
-    source = spot.source
-    if source is None or kind not in _CANNOT_BE_MADE:
+    source = spot.file
+    if kind not in _CANNOT_BE_MADE:
         return None
-    for call in (node for node in spot.nodes if isinstance(node, ast.Call)):
+    for call in spot.calls:
         match = _WHOLE.match(source.resolve(call.func) or "")
         if match is None:
             continue
@@ -44,8 +44,7 @@ def of_part(kind: str, spot: Spot) -> Finding | None:
 
 def _parts_meant(call: ast.Call, name: str, parts: tuple[str, ...], spot: Spot) -> Iterator[str]:
     """Yield the parts that have the given fields, then those that fit how the object is used."""
-    source = spot.source
-    assert source is not None
+    source = spot.file
     targets = {
         ast.unparse(target)
         for node in source.nodes

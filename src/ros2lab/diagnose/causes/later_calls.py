@@ -10,7 +10,7 @@ from ros2lab.diagnose.checking.called_at_once import called_at_once, swapped_fun
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
-from ros2lab.diagnose.printed.spots import place_of, spot_at
+from ros2lab.diagnose.printed.spots import place_of, source_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import returned
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes
@@ -34,14 +34,10 @@ def of_later_call(error: ErrorText, known: list[Finding], look: Look) -> Finding
 
 def sources_around(error: ErrorText, look: Look) -> list[NodeSources]:
     """Return the files of all packages, and each file of the traceback that belongs to none, such as a script."""
-    every = [look.sources(package) for package in look.packages]
-    known = {source.shown for sources in every for source in sources.sources.values()}
-    for frame in error.own:
-        source = spot_at(place_of([frame], look), look).source
-        if source is not None and source.shown not in known:
-            known.add(source.shown)
-            every.append(NodeSources({source.name: source}))
-    return every
+    places = [place_of([frame], look).rpartition(":")[0] for frame in error.own]
+    others = [source for place in dict.fromkeys(places) if (source := source_of(place, look))]
+    alone = [NodeSources({source.name: source}) for source in others if source not in look.files]
+    return [*map(look.sources, look.packages), *alone]
 
 
 def _called_callbacks(every: list[NodeSources], *, gives_none: bool) -> Iterator[Finding]:

@@ -6,10 +6,22 @@ import ast
 import re
 from collections.abc import Iterable
 
+from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import own_nodes
 
 _ENDS = ("shutdown", "try_shutdown")
+
+
+def shut_by(spot: Spot, error: ErrorText) -> str:
+    """Say which other line of the file shuts rclpy down; empty after Ctrl-C, or unless there is just one."""
+    lines = {*_lines(spot.file.nodes, _ENDS)} - {spot.line}
+    if len(lines) != 1 or any("^C" in step.text for step in error.steps):
+        return ""
+    (line,) = lines
+    function = Spot(spot.source, line).function
+    where = f" (in {function.name}())" if function and function is not spot.function else ""
+    return f"Line {line}{where} has already shut rclpy down, and this line does it again; this is harmless."
 
 
 def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -33,7 +45,7 @@ def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         fix = "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin"
         return f"{what}: it was not initialized yet, or has already been shut down.", fix
     what = f"{what}: Ctrl-C has already shut it down"
-    for loop in spot.source.around(spot.line, ast.While) if spot.source else ():
+    for loop in spot.file.around(spot.line, ast.While):
         test = ast.unparse(loop.test)
         ok = "rclpy.ok()" if isinstance(loop.test, ast.Constant) else f"rclpy.ok() and {test}"
         if "rclpy.ok()" not in test:
@@ -67,6 +79,4 @@ def _lines(nodes: Iterable[ast.AST], names: tuple[str, ...]) -> list[int]:
 
 
 def _is(call: ast.Call, names: tuple[str, ...]) -> bool:
-    return isinstance(call.func, ast.Attribute) and ast.unparse(call.func) in {
-        f"rclpy.{name}" for name in names
-    }
+    return ast.unparse(call.func) in {f"rclpy.{name}" for name in names}

@@ -51,7 +51,7 @@ class _Leaf:
 
 def of_call_that_gave_none(origin: Origin, call: ast.Call, spot: Spot) -> _Told | None:
     """Return where the None that a call returned comes from; None if that is not seen."""
-    leaves = [*_leaves(origin.source, call, spot.function if origin.source is spot.source else None)]
+    leaves = [*_leaves(origin.source, call, spot.function if origin.source is spot.file else None)]
     # A forgotten return comes before a value that the function did not get itself.
     for leaf in sorted(leaves, key=lambda leaf: leaf.node is not None):
         if leaf.node is None and isinstance(leaf.function, ast.FunctionDef):
@@ -122,7 +122,7 @@ def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use:
         return None
     if origin.name == leaf.text:
         return None  # nothing holds the value, so its line is the one that fails
-    own = f" on line {leaf.line}" if leaf.source is spot.source else f" ({leaf.source.at(call)})"
+    own = f" on line {leaf.line}" if leaf.source is spot.file else f" ({leaf.source.at(call)})"
     fitting = ", because the string does not match the pattern" if leaf.text.startswith("re.") else ""
     cause = f"{origin.name} is None on line {spot.line}: `{leaf.text}`{own} returned None{fitting}."
     return cause, use, _asked_first(origin.name, spot)
@@ -286,7 +286,7 @@ def _kept(origin: Origin, call: ast.Call, spot: Spot) -> str:
     lines = origin.source.text.encode().splitlines(keepends=True)
     begin = f"{ast.unparse(call)}; {origin.name} = "
     texts = [b"".join(Edit(statement, f"{begin}{value}").applied(lines)) for value in values]
-    is_here = origin.source is spot.source
+    is_here = origin.source is spot.file
     found = [
         value
         for value, rows in zip(values, checked(origin.source, texts), strict=True)

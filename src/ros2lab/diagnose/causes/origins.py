@@ -82,7 +82,7 @@ def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
     """Return where the value that an error is about was made, and how to fix it; None if that is not seen."""
     for pattern, part in _SAYS:
         match = re.search(pattern, f"{kind}: {message}")
-        if match is None or spot.source is None:
+        if match is None:
             continue
         said = match.groupdict()
         kinds = [name for name in (said["kind"], said.get("kind2")) if name]
@@ -105,10 +105,10 @@ def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
     """Return a finding about a function given a whole message instead of its contents; None if it was not."""
     said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
     field, function = interfaces.only_field(said["kind"]) if said else "", spot.function
-    if said is None or not field or function is None or caller.source is None:
+    if said is None or not field or function is None:
         return None
     names = [argument.arg for argument in function.args.args]
-    for call in (node for node in caller.nodes if isinstance(node, ast.Call)):
+    for call in caller.calls:
         is_method = isinstance(call.func, ast.Attribute) and names[:1] == ["self"]
         if last_name(call.func) != function.name:
             continue
@@ -117,7 +117,7 @@ def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
                 old = ast.unparse(given)
                 new = re.sub(rf"\b{re.escape(old)}\b", f"{old}.{field}", ast.unparse(call), count=1)
                 cause = f"{function.name}() is given the whole message {old}, but works with its contents."
-                return Finding("made-wrong", cause, caller.source.at(call), f"write {new}")
+                return Finding("made-wrong", cause, caller.file.at(call), f"write {new}")
     return None
 
 
@@ -137,7 +137,6 @@ def _is_of(kind: str, said: str) -> bool:
 
 def _origins(spot: Spot, part: str, name: str) -> Iterator[Origin]:
     """Yield the origins of each value on the line that an error may be about."""
-    assert spot.source is not None
     for node in spot.whole:
         match node:
             case ast.Attribute(value=used, attr=attr) if part == "owner" and attr == name:
@@ -154,8 +153,7 @@ def _origins(spot: Spot, part: str, name: str) -> Iterator[Origin]:
 
 def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
     """Yield the possible origins of an expression's value, the likeliest first."""
-    source, name = spot.source, ast.unparse(expression)
-    assert source is not None
+    source, name = spot.file, ast.unparse(expression)
     if isinstance(expression, ast.Call):
         yield Origin(name, expression, source, expression.lineno, _kind(source, expression))
     if declared := _declared(source, expression):
@@ -342,9 +340,8 @@ _OF_PARAMETER = re.compile(r"\bParameterValue\b|field must be|incompatible funct
 
 def of_parameter(message: str, spot: Spot) -> Finding | None:
     """Return a finding about a line that uses the ParameterValue of a parameter as its value; else None."""
-    source = spot.source if _OF_PARAMETER.search(message) else None
-    for node in spot.whole:
-        if source is None or not isinstance(node, (ast.Name, ast.Attribute, ast.Call)):
+    for node in spot.whole if _OF_PARAMETER.search(message) else ():
+        if not isinstance(node, (ast.Name, ast.Attribute, ast.Call)):
             continue
         origins = [*_made(spot, node)] if isinstance(getattr(node, "ctx", ast.Load()), ast.Load) else []
         is_whole = not _asks_for_field(spot, ast.unparse(node))

@@ -54,7 +54,7 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
 def _taken_out(message: str, spot: Spot) -> tuple[str, str] | None:
     """Return the argument that holds the value that a function needs, and its type; None if none does."""
     kind = next((word for word in re.findall(r"[A-Z]\w+", message) if held_in("", word)), None)
-    calls = [n for n in spot.nodes if isinstance(n, ast.Call)]
+    calls = spot.calls
     calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
     given = [arg for call in calls for arg in call.args if isinstance(arg, (ast.Name, ast.Attribute))]
     return (ast.unparse(given[-1]), kind) if kind and given else None
@@ -73,17 +73,17 @@ def _other_class(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    name, function, source = match["name"], spot.function, spot.source
+    name, function, source = match["name"], spot.function, spot.file
     where = f"{function.name}()" if function else "this function"
     cause = f"{where} assigns {name}, so {name} is a local variable everywhere in it, and here it has no value yet"
-    if source and any(imported.local == name for imported in source.imports):
+    if any(imported.local == name for imported in source.imports):
         return (
             f"{cause}: it hides the imported {name}.",
             f"rename the variable, for example to {name.lower()}_",
         )
-    if source and function and name in (known := known_names(source)):
+    if function and name in (known := known_names(source)):
         return f"{cause}: it hides {known[name]}.", fix_of(name, function.name)
-    at_top = [n for n in (source.tree.body if source else ()) if isinstance(n, (ast.Assign, ast.AnnAssign))]
+    at_top = [n for n in source.tree.body if isinstance(n, (ast.Assign, ast.AnnAssign))]
     if any(isinstance(i, ast.Name) and i.id == name for n in at_top for i in ast.walk(n)):
         return (
             f"{cause}: it is not the global {name}.",
@@ -103,11 +103,11 @@ def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             cause,
             "pass each create_timer and create_subscription a method, such as self.callback, without quotes or parentheses",
         )
-    calls = [node for node in spot.nodes if isinstance(node, ast.Call)]
+    calls = spot.calls
     calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
     fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
     what = ast.unparse(fitting[0].func) if len({ast.unparse(n.func) for n in fitting}) == 1 else ""
-    if hasattr(builtins, what) and spot.source and what not in spot.source.stored:
+    if hasattr(builtins, what) and what not in spot.file.stored:
         cause = f"{what}() calls one of its arguments, which is {kind_in_words(kind)}, not a function."
         return cause, f"pass {what}() a function there, by name and without parentheses"
     is_set = len(fitting) == 1 and len(fitting[0].args) == 1 and isinstance(fitting[0].func, ast.Attribute)
@@ -138,11 +138,7 @@ def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         for base in node.bases if isinstance(node, ast.ClassDef) else ():
             name = ast.unparse(base)
             homes = interfaces.homes_of(name.rpartition(".")[2].capitalize())
-            line = (
-                next((imported.line for imported in spot.source.imports if imported.local == name), 0)
-                if spot.source
-                else 0
-            )
+            line = next((imported.line for imported in spot.file.imports if imported.local == name), 0)
             if homes and line:
                 meant = name.rpartition(".")[2].capitalize()
                 return (
@@ -181,7 +177,7 @@ def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 def _own_call(spot: Spot, function: Function) -> ast.Call | None:
     """Return the call on a line of the method that it is in."""
-    calls = (node for node in spot.nodes if isinstance(node, ast.Call))
+    calls = spot.calls
     return next((call for call in calls if ast.unparse(call.func) == f"self.{function.name}"), None)
 
 

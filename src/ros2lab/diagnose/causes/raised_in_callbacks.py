@@ -85,7 +85,9 @@ def of_own_raise(error: ErrorText, look: Look) -> Finding | None:
     callback = next(_called_by_rclpy(report, error, look), None)
     if callback is None or spot.function is None:
         return None
-    is_direct = _shown(callback.spot) == _shown(spot) and callback.function.lineno == spot.function.lineno
+    is_direct = (
+        callback.spot.file.shown == spot.file.shown and callback.function.lineno == spot.function.lineno
+    )
     what = _KINDS.get(callback.kind, "a callback")
     raised = f"{spot.function.name}() raises {report.kind}"
     said = f" ({report.message.rstrip('.')})" if report.message else ""
@@ -95,14 +97,9 @@ def of_own_raise(error: ErrorText, look: Look) -> Finding | None:
     return Finding("raise-in-callback", cause, place, fix)
 
 
-def _shown(spot: Spot) -> str:
-    """Return the file of a spot as it is shown; empty if it cannot be read."""
-    return spot.source.shown if spot.source else ""
-
-
 def _raising(spot: Spot) -> ast.Raise | ast.Assert | None:
     """Return the statement at a line that raises an exception itself; None if it only calls something."""
-    around = spot.source.around(spot.line, ast.stmt) if spot.source else []
+    around = spot.file.around(spot.line, ast.stmt)
     return next((n for n in around if isinstance(n, (ast.Raise, ast.Assert))), None)
 
 
@@ -115,7 +112,7 @@ def _called_by_rclpy(report: ErrorReport, error: ErrorText, look: Look) -> Itera
     every = sources_around(error, look) if of_rclpy else []
     for frame in report.frames[of_rclpy[-1] + 1 :] if of_rclpy else ():
         spot = spot_at(place_of([frame], look), look)
-        shown = _shown(spot)
+        shown = spot.file.shown
         for sources in every:
             if spot.function is not None and any(s.shown == shown for s in sources.sources.values()):
                 yield from _passed_on(sources, shown, spot.function, spot)
@@ -205,9 +202,9 @@ def _kind_caught(callback: _Callback, raising: ast.Raise | ast.Assert) -> str:
         return "AssertionError"
     made = raising.exc.func if isinstance(raising.exc, ast.Call) else raising.exc
     name = ast.unparse(made) if made is not None else ""
-    source = callback.spot.source
-    classes = {n.name for n in (source.nodes if source else ()) if isinstance(n, ast.ClassDef)}
-    is_known = hasattr(builtins, name) or name in classes or bool(source and name in source.names)
+    source = callback.spot.file
+    classes = {n.name for n in source.nodes if isinstance(n, ast.ClassDef)}
+    is_known = hasattr(builtins, name) or name in classes or name in source.names
     return name if is_known else "Exception"
 
 
@@ -262,8 +259,8 @@ def _filled(callback: _Callback, text: str) -> list[str]:
 def _imported(callback: _Callback) -> str:
     """Return which import the answer of a callback needs; empty if its file has it."""
     needed = _ANSWERED_WITH.get(callback.kind)
-    source = callback.spot.source
-    if needed is None or (source and needed[1] in source.names):
+    source = callback.spot.file
+    if needed is None or needed[1] in source.names:
         return ""
     return f", with `from {needed[0]} import {needed[1]}` at the top"
 

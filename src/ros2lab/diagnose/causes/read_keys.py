@@ -41,10 +41,8 @@ class _Read:
 
 def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Finding | None:
     """Return how a missing key is called in the file that a program reads; None if that is not seen."""
-    source = spot.source
-    if source is None or any(
-        isinstance(value, ast.Dict) for value in spot.assigned(ast.unparse(asked.value))
-    ):
+    source = spot.file
+    if any(isinstance(value, ast.Dict) for value in spot.assigned(ast.unparse(asked.value))):
         return None
     read = [*_files_read(source, look)]
     for file in read:
@@ -65,9 +63,8 @@ def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Findi
 def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding | None:
     """Return a finding about a key that the file spells differently, or has in an unsplit column."""
     names = [*dict.fromkeys(row[-1] for row in read.keys)]
-    assert spot.source is not None
     if _MARK + key in names and key not in names:
-        return _marked(key, spot.source, read)
+        return _marked(key, spot.file, read)
     whole = next((name for name in names if key in _parts(name)), "") if key not in names else ""
     if whole:
         sign = next(
@@ -78,7 +75,7 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
         call = ast.unparse(read.call)
         new = f"delimiter={sign!r}"
         better = call.replace(ast.unparse(given[0]), new) if given else f"{call[:-1]}, {new})"
-        return Finding("python-error", cause, spot.source.at(read.call), f"write {better} instead of {call}")
+        return Finding("python-error", cause, spot.file.at(read.call), f"write {better} instead of {call}")
     near = nearest(key, names) if key not in names else None
     if near is None:
         return None
@@ -90,7 +87,7 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
     return Finding(
         "python-error",
         cause,
-        spot.source.at(spot.line),
+        spot.file.at(spot.line),
         fix or f"write {key} instead of {near} in {read.shown}",
     )
 
@@ -109,7 +106,7 @@ def _marked(key: str, source: PythonSource, read: _Read) -> Finding:
         f"{read.shown} begins with a byte order mark, which Excel adds, so its first key is {_MARK + key!r}."
     )
     for node in source.nodes:
-        if isinstance(node, ast.Call) and _name(node) in ("open", "read_text"):
+        if isinstance(node, ast.Call) and last_name(node.func) in ("open", "read_text"):
             given = next((keyword for keyword in node.keywords if keyword.arg == "encoding"), None)
             text = ast.unparse(node)
             if given is not None:
@@ -131,9 +128,8 @@ def _deeper(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding 
         return None
     steps = "".join(f"[{step!r}]" for step in below[0])
     cause = f"In {read.shown}, {key!r} is below {below[0][-2]!r}."
-    assert spot.source is not None
     fix = f"write {ast.unparse(asked.value)}{steps} instead of {ast.unparse(asked)}"
-    return Finding("python-error", cause, spot.source.at(spot.line), fix)
+    return Finding("python-error", cause, spot.file.at(spot.line), fix)
 
 
 def _stale(read: _Read, key: str, look: Look) -> Finding | None:
@@ -150,7 +146,7 @@ def _stale(read: _Read, key: str, look: Look) -> Finding | None:
 
 def _files_read(source: PythonSource, look: Look) -> Iterator[_Read]:
     """Yield the files of the packages that a program names and reads."""
-    calls = [n for n in source.nodes if isinstance(n, ast.Call) and _name(n) in _READERS]
+    calls = [n for n in source.nodes if isinstance(n, ast.Call) and last_name(n.func) in _READERS]
     names = {
         PurePath(n.value).name
         for n in source.nodes
@@ -170,7 +166,7 @@ def _keys(path: Path, call: ast.Call) -> tuple[tuple[str, ...], ...]:
     """Return the keys of a file as a call reads it; empty if it cannot be read that way."""
     with contextlib.suppress(OSError, ValueError, csv.Error, configparser.Error, RecursionError):
         text = path.read_bytes().decode("utf-8")
-        if _name(call) == "DictReader":
+        if last_name(call.func) == "DictReader":
             given = {keyword.arg: keyword.value for keyword in call.keywords}
             sign = given.get("delimiter")
             delimiter = sign.value if isinstance(sign, ast.Constant) and isinstance(sign.value, str) else ","
@@ -211,7 +207,3 @@ def _below(tree: Any) -> Iterator[tuple[str, ...]]:
             left.extend(inner)
         elif isinstance(part, list):
             left.extend((above, value) for value in part[:_MOST_PARTS])
-
-
-def _name(call: ast.Call) -> str:
-    return last_name(call.func)

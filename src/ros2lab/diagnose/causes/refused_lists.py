@@ -25,9 +25,9 @@ _GONE_THROUGH = frozenset(
 def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | None:
     """Return a finding about a wrong value for a field that holds several; None if nothing can be said."""
     said = _SAYS.match(what)
-    if said is None or spot.source is None:
+    if said is None:
         return None
-    kind, source = said["kind"], spot.source
+    kind, source = said["kind"], spot.file
     is_fixed = said["length"] is not None and not said["most"]
     count = int(said["length"]) if is_fixed else None
     written, given = _as_list(value, kind, count, source)

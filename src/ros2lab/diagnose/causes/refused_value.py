@@ -21,7 +21,7 @@ _RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>
 def of_refused(message: str, spot: Spot, look: Look) -> Finding | None:
     """Return a finding about the value that a field refuses; None if it is not clear which value that is."""
     said = _SAYS.search(message)
-    if said is None or spot.source is None:
+    if said is None:
         return None
     given = [value for name, value in _given(spot) if name == said["field"]]
     if literal := of_wrong_literal(message, spot, given, look):
@@ -33,11 +33,10 @@ def of_refused(message: str, spot: Spot, look: Look) -> Finding | None:
 
 def _of_number(spot: Spot, value: ast.expr, said: re.Match[str]) -> Finding | None:
     """Return a finding about a number that is outside the range of a field, or no float; None for any other."""
-    assert spot.source is not None
     if outside := _RANGE.match(said["what"]):
-        return _outside(spot.source, value, said["field"], outside)
+        return _outside(spot.file, value, said["field"], outside)
     if said["what"].startswith("of type 'float'"):
-        return _no_float(spot.source, value, said["field"], spot.line)
+        return _no_float(spot.file, value, said["field"], spot.line)
     return None
 
 

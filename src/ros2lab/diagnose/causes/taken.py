@@ -20,7 +20,7 @@ from ros2lab.diagnose.code.lost_parameters import (
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.printed.spots import place_of, spot_at
+from ros2lab.diagnose.printed.spots import spot_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import parameters
 
@@ -87,10 +87,10 @@ def _by_callers(definition: Definition, calls: Sequence[ast.Call], lacking: int)
 
 def _of_name(error: ErrorText, look: Look) -> Finding | None:
     """Return the finding about the function that fails at a name that its def lacks; None if it lacks none."""
-    spot = spot_at(place_of(error.own, look), look)
-    if spot.source is None or spot.function is None:
+    spot = spot_of(error.report, look)
+    if spot.function is None:
         return None
-    place = spot.source.at(spot.function)
+    place = spot.file.at(spot.function)
     of_file = (
         lost for p in look.packages for lost in lost_parameters(look.sources(p)) if lost.place == place
     )

@@ -41,7 +41,7 @@ def _asked(value: ast.expr, spot: Spot, depth: int = _DEEPEST) -> Iterator[_Requ
         match result:
             case ast.Call(func=ast.Attribute(attr="result", value=future), args=[]):
                 yield from _waited(future, spot)
-            case ast.Call(func=func) if spot.source and depth and (own := own_function(spot.source, func)):
+            case ast.Call(func=func) if depth and (own := own_function(spot.file, func)):
                 for node in returned(own[1]):
                     if isinstance(node, ast.Return) and node.value is not None:
                         yield from _asked(node.value, Spot(own[0], node.lineno), depth - 1)
@@ -56,7 +56,7 @@ def _waited(future: ast.expr, spot: Spot) -> Iterator[_Request]:
             is_limited = len(names) > 3 or any(keyword.arg == "timeout_sec" for keyword in call.keywords)
             is_wait = ast.unparse(call.func).endswith("spin_until_future_complete")
             if is_wait and is_limited and ast.unparse(future) in names[1:]:
-                yield requests[0], call, spot.source
+                yield requests[0], call, spot.file
 
 
 def _is_request(node: ast.expr) -> TypeGuard[ast.Call]:

@@ -19,7 +19,7 @@ def of_unfit_parameter(message: str, spot: Spot) -> Finding | None:
     """Return a finding about the value of a parameter that rclpy refuses; None for any other error."""
     refused, unlike = _NOT_ALLOWED.search(message), _DISAGREE.search(message)
     said = refused or unlike
-    if said is None or spot.source is None:
+    if said is None:
         return None
     for node in _values(spot):
         value = _literal(node)
@@ -35,12 +35,10 @@ def of_unfit_parameter(message: str, spot: Spot) -> Finding | None:
             cause = f"A parameter cannot hold {text}: only a bool, a number, a string, or a list of values of one of these types."
         if isinstance(value, dict) and (written := _by_key(value, spot)):
             return Finding(
-                "argument-type", cause, spot.source.at(node), f"write {written}: one parameter for each key"
+                "argument-type", cause, spot.file.at(node), f"write {written}: one parameter for each key"
             )
         if better is not None:
-            return Finding(
-                "argument-type", cause, spot.source.at(node), f"write {better!r} instead of {text}"
-            )
+            return Finding("argument-type", cause, spot.file.at(node), f"write {better!r} instead of {text}")
     return None
 
 

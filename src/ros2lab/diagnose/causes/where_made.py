@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from dataclasses import replace
 
 from ros2lab.diagnose.causes.class_bodies import of_class_body
 from ros2lab.diagnose.causes.clock_types import of_clock_types
@@ -21,18 +20,15 @@ from ros2lab.diagnose.causes.unfit_parameters import of_unfit_parameter
 from ros2lab.diagnose.causes.wrong_literals import of_wrong_literal
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
-from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText
+from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at, spot_of
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 
 
 def where_made(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     """Return what is wrong where a value, class or function used on an error's line was made."""
     report = error.report or ErrorReport("", "")
-    frames = own_frames(report.frames)
-    spot = spot_at(place_of(frames[:1], look), look)
-    if frames:
-        spot = replace(spot, part=frames[0].part, is_innermost=frames[0] is report.frames[-1])
+    spot = spot_of(report, look)
     if (source := spot.source) is None:
         return []
     message, lines = report.message, _lines_of_use(source, spot)
@@ -49,7 +45,7 @@ def where_made(error: ErrorText, known: list[Finding], look: Look) -> list[Findi
     found = [finding for finding in known if finding.place in places and finding.code in _MAKES_WRONG]
     if found or report.kind not in ("AttributeError", "TypeError"):
         return found
-    caller = spot_at(place_of(frames[1:2], look), look)
+    caller = spot_at(place_of(error.own[1:2], look), look)
     made = of_argument(message, spot, caller) or of_origin(report.kind, message, spot)
     return [made] if made else []
 
@@ -74,18 +70,15 @@ def _told_at_once(report: ErrorReport, spot: Spot, look: Look) -> Finding | None
 
 def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
     """Return the lines of a file that define what one of its lines uses."""
-    used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
+    named = (n for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)))
+    used = {ast.unparse(n) for n in named if isinstance(n.ctx, ast.Load)}
     used |= {ast.unparse(n.target) for n in spot.nodes if isinstance(n, ast.AugAssign)}
     lines: set[int] = set()
     for node in source.nodes:
         if isinstance(node, ast.ClassDef) and node.name in used:
             lines |= {node.lineno, *(method.lineno for method in node.body)}
-        elif isinstance(node, Function) and used & {
-            node.name,
-            f"self.{node.name}",
-        }:
-            returns = (n.lineno for n in own_nodes(node) if isinstance(n, ast.Return))
-            lines |= {node.lineno, *(returns)}
+        elif isinstance(node, Function) and used & {node.name, f"self.{node.name}"}:
+            lines |= {node.lineno, *(n.lineno for n in own_nodes(node) if isinstance(n, ast.Return))}
         elif isinstance(node, ast.Assign) and used & {
             whole for target in node.targets for whole in _with_owners(target)
         }:
@@ -108,19 +101,15 @@ _MAKES_WRONG = frozenset(
 )
 
 
-def _is_load(node: ast.Name | ast.Attribute) -> bool:
-    return isinstance(node.ctx, ast.Load)
-
-
 def _of_key(message: str, spot: Spot, error: ErrorText, look: Look) -> Finding | None:
     """Return a finding about a missing key of the environment or of a file; None if it is neither."""
     asked = key_asked(spot, message)
-    if asked is None or spot.source is None or not (spot.is_innermost or ast.unparse(asked.slice) == message):
+    if asked is None or not (spot.is_innermost or ast.unparse(asked.slice) == message):
         return None
     try:
         key = ast.literal_eval(message)
     except (SyntaxError, ValueError):
         return None
     if ast.unparse(asked.value) in ("os.environ", "environ"):
-        return of_variable(str(key), spot.source.at(spot.line), error)
+        return of_variable(str(key), spot.file.at(spot.line), error)
     return of_read_key(key, asked, spot, look) if look and isinstance(key, str) else None

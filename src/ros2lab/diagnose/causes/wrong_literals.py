@@ -35,10 +35,8 @@ def of_wrong_literal(message: str, spot: Spot, given: Sequence[ast.expr], look: 
 
     The value is that of one of the given expressions; without any, of the operands and arguments on the line.
     """
-    source = spot.source
-    if source is None:
-        return None
-    sources = _sources_of(source, look)
+    source = spot.file
+    sources = look.sources_with(source)
     field = _FIELD.search(message)
     if field is not None:
         path = (None,) if "sequence" in field[0] else ()
@@ -74,19 +72,11 @@ def _counts(source: PythonSource, value: ast.expr) -> bool:
     return False
 
 
-def _sources_of(source: PythonSource, look: Look) -> NodeSources:
-    for package in look.packages:
-        if any(own.shown == source.shown for own in package.sources.values()):
-            return look.sources(package)
-    return NodeSources({source.name: source})
-
-
 def _wrong(
     sources: NodeSources, source: PythonSource, value: ast.expr, wanted: str, path: tuple[int | None, ...]
 ) -> Iterator[Leaf]:
     """Yield the literals behind a value whose type is not the wanted one, but nearly."""
-    own = next((known for known in sources.sources.values() if known.shown == source.shown), source)
-    leaves = [*Literals(sources).behind(own, _same(own, value), path)]
+    leaves = [*Literals(sources).behind(source, value, path)]
     if wanted == "float" and _has_float(leaves):
         # A sum with a float is a float: only strings are wrong then.
         leaves = [leaf for leaf in leaves if isinstance(_value(leaf[1]), str)]
@@ -97,15 +87,6 @@ def _is_swapped(leaf: Leaf, wanted: str) -> bool:
     """Return whether a literal of quite another type has the place of its neighbour in a call."""
     is_text = isinstance(_value(leaf[1]), str)
     return is_text != (wanted == "str") and bool(_swapped([leaf]))
-
-
-def _same(source: PythonSource, value: ast.expr) -> ast.expr:
-    """Return the same expression in the tree of another reading of the file."""
-    alike = (n for n in source.nodes if isinstance(n, type(value)) and n.lineno == value.lineno)
-    return next(
-        (n for n in alike if n.col_offset == value.col_offset and n.end_col_offset == value.end_col_offset),
-        value,
-    )
 
 
 def _has_float(leaves: Sequence[Leaf]) -> bool:
@@ -164,7 +145,7 @@ def _told(found: Sequence[Leaf], wanted: str, what: str, spot: Spot) -> Finding 
         else "the result of /, a float"
     )
     kind = "a float" if kind == "a number" else kind
-    is_here = (source.shown, node.lineno) == (spot.source.shown if spot.source else "", spot.line)
+    is_here = (source.shown, node.lineno) == (spot.file.shown, spot.line)
     cause = f"{what}, but `{ast.unparse(node)}` is {kind}."
     cause += "" if is_here else f" Line {spot.line} fails because of this one."
     return Finding("made-wrong", cause, source.at(node), f"write {'; '.join([texts[0], *others])}")
@@ -200,9 +181,7 @@ def _line_with(changes: Sequence[tuple[Leaf, str]]) -> str:
 def _operands(spot: Spot) -> Iterator[ast.expr]:
     """Yield the values that are combined, compared or passed on a line, or in the part that Python marks."""
     marked = spot.marked
-    nodes = (
-        [*ast.walk(marked)] if marked else [n for line in spot.lines for n in Spot(spot.source, line).nodes]
-    )
+    nodes = [*ast.walk(marked)] if marked else [n for line in spot.lines for n in Spot(spot.file, line).nodes]
     for node in nodes:
         match node:
             case ast.BinOp(left=left, right=right):

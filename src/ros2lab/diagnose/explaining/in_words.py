@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from ros2lab.diagnose.causes.filled import published
+from ros2lab.diagnose.causes.not_running import shut_by
 from ros2lab.diagnose.causes.python_says import of_error, of_function
-from ros2lab.diagnose.causes.shut_twice import shut_by
 from ros2lab.diagnose.causes.undeclared_arguments import default_of
 from ros2lab.diagnose.checking.members import in_place_of, members
 from ros2lab.diagnose.code.bound_names import global_names

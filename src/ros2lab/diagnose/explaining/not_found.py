@@ -258,13 +258,12 @@ def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look) -> Finding |
 
     Without its line, only the message `cannot import name` is known, as `groups`.
     """
-    modules = _modules(look)
     source = spot.source
     if source is None and groups.get("module"):
         source = PythonSource("", "", f"from {groups['module']} import {groups['name']}")
     if source is None:
         return None
-    found = [*wrong_imports(source, names_of(source, modules), is_sure=True)]
+    found = [*wrong_imports(source, names_of(source, look.modules), is_sure=True)]
     if spot.source is None:
         return replace(found[0], place="") if found else None
     here = {source.at(line) for line in spot.lines}
@@ -273,13 +272,8 @@ def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look) -> Finding |
 
 def below_folders(spot: Spot, look: Look) -> Finding | None:
     """Return the finding about a line that imports a module of the workspace with the folders above it; else None."""
-    found = (by_folders(spot.source, line, _modules(look)) for line in spot.lines) if spot.source else ()
+    found = (by_folders(spot.file, line, look.modules) for line in spot.lines)
     return next(filter(None, found), None)
-
-
-def _modules(look: Look) -> dict[str, PythonSource]:
-    packages = look.packages
-    return {name: module for package in packages for name, module in package.sources.items()}
 
 
 def _own_module(name: str, place: str, look: Look) -> Finding | None:

@@ -10,7 +10,6 @@ import re
 import shlex
 import shutil
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 
@@ -22,7 +21,7 @@ from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.names_there import node_names, topic_ends
-from ros2lab.diagnose.printed.spots import spot_at
+from ros2lab.diagnose.printed.spots import spot_of
 from ros2lab.diagnose.printed.transcript import (
     LABELLED,
     OF_LATER,
@@ -385,10 +384,9 @@ def of_python(report: ErrorReport, place: str, look: Look) -> Finding | None:
             return found
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
-    own = own_frames(report.frames)
-    is_innermost = not own or own[0] is report.frames[-1]
-    spot = replace(spot_at(place, look), is_innermost=is_innermost, part=own[0].part if own else "")
-    return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
+    return of_error(report.kind, report.message, place, spot_of(report, look)) or _argument(
+        report, place, look
+    )
 
 
 def _argument(report: ErrorReport, place: str, look: Look) -> Finding | None:

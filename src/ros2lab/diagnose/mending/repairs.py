@@ -19,9 +19,8 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.mending.changes import LESS, MOST, MOST_TOLD, Change, changes_of, origins_of
 from ros2lab.diagnose.mending.launch_repairs import loaded
-from ros2lab.diagnose.printed.spots import Spot, spot_at
+from ros2lab.diagnose.printed.spots import Spot, source_of, spot_at
 from ros2lab.diagnose.sources.calls import missing_imports
-from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 
 
 def tried(
@@ -39,8 +38,11 @@ def tried(
         is_sure: whether a fix that cannot be applied word by word is right all the same.
         passed_on: what launch itself says, if it could not go on.
     """
-    source, line = _source_at(finding.place, look)
-    if source is None:
+    file, _, number = finding.place.rpartition(":")
+    line = int(number) if number.isdigit() else 0
+    file = file if line else finding.place
+    source = source_of(file, look) if file.endswith(".py") else None
+    if source is None or not source.tree.body:
         return finding
     if source.path in look.launch_paths and look.loads and passed_on and not is_sure:
         return loaded(finding, source, line, look, passed_on) or finding
@@ -63,10 +65,10 @@ def worth_typing(finding: Finding, look: Look) -> Finding:
 def _with_imports(finding: Finding, look: Look) -> Finding:
     """Return a finding whose fix names the missing imports of the classes that it writes into Python."""
     is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
-    source = spot_at(finding.place, look).source if is_written else None
+    source = spot_at(finding.place, look).file
     # What could not be read is only completed, so it needs nothing new.
-    is_read = source is not None and bool(source.text) and source.readable_to == math.inf
-    lines = missing_imports(source, finding.fix) if source and is_read else []
+    is_read = is_written and source.text and source.readable_to == math.inf
+    lines = missing_imports(source, finding.fix) if is_read else []
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
     return replace(finding, fix=f"{finding.fix}{more}")
 
@@ -95,21 +97,6 @@ def _of_nothing(trial: Trial) -> Finding | None:
             origin = Origin(text, value, trial.source, value.lineno, "NoneType")
             return Finding("made-wrong", *of_what_gives_nothing(origin, value, trial.spot))
     return None
-
-
-def _source_at(place: str, look: Look) -> tuple[PythonSource | None, int]:
-    file, _, line = place.rpartition(":")
-    number = int(line) if line.isdigit() else 0
-    file = file if number else place
-    known = (
-        candidate
-        for package in look.packages
-        for candidate in package.sources.values()
-        if candidate.shown == file
-    )
-    path = look.root / file
-    source = next(known, None) or (read_source(path, path.stem, file) if path.suffix == ".py" else None)
-    return source if source and source.tree.body else None, number
 
 
 def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:

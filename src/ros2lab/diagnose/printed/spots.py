@@ -100,9 +100,15 @@ class Spot:
 def spot_at(place: str, look: Look) -> Spot:
     """Return the spot at a place such as `src/pk/pk/talk.py:12`; without a source if there is none."""
     file, _, line = place.rpartition(":")
-    path = look.root / file
-    is_known = line.isdigit() and path.is_file()
-    return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
+    source = source_of(file, look) if line.isdigit() else None
+    return Spot(source, int(line) if source else 0)
+
+
+def source_of(shown: str, look: Look) -> PythonSource | None:
+    """Return a file of the workspace by its path as it is shown; None if there is none."""
+    path = look.root / shown
+    known = next((source for source in look.files if source.shown == shown), None)
+    return known or (read_source(path, path.stem, shown) if path.is_file() else None)
 
 
 def spot_of(report: ErrorReport | None, look: Look) -> Spot:
