@@ -48,12 +48,8 @@ def _told(fault: json.JSONDecodeError, text: str, shown: str) -> Finding:
         cause = f"json cannot read {name}: {slip.why}."
         return Finding("python-error", cause, f"{shown}:{slip.line}", f"{slip.told}, and build again")
     cause = f"This program reads {name}, but json cannot parse it: {fault.msg} (column {fault.colno})."
-    return Finding(
-        "python-error",
-        cause,
-        f"{shown}:{fault.lineno}",
-        "compare this line and the one before it with a correct file",
-    )
+    fix = "compare this line and the one before it with a correct file"
+    return Finding("python-error", cause, f"{shown}:{fault.lineno}", fix)
 
 
 def _reach(text: str) -> float:

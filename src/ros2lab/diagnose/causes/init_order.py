@@ -60,12 +60,9 @@ def of_init_twice(error: ErrorText, look: Look) -> Finding | None:
     is_kept = failed.function.name == "main" or Spot(source, init.lineno).function is None
     place, removed = (other, (source, init)) if is_kept else (_at(failed), here)
     kept = _at(failed) if is_kept else other
-    return Finding(
-        "rclpy-init-twice",
-        f"rclpy.init() is called twice in one program: {other} and {_at(failed)}.",
-        place,
-        f"{removal(*removed)} here; the call at {kept} stays",
-    )
+    cause = f"rclpy.init() is called twice in one program: {other} and {_at(failed)}."
+    fix = f"{removal(*removed)} here; the call at {kept} stays"
+    return Finding("rclpy-init-twice", cause, place, fix)
 
 
 def _is_before_init(report: ErrorReport) -> bool:

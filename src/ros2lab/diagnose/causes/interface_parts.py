@@ -33,12 +33,8 @@ def of_part(kind: str, spot: Spot) -> Finding | None:
         cause = (
             f"{written} is the whole {whole} type, which cannot be instantiated; its {part} is needed here."
         )
-        return Finding(
-            "made-wrong",
-            cause,
-            source.at(call),
-            f"write {written}.{part}{old[len(written) :]} instead of {old}",
-        )
+        fix = f"write {written}.{part}{old[len(written) :]} instead of {old}"
+        return Finding("made-wrong", cause, source.at(call), fix)
     return None
 
 

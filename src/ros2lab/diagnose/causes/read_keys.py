@@ -84,12 +84,8 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
     fix = f"write {near!r} instead of {text}" if isinstance(asked.slice, ast.Constant) else ""
     if near.strip() == key:
         cause = f"{read.shown} has no key {key!r}; with the spaces around it, the key is {near!r}."
-    return Finding(
-        "python-error",
-        cause,
-        spot.file.at(spot.line),
-        fix or f"write {key} instead of {near} in {read.shown}",
-    )
+    fix = fix or f"write {key} instead of {near} in {read.shown}"
+    return Finding("python-error", cause, spot.file.at(spot.line), fix)
 
 
 def _parts(name: str) -> list[str]:

@@ -29,17 +29,9 @@ from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, neares
 
 # Faults that keep an executable from the folder where `ros2 run` looks, the likeliest first.
 _LOSE_EXECUTABLES = (
-    "setup-value",
-    "setup-cfg-missing",
-    "setup-cfg-dashes",
-    "entry-points-key",
-    "entry-points-missing",
-    "install-stale",
-    "entry-point-spec",
-    "replaced",
+    *("setup-value", "setup-cfg-missing", "setup-cfg-dashes", "entry-points-key", "entry-points-missing"),
+    *("install-stale", "entry-point-spec", "replaced"),
 )
-
-
 # The variables that `setup.bash` sets; setting one again hides the workspace.
 _VARIABLE = re.compile(
     r"^(?:export |unset )?(?P<name>AMENT_PREFIX_PATH|PYTHONPATH|PATH|COLCON_PREFIX_PATH)\b(?P<to>=.*)?$"
@@ -153,35 +145,25 @@ def _called_otherwise(
 
 def _unknown_to(package: SourcePackage, name: str, there: Collection[str]) -> Finding:
     """Say which executables a package has instead of one that was typed."""
-    known = f"it has {', '.join(sorted(there))}.{did_you_mean(name, there)}"
-    return Finding(
-        "executable-missing",
-        f"The package {package.name} has no executable {name}; {known}",
-        package.shown("setup.py"),
-        f"type ros2 run {package.name}, and after it one of these names",
-    )
+    cause = f"The package {package.name} has no executable {name}; it has {', '.join(sorted(there))}.{did_you_mean(name, there)}"
+    fix = f"type ros2 run {package.name}, and after it one of these names"
+    return Finding("executable-missing", cause, package.shown("setup.py"), fix)
 
 
 def _nowhere(command: tuple[str, str, str] | None) -> Finding:
     """Say what keeps ROS from finding an executable, where nothing more is known."""
     what = f" {command[2]} in {command[1]}" if command else ""
-    return Finding(
-        "executable-missing",
-        f"ROS finds no such executable{what}: it is not an entry point in setup.py, has not been built since, or setup.cfg does not put it into lib/<package>.",
-        "",
-        "check entry_points in setup.py and setup.cfg, build again, and source install/setup.bash",
-    )
+    cause = f"ROS finds no such executable{what}: it is not an entry point in setup.py, has not been built since, or setup.cfg does not put it into lib/<package>."
+    fix = "check entry_points in setup.py and setup.cfg, build again, and source install/setup.bash"
+    return Finding("executable-missing", cause, "", fix)
 
 
 def _no_entry_point(package: SourcePackage, name: str) -> Finding:
     """Say that a module exists, but that no entry point calls it."""
     module = f"{package.name}.{name}"
-    return Finding(
-        "executable-missing",
-        f"{package.sources[module].shown} exists, but no entry point in setup.py calls it, so it is not an executable.",
-        package.shown("setup.py"),
-        f"write `'{name} = {module}:{meant_function(package, module)}'` into 'console_scripts', and build again",
-    )
+    cause = f"{package.sources[module].shown} exists, but no entry point in setup.py calls it, so it is not an executable."
+    fix = f"write `'{name} = {module}:{meant_function(package, module)}'` into 'console_scripts', and build again"
+    return Finding("executable-missing", cause, package.shown("setup.py"), fix)
 
 
 # Faults that keep a file from the folder where ROS looks.
@@ -191,33 +173,22 @@ _UNINSTALLED = frozenset(("not-in-data-files", "installed-elsewhere", "install-s
 def no_file(name: str, package_name: str, look: Look) -> Finding | None:
     """Say why `ros2 launch` does not find a file."""
     package = look.package(package_name)
-    names = [path.name for path in package.launch_files] if package else []
+    paths = package.launch_files if package else []
     for finding in look.findings:
         if finding.code in _UNINSTALLED and {name, "data_files"} & {*finding.about}:
             return finding
-    begun = [file for file in names if file.startswith(f"{name}.")]
-    if begun:
-        return Finding(
-            "file-not-found",
-            f"There is no launch file {name}: its full name, with the extension, is {begun[0]}.",
-            "",
-            f"ros2 launch {package_name} {begun[0]}",
-        )
-    for path in package.launch_files if package else ():
-        inner = path.relative_to(package.folder).as_posix() if package else ""
-        if path.name == name:
-            return Finding(
-                "not-in-data-files",
-                f"{inner} is in src but not in share/{package_name} in install, where ROS looks: it has not been installed since, or was installed elsewhere.",
-                package.shown(inner) if package else "",
-                f"add (os.path.join('share', package_name, 'launch'), ['{inner}']) to data_files in setup.py, then colcon build --packages-select {package_name}",
-            )
-    return Finding(
-        "file-not-found",
-        f"The package {package_name} has installed no file {name}.{did_you_mean(name, names)}",
-        "",
-        "compare it with the file's name; add the file to data_files in setup.py, build again and source",
-    )
+    if begun := next((path.name for path in paths if path.name.startswith(f"{name}.")), ""):
+        cause = f"There is no launch file {name}: its full name, with the extension, is {begun}."
+        return Finding("file-not-found", cause, "", f"ros2 launch {package_name} {begun}")
+    path = next((path for path in paths if path.name == name), None)
+    if package and path:
+        inner = path.relative_to(package.folder).as_posix()
+        cause = f"{inner} is in src but not in share/{package_name} in install, where ROS looks: it has not been installed since, or was installed elsewhere."
+        fix = f"add (os.path.join('share', package_name, 'launch'), ['{inner}']) to data_files in setup.py, then colcon build --packages-select {package_name}"
+        return Finding("not-in-data-files", cause, package.shown(inner), fix)
+    cause = f"The package {package_name} has installed no file {name}.{did_you_mean(name, [path.name for path in paths])}"
+    fix = "compare it with the file's name; add the file to data_files in setup.py, build again and source"
+    return Finding("file-not-found", cause, "", fix)
 
 
 def _fault_of(package: SourcePackage | None, look: Look, codes: tuple[str, ...]) -> Finding | None:
@@ -232,12 +203,9 @@ def no_module(name: str, place: str, look: Look) -> Finding | None:
     """Say why Python does not find a module; None if it may be misspelled, or without a workspace."""
     top = name.partition(".")[0]
     if top in PACKAGES and is_installed(top) and (name == top or is_module(name)):
-        return Finding(
-            "command-not-found",
-            f"The Python that ran this does not find {top}, but the course's own Python does: it is a different Python, or a terminal without ROS.",
-            place,
-            "start the node with `ros2 run`, in a terminal where ROS is sourced or the course's .venv is active; or with `python3` there",
-        )
+        cause = f"The Python that ran this does not find {top}, but the course's own Python does: it is a different Python, or a terminal without ROS."
+        fix = "start the node with `ros2 run`, in a terminal where ROS is sourced or the course's .venv is active; or with `python3` there"
+        return Finding("command-not-found", cause, place, fix)
     if not look:
         return None
     if found := _own_module(name, place, look):
@@ -245,12 +213,9 @@ def no_module(name: str, place: str, look: Look) -> Finding | None:
     own = {part for package in look.packages for module in package.sources for part in module.split(".")}
     if top in own or nearest_module(name) or any(is_near_miss(top, own_name) for own_name in own):
         return None
-    return Finding(
-        "module-missing",
-        f"Nothing in the workspace or in ROS is called {top}: it is a library that is not installed here, or a misspelled name.",
-        place,
-        f"install the library that provides {top}, following its documentation, and name it in package.xml; or fix the name",
-    )
+    cause = f"Nothing in the workspace or in ROS is called {top}: it is a library that is not installed here, or a misspelled name."
+    fix = f"install the library that provides {top}, following its documentation, and name it in package.xml; or fix the name"
+    return Finding("module-missing", cause, place, fix)
 
 
 def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look) -> Finding | None:
@@ -285,17 +250,11 @@ def _own_module(name: str, place: str, look: Look) -> Finding | None:
             if module.endswith(f".{name}"):
                 return bare_import(module, name, place)
             if module == name and place.startswith("cell"):
-                return Finding(
-                    "not-sourced",
-                    f"{name} is in {package.shown('')}, but the notebook's kernel has sourced no workspace; a cell with ! runs in its own shell.",
-                    place,
-                    "use it in a %%terminal cell, after source install/setup.bash there",
-                )
+                cause = f"{name} is in {package.shown('')}, but the notebook's kernel has sourced no workspace; a cell with ! runs in its own shell."
+                fix = "use it in a %%terminal cell, after source install/setup.bash there"
+                return Finding("not-sourced", cause, place, fix)
             if module == name:
-                return Finding(
-                    "install-stale",
-                    f"{name} is in {package.shown('')} but not where the package is installed, or this terminal does not look there.",
-                    place,
-                    f"run colcon build --packages-select {package.name} in the workspace, and source install/setup.bash",
-                )
+                cause = f"{name} is in {package.shown('')} but not where the package is installed, or this terminal does not look there."
+                fix = f"run colcon build --packages-select {package.name} in the workspace, and source install/setup.bash"
+                return Finding("install-stale", cause, place, fix)
     return None

@@ -70,12 +70,9 @@ def own_words(error: ErrorText, look: Look) -> Finding | None:
     if not said:
         return refused_setting(error, look)
     text, place = max(said, key=lambda text_and_place: len(text_and_place[0]))
-    return Finding(
-        SAID,
-        f"{text!r} is a message of your own code, not an error from ROS or Python.",
-        place,
-        "if it should not appear here, check the condition above this line and the value it receives",
-    )
+    cause = f"{text!r} is a message of your own code, not an error from ROS or Python."
+    fix = "if it should not appear here, check the condition above this line and the value it receives"
+    return Finding(SAID, cause, place, fix)
 
 
 def is_own_log(line: str, look: Look) -> bool:

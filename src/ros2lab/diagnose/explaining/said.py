@@ -66,12 +66,9 @@ def passed_on(line: str, error: ErrorText, look: Look) -> Finding | None:
     line = line.strip()
     if script := _SCRIPT.match(line):
         file = script["file"]
-        return Finding(
-            SAID,
-            f"The shell reads {file} as shell commands, because its first line does not say that it is Python.",
-            file,
-            f"start it with python3 {file}, or write #!/usr/bin/env python3 as its very first line",
-        )
+        cause = f"The shell reads {file} as shell commands, because its first line does not say that it is Python."
+        fix = f"start it with python3 {file}, or write #!/usr/bin/env python3 as its very first line"
+        return Finding(SAID, cause, file, fix)
     if missing := _NO_COMMAND.match(line):
         return _no_command(missing["tool"], missing["name"] or missing["name2"])
     if warning := WARNING.match(line):
@@ -142,12 +139,8 @@ def _no_command(tool: str, name: str) -> Finding:
     fix = f"write {close}" if close else "fix its spelling; if it is right, the program is not installed here"
     if shutil.which(name):
         fix = "it exists on this machine: in that terminal, activate the course's .venv or source ROS's setup.bash"
-    return Finding(
-        SAID,
-        f"There is no command {name} in this terminal.{did_you_mean(name, [close] if close else [])}",
-        "",
-        fix,
-    )
+    cause = f"There is no command {name} in this terminal.{did_you_mean(name, [close] if close else [])}"
+    return Finding(SAID, cause, "", fix)
 
 
 def _usage(tool: str, said: str, error: ErrorText) -> Finding:
@@ -194,14 +187,13 @@ def _of_system(said: re.Match[str], look: Look) -> Finding | None:
     if path.endswith(("\\r", "\r", "^M")):
         sources = [s for p in look.packages for s in p.sources.values() if s.path]
         shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
-        return Finding(
-            SAID,
-            f"The first line of the file has a Windows line ending, so the system looks for a program {path!r}.",
-            shown,
+        cause = f"The first line of the file has a Windows line ending, so the system looks for a program {path!r}."
+        fix = (
             rf"sed -i 's/\r$//' {shown}"
             if shown
-            else r"remove the Windows line endings: sed -i 's/\r$//' followed by the file",
+            else r"remove the Windows line endings: sed -i 's/\r$//' followed by the file"
         )
+        return Finding(SAID, cause, shown, fix)
     if number == errno.ENOENT:
         return _missing(path, look)
     if number in (errno.EACCES, errno.EPERM):
@@ -252,14 +244,12 @@ def _denied(path: str, *, is_run: bool) -> Finding:
     home = next((folder for folder in (Path(path), *Path(path).parents) if folder.exists()), Path(path))
     is_roots = home.exists() and home.stat().st_uid == 0 and path.startswith(str(Path.home()))
     cause = f"You have no permission to use {path}{', because it belongs to root' if is_roots else ''}."
-    return Finding(
-        SAID,
-        cause,
-        "",
+    fix = (
         f'sudo chown -R "$USER" {quote(str(home))}, and never build with sudo'
         if is_roots
-        else "use a file or folder of your own",
+        else "use a file or folder of your own"
     )
+    return Finding(SAID, cause, "", fix)
 
 
 def _alike(path: str, look: Look) -> Iterator[str]:
@@ -399,12 +389,9 @@ def _argument(report: ErrorReport, place: str, look: Look) -> Finding | None:
     if match is None and must is None:
         return None
     if match is None:
-        return Finding(
-            SAID,
-            f"{report.message[:300]}.",
-            place or _in_launch(look, ""),
-            f"it {must['wanted']}" if must else "",
-        )
+        cause = f"{report.message[:300]}."
+        fix = f"it {must['wanted']}" if must else ""
+        return Finding(SAID, cause, place or _in_launch(look, ""), fix)
     name = {"remap_rule": "remappings"}.get(match["name"], match["name"])
     is_list = "list" in match["wanted"] or "tuple" in match["wanted"]
     fix = f"write brackets around it: {name}=[...]" if is_list else f"give {name} {match['wanted']}"

@@ -27,27 +27,11 @@ from ros2lab.diagnose.sources.uses import State, uses_of
 # Codes of faults that keep a node from being found, or from publishing anything.
 _SILENCE = frozenset(
     (
-        *(
-            "spin-missing",
-            "spin-inside",
-            "endless-loop",
-            "life-order",
-            "callback-waits",
-            "made-again",
-            "no-effect",
-        ),
-        *("never-started", "never-called", "never-passed", "never-read", "filling-lost", "begun-anew"),
-        *("never-made", "replaced", "computed-once", "never-sent", "one-object"),
-        *(
-            "unit-mixed",
-            "lock-held",
-            "transition-wrong",
-            "changed-in-loop",
-            "used-up",
-            "private-name",
-            "words-unread",
-            "queue-short",
-        ),
+        *("spin-missing", "spin-inside", "endless-loop", "life-order", "callback-waits", "made-again"),
+        *("never-started", "never-called", "never-passed", "never-read", "never-made", "never-sent"),
+        *("no-effect", "filling-lost", "begun-anew", "replaced", "computed-once", "one-object", "unit-mixed"),
+        *("lock-held", "transition-wrong", "changed-in-loop", "used-up", "private-name", "words-unread"),
+        "queue-short",
     )
 )
 _NO_ONE = re.compile(
@@ -112,7 +96,7 @@ def of_processes(text: str, look: Look) -> Iterator[Finding]:
 
 def _respawned(look: Look) -> str:
     """Return the place of the first respawn=True in a launch file; empty if there is none."""
-    for path in (path for package in look.packages for path in package.launch_files):
+    for path in look.launch_paths:
         for number, line in enumerate(read_text(path).splitlines(), 1):
             if re.search(r"respawn\s*[=:]\s*[\"']?[Tt]rue", line):
                 return at(shown_path(path, look.root), number)
@@ -162,8 +146,7 @@ def _topic(verb: str, plain: Sequence[str], step: Step, error: ErrorText, look: 
     does = "publishes on" if verb != "pub" else "subscribes to"
     end = there.get(f"/{plain[0].lstrip('/')}")
     if end is None:
-        finding = _other_topic(plain[0], there, does, step)
-        yield from filter(None, [finding])
+        yield from _other_topic(plain[0], there, does, step)
     elif verb in ("echo", "pub") and (wrong := _other_type(plain, end, line)):
         yield from [wrong] if verb == "pub" or not step.is_answered else ()
     else:
@@ -172,28 +155,40 @@ def _topic(verb: str, plain: Sequence[str], step: Step, error: ErrorText, look: 
             yield from _not_met(plain[0], end, does, error, look)
 
 
-def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) -> Finding | None:
-    """Say which topic was meant if the workspace lacks the one that was typed; None if that is not known."""
-    if absolute := _without_namespace(topic, there):
-        return absolute
-    if parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
+def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) -> Iterator[Finding]:
+    """Yield which topic was meant if the workspace lacks the one that was typed."""
+    absolute = next(
+        (n for n, end in there.items() if end.is_absolute and topic.endswith(n) and topic != n), ""
+    )
+    if absolute:
+        cause = f"The code names the topic {absolute} with a leading slash, so no namespace is put before it, and {topic} is a different topic."
+        fix = f"write {absolute.lstrip('/')!r} there, so that the namespace applies; or type {absolute}"
+        yield Finding("topic-near-miss", cause, there[absolute].place, fix)
+    elif parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
         cause = f"A topic name does not include a field: {parts[1]} is a field of the messages on {parts[0]}."
         fix = f"type `{step.command.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
-        return Finding("topic-near-miss", cause, "", fix)
-    if not _NO_ONE.search(step.text) or step.is_answered or not there:
-        return None
-    private = [name for name, end in there.items() if end.is_private]
+        yield Finding("topic-near-miss", cause, "", fix)
+    elif _NO_ONE.search(step.text) and not step.is_answered and there:
+        yield _near_topic(topic, there, does, step.command)
+
+
+def _near_topic(topic: str, there: Mapping[str, End], does: str, line: str) -> Finding:
+    """Say which topics there are instead of the one that was typed."""
     last = topic.rpartition("/")[2]
-    wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
-    if wanted in private:
+    private = (name for name, end in there.items() if end.is_private and name.endswith(f"/{last}"))
+    wanted = next(private, None) or nearest(topic, there, 0.6)
+    if wanted and there[wanted].is_private:
         written = there[wanted].topic
         cause = f"~ stands for the node's own name, so {written!r} is {wanted}, not {topic}."
-        return Finding(
-            "topic-near-miss", cause, there[wanted].place, f"write {topic!r} instead of {written!r}"
-        )
+        fix = f"write {topic!r} instead of {written!r}"
+        return Finding("topic-near-miss", cause, there[wanted].place, fix)
     cause = f"No node in the workspace {does} {topic}; the topics are {', '.join(sorted(there))}."
-    fix = f"type `{step.command.replace(topic, wanted)}`" if wanted else "write one of these names"
-    return Finding("topic-near-miss", cause, "", fix)
+    return Finding("topic-near-miss", cause, "", _retyped(line, topic, wanted))
+
+
+def _retyped(line: str, old: str, wanted: str | None, otherwise: str = "write one of these names") -> str:
+    """Return a command with another name; what to do otherwise if none is like the one that was typed."""
+    return f"type `{line.replace(old, wanted)}`" if wanted else otherwise
 
 
 def _field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None:
@@ -226,22 +221,9 @@ def _not_met(topic: str, end: End, does: str, error: ErrorText, look: Look) -> I
         for finding in look.findings
         if finding.place.startswith(f"{file}:") and finding.code in _SILENCE
     )
-    yield Finding(
-        "not-running",
-        f"A node in the sources {does} {topic}, but none is found in this terminal's domain: it is not running, it uses another ROS_DOMAIN_ID, or it uses another topic name at run time.",
-        "",
-        "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node again",
-    )
-
-
-def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
-    """Say that the code names the topic absolutely, so that no namespace applies; None if it does not."""
-    for name, end in there.items():
-        if topic.endswith(name) and topic != name and end.is_absolute:
-            cause = f"The code names the topic {name} with a leading slash, so no namespace is put before it, and {topic} is a different topic."
-            fix = f"write {name.lstrip('/')!r} there, so that the namespace applies; or type {name}"
-            return Finding("topic-near-miss", cause, end.place, fix)
-    return None
+    cause = f"A node in the sources {does} {topic}, but none is found in this terminal's domain: it is not running, it uses another ROS_DOMAIN_ID, or it uses another topic name at run time."
+    fix = "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node again"
+    yield Finding("not-running", cause, "", fix)
 
 
 def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
@@ -253,12 +235,9 @@ def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
     for node in end.creation.source.nodes:
         text = getattr(node, "value", None)
         if isinstance(text, str) and text != word and text.strip().lower() == word.lower():
-            yield Finding(
-                "word-unanswered",
-                f"The command sends {word!r}, but the code compares with {text!r}: upper and lower case and spaces matter.",
-                end.creation.source.at(node),
-                f"write {word!r} instead of {text!r}, or compare msg.data.strip().lower()",
-            )
+            cause = f"The command sends {word!r}, but the code compares with {text!r}: upper and lower case and spaces matter."
+            fix = f"write {word!r} instead of {text!r}, or compare msg.data.strip().lower()"
+            yield Finding("word-unanswered", cause, end.creation.source.at(node), fix)
 
 
 def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
@@ -285,12 +264,7 @@ def _parameter(plain: Sequence[str], line: str, look: Look) -> Iterator[Finding]
     if len(plain) > 1 and plain[1] not in declared and declared:
         wanted = nearest(plain[1], declared, 0.5)
         cause = f"No node here declares a parameter {plain[1]}; the declared ones are {', '.join(sorted(declared))}."
-        yield Finding(
-            "parameter-name",
-            cause,
-            "",
-            f"type `{line.replace(plain[1], wanted)}`" if wanted else "write one of these names",
-        )
+        yield Finding("parameter-name", cause, "", _retyped(line, plain[1], wanted))
 
 
 def _read_once(name: str, look: Look) -> Iterator[Finding]:
@@ -310,12 +284,11 @@ def _read_once(name: str, look: Look) -> Iterator[Finding]:
         ]
         is_told = any("add_on_set_parameters_callback" in source.text for source in sources.sources.values())
         if reads and not is_told and all(function and function.name == "__init__" for function, _ in reads):
-            yield Finding(
-                "parameter-once",
-                f"The node reads the parameter {name} only in __init__, so setting it later changes nothing.",
-                reads[0][1],
-                f"write self.get_parameter('{name}').value in the callback, where the value is used",
+            cause = (
+                f"The node reads the parameter {name} only in __init__, so setting it later changes nothing."
             )
+            fix = f"write self.get_parameter('{name}').value in the callback, where the value is used"
+            yield Finding("parameter-once", cause, reads[0][1], fix)
 
 
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
@@ -324,19 +297,9 @@ def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
     is_named = f"/{name.rpartition('/')[2]}" in nodes  # in any namespace
     if nodes and not is_named:
         cause = f"No node here is named {name}; the nodes are {', '.join(sorted(nodes))}."
-        yield Finding(
-            "typed-wrong",
-            cause,
-            "",
-            f"type `{line.replace(name, wanted)}`"
-            if wanted
-            else "write one of these names, as `ros2 node list` shows it",
-        )
+        fix = _retyped(line, name, wanted, "write one of these names, as `ros2 node list` shows it")
+        yield Finding("typed-wrong", cause, "", fix)
     elif nodes:
         cause = f"The node {name} is not running in this terminal's domain."
-        yield Finding(
-            "not-running",
-            cause,
-            "",
-            "start it in another terminal with the same ROS_DOMAIN_ID, and check `ros2 node list`",
-        )
+        fix = "start it in another terminal with the same ROS_DOMAIN_ID, and check `ros2 node list`"
+        yield Finding("not-running", cause, "", fix)

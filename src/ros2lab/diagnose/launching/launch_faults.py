@@ -56,12 +56,9 @@ def _package_fault(
         if is_near_miss(name, other) and _may_have(package, node, executables.get(other))
     )
     if wanted := next(near, None):
-        yield Finding(
-            "launch-package",
-            f"The launch file starts a node of the package {name}, but the package is called {wanted}.",
-            node.place,
-            f"write {wanted} instead of {name}",
-        )
+        cause = f"The launch file starts a node of the package {name}, but the package is called {wanted}."
+        fix = f"write {wanted} instead of {name}"
+        yield Finding("launch-package", cause, node.place, fix)
 
 
 def _executable_fault(
@@ -78,14 +75,13 @@ def _executable_fault(
         meant = by_another_name(package, executable)
         near = meant[0].name if meant else nearest(executable, there, 0.6)
         said = "" if meant else did_you_mean(executable, there)
-        yield Finding(
-            "launch-executable",
-            f"The launch file starts {executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}",
-            node.place,
+        cause = f"The launch file starts {executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}"
+        fix = (
             f"write {near} instead of {executable}"
             if near
-            else "write the executable's name as it is in entry_points in setup.py",
+            else "write the executable's name as it is in entry_points in setup.py"
         )
+        yield Finding("launch-executable", cause, node.place, fix)
 
 
 def _may_have(package: SourcePackage, node: Launched, there: Collection[str] | None) -> bool:
@@ -119,13 +115,9 @@ def _no_entry_point(package: SourcePackage, node: Launched, executable: str, mod
         # As the first one, it needs no comma that the last one may lack.
         where = f"write `'{row}',` as the first entry point in 'console_scripts' in {place}"
     other = f", write {name} instead of {executable} in {node.place}" if name != executable else ""
-    return Finding(
-        "launch-executable",
-        f"The launch file starts {executable}, which is {shown}, but no entry point in setup.py calls it, so it is not an executable.",
-        node.place,
-        f"{where}{other}, and build again",
-        (name,),
-    )
+    cause = f"The launch file starts {executable}, which is {shown}, but no entry point in setup.py calls it, so it is not an executable."
+    fix = f"{where}{other}, and build again"
+    return Finding("launch-executable", cause, node.place, fix, (name,))
 
 
 def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
@@ -143,15 +135,16 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
                 fix = f"{elsewhere.command}, with {row} in data_files of setup.py, and build again"
                 yield Finding("parameter-file-missing", cause, node.place, fix)
                 continue
-            yield Finding(
-                "parameter-file-missing",
+            cause = (
                 f"The launch file uses the parameter file {path} of {package}, but there is no such file"
-                + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
-                node.place,
+                + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults.")
+            )
+            fix = (
                 f"write {wanted} instead of {path.rpartition('/')[2]} in the launch file"
                 if wanted
-                else f"create the file {path}, and add it to data_files in setup.py",
+                else f"create the file {path}, and add it to data_files in setup.py"
             )
+            yield Finding("parameter-file-missing", cause, node.place, fix)
 
 
 def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
@@ -173,12 +166,8 @@ def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
         whole = f"write `{logged}` instead of `{ast.unparse(prints[0])}`" if logged else ""
         others = ", and likewise for the other prints" if whole and len(prints) > 1 else ""
         fix = f"{whole}{others}{'; or ' if whole else ''}{'' if whole else 'write '}output='screen' in its Node(...) of the launch file"
-        yield Finding(
-            "never-shown",
-            f"{node.executable} prints with print(), but launch shows only log messages unless output='screen' is given.",
-            source.at(prints[0]),
-            fix,
-        )
+        cause = f"{node.executable} prints with print(), but launch shows only log messages unless output='screen' is given."
+        yield Finding("never-shown", cause, source.at(prints[0]), fix)
 
 
 def _is_installed(package: SourcePackage, path: str) -> bool:

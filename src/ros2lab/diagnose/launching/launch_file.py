@@ -166,12 +166,9 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             continue
         for keyword in node.keywords:
             if _lacks_brackets(source, node, keyword):
-                yield Finding(
-                    "launch-argument",
-                    f"{keyword.arg} must be a list, but {ast.unparse(keyword.value)[:60]} is not one: the brackets around it are missing.",
-                    source.at(keyword.value),
-                    f"write {keyword.arg}={_as_list(keyword.value)}",
-                )
+                cause = f"{keyword.arg} must be a list, but {ast.unparse(keyword.value)[:60]} is not one: the brackets around it are missing."
+                fix = f"write {keyword.arg}={_as_list(keyword.value)}"
+                yield Finding("launch-argument", cause, source.at(keyword.value), fix)
 
 
 def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) -> bool:
@@ -223,12 +220,9 @@ def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Findin
             yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
     if not used.keys() - declared.keys():
         for name in declared.keys() - used.keys() - {*worded}:
-            yield Finding(
-                "launch-unused",
-                f"The launch argument {name} is declared but never used, so it changes nothing.",
-                source.at(declared[name]),
-                f"pass it to a node: parameters=[{{'{name}': LaunchConfiguration('{name}')}}]",
-            )
+            cause = f"The launch argument {name} is declared but never used, so it changes nothing."
+            fix = f"pass it to a node: parameters=[{{'{name}': LaunchConfiguration('{name}')}}]"
+            yield Finding("launch-unused", cause, source.at(declared[name]), fix)
 
 
 def _nodes(source: PythonSource) -> Iterator[Launched]:

@@ -47,12 +47,8 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
                     "remappings": "pairs of old and new names",
                 }
                 cause = f"{name} is given {what[form]}, which belong elsewhere."
-                yield Finding(
-                    "launch-argument",
-                    cause,
-                    source.at(keyword.value),
-                    f"write {new} instead of {name}={ast.unparse(keyword.value)}",
-                )
+                fix = f"write {new} instead of {name}={ast.unparse(keyword.value)}"
+                yield Finding("launch-argument", cause, source.at(keyword.value), fix)
 
 
 def joined_words(source: PythonSource) -> Iterator[Finding]:

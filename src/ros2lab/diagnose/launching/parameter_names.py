@@ -125,14 +125,12 @@ def _fault(
         declare = f"self.declare_parameter({name!r}, {value!r})"
         others = {other for other, _ in _flat(among)}
         close = nearest(name, [*declared], 0.7) or nearest(name, {*declared} - others, 0.5)
-        yield Finding(
-            "parameter-name",
-            cause,
-            place,
+        fix = (
             f"{write_instead(close, name, others)}, or declare it: {declare}"
             if close
-            else f"declare it: {declare}",
+            else f"declare it: {declare}"
         )
+        yield Finding("parameter-name", cause, place, fix)
 
 
 def _may_declare(files: NodeSources, name: str) -> bool:

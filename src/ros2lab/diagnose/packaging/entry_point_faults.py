@@ -43,12 +43,9 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         and (wrong := nearest("console_scripts", groups, 0.8))
         and "console_scripts" not in groups
     ):
-        yield Finding(
-            "entry-points-key",
-            f"setup.py has {wrong!r} in entry_points, but the key must be 'console_scripts', so no executable is installed.",
-            place,
-            "write 'console_scripts' with an s",
-        )
+        cause = f"setup.py has {wrong!r} in entry_points, but the key must be 'console_scripts', so no executable is installed."
+        fix = "write 'console_scripts' with an s"
+        yield Finding("entry-points-key", cause, place, fix)
     elif (
         points == []
         and not _has_scripts(package, setup)
@@ -59,12 +56,9 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         shown = package.sources[main].shown
         new = f"{shown.rpartition('/')[0]}/{named.rpartition('.')[2]}.py"
         before = "" if can_be_named(main) else f"mv {quote(shown)} {quote(new)}, and "
-        yield Finding(
-            "entry-points-missing",
-            f"setup.py has no entry point, so {main} cannot be run with `ros2 run`.",
-            place,
-            f"{before}add '{named.rpartition('.')[2]} = {named}:main' to 'console_scripts' in entry_points",
-        )
+        cause = f"setup.py has no entry point, so {main} cannot be run with `ros2 run`."
+        fix = f"{before}add '{named.rpartition('.')[2]} = {named}:main' to 'console_scripts' in entry_points"
+        yield Finding("entry-points-missing", cause, place, fix)
     yield from _of_another(setup, package.sources)
     seen: dict[str, EntryPoint] = {}
     for point in points or ():
@@ -100,14 +94,13 @@ def _first_main(package: SourcePackage) -> str | None:
 
 def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Finding:
     is_same = (point.module, point.function) == (first.module, first.function)
-    return Finding(
-        "entry-point-twice",
-        f"The executable {point.name} is listed twice in entry_points, so setuptools rejects setup.py.",
-        at(setup.source.shown, point.line),
+    cause = f"The executable {point.name} is listed twice in entry_points, so setuptools rejects setup.py."
+    fix = (
         f"remove this line: line {first.line} says the same"
         if is_same
-        else "give one of the two another name",
+        else "give one of the two another name"
     )
+    return Finding("entry-point-twice", cause, at(setup.source.shown, point.line), fix)
 
 
 def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
@@ -151,12 +144,9 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
         yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)
     elif not point.function:
-        yield Finding(
-            "entry-point-no-function",
-            f"The entry point {point.name} names the module {point.module} but no function in it.",
-            place,
-            f"write '{point.name} = {point.module}:{meant_function(package, point.module)}'",
-        )
+        cause = f"The entry point {point.name} names the module {point.module} but no function in it."
+        fix = f"write '{point.name} = {point.module}:{meant_function(package, point.module)}'"
+        yield Finding("entry-point-no-function", cause, place, fix)
     elif source is not None:
         yield from _function_fault(package, source, point, place)
 
@@ -172,24 +162,20 @@ def _function_fault(
         # The constructor of another class may run the whole program.
         if not _is_only_a_node(source, made):
             return
-        yield Finding(
-            "entry-point-function",
-            f"The executable {point.name} calls the class {point.function}, but it must call a function that makes and runs the node.",
-            place,
-            f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
-        )
+        cause = f"The executable {point.name} calls the class {point.function}, but it must call a function that makes and runs the node."
+        fix = f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin"
+        yield Finding("entry-point-function", cause, place, fix)
     elif (function := _demanding(source, point.function)) is not None:
         names = [argument.arg for argument in function.args.args]
         required = names[: len(names) - len(function.args.defaults)]
         given = copy.deepcopy(function.args)
         given.defaults = [*(ast.Constant(None) for _ in required), *function.args.defaults]
         returns = f" -> {ast.unparse(function.returns)}" if function.returns else ""
-        yield Finding(
-            "entry-point-function",
-            f"`ros2 run` calls {point.function}() without arguments, but it requires {', '.join(required)}.",
-            source.at(function),
-            f"write def {point.function}({ast.unparse(given)}){returns}:",
+        cause = (
+            f"`ros2 run` calls {point.function}() without arguments, but it requires {', '.join(required)}."
         )
+        fix = f"write def {point.function}({ast.unparse(given)}){returns}:"
+        yield Finding("entry-point-function", cause, source.at(function), fix)
     elif not source.fault and not _has(source, point.function):
         if "." in point.function and (meant := of_its_parts(package, point)):
             yield put_in_order(package, point, meant, place)
@@ -304,12 +290,9 @@ def _missing_function(package: SourcePackage, source: PythonSource, point: Entry
         cause = f"{calls} the function is called {point.name}: the executable's name comes first."
         fix = f"write '{point.function} = {point.module}:{point.name}', and build again"
         return Finding("entry-point-function", cause, place, fix)
-    return Finding(
-        "entry-point-function",
-        f"{calls} there is no such function.{did_you_mean(point.function, functions)}",
-        place,
-        f"write the function you mean in setup.py ({source.shown} has {', '.join(functions)}), or {define} there",
-    )
+    cause = f"{calls} there is no such function.{did_you_mean(point.function, functions)}"
+    fix = f"write the function you mean in setup.py ({source.shown} has {', '.join(functions)}), or {define} there"
+    return Finding("entry-point-function", cause, place, fix)
 
 
 def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own: bool) -> Finding:
@@ -333,13 +316,9 @@ def _renamed(package: SourcePackage, point: EntryPoint, lies: Path, wanted: Path
     shown = [package.shown(os.path.relpath(path, package.folder)) for path in (lies, wanted)]
     folder = quote(shown[1].rpartition("/")[0])
     make = "" if wanted.parent.is_dir() else f"mkdir -p {folder} && touch {folder}/__init__.py && "
-    return Finding(
-        "entry-point-module",
-        f"The entry point {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} instead.",
-        place,
-        f"{make}mv {quote(shown[0])} {quote(shown[1])}, then colcon build --packages-select {package.name}",
-        (shown[0],),
-    )
+    cause = f"The entry point {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} instead."
+    fix = f"{make}mv {quote(shown[0])} {quote(shown[1])}, then colcon build --packages-select {package.name}"
+    return Finding("entry-point-module", cause, place, fix, (shown[0],))
 
 
 def _lies(package: SourcePackage, wanted: Path) -> Path | None:

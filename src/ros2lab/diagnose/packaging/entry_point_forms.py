@@ -39,12 +39,9 @@ def wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding
         for entry in re.findall(r"(?<![\w-])[\w-]+\s*=\s*[\w.]+:\w+(?=[\s,;]|$)", point.text)
     ]
     if len(parts) > 1:
-        return Finding(
-            "entry-point-comma",
-            f"Two entry points are in one string: {point.text!r}; each needs its own quotes, with a comma between them.",
-            place,
-            f"write {', '.join(map(repr, parts))}",
-        )
+        cause = f"Two entry points are in one string: {point.text!r}; each needs its own quotes, with a comma between them."
+        fix = f"write {', '.join(map(repr, parts))}"
+        return Finding("entry-point-comma", cause, place, fix)
     if meant := of_its_parts(package, point):
         return put_in_order(package, point, meant, place)
     cause = f"The entry point {point.text!r} {_why(point.text)}."

@@ -26,23 +26,17 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
         if links := [*_links(root, package, root / "install" / package.name)]:
             yield from links  # it was built, and its marker is one of the links
         elif (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
-            yield Finding(
-                "not-built",
-                f"The package {package.name} is in src but not in install: it was never built, or its build failed.",
-                package.shown(""),
-                f"{_BUILD} {package.name}, and read what it says",
-            )
+            cause = f"The package {package.name} is in src but not in install: it was never built, or its build failed."
+            fix = f"{_BUILD} {package.name}, and read what it says"
+            yield Finding("not-built", cause, package.shown(""), fix)
         return
     by_hand = dict(edited(root, package))
     for shown, copy in by_hand.items():
         is_since = (root / shown).stat().st_mtime > _built_at(root)
         save = f"compare the two (diff {quote(shown)} {quote(str(copy))}), and copy into {shown} what you want to keep"
-        yield Finding(
-            "edited-in-install",
-            f"{copy} was edited by hand after the build and differs from src: the next build will overwrite it.",
-            str(copy),
-            f"{save if is_since else f'cp {quote(str(copy))} {quote(shown)}'}, then {_BUILD} {package.name}, and edit only files in src",
-        )
+        cause = f"{copy} was edited by hand after the build and differs from src: the next build will overwrite it."
+        fix = f"{save if is_since else f'cp {quote(str(copy))} {quote(shown)}'}, then {_BUILD} {package.name}, and edit only files in src"
+        yield Finding("edited-in-install", cause, str(copy), fix)
     yield from _links(root, package, prefix)
     yield from _left_over(root, package, prefix)
     changed = [shown for shown in _changed_files(prefix, package) if shown not in by_hand]
@@ -53,11 +47,13 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
             if changed
             else f"the entry point {missing[0]} was added or changed"
         )
+        cause = f"Since the last build {what}, so what runs is not what is in src."
+        fix = f"{_BUILD} {package.name} (with --symlink-install, edits to Python files need no rebuild)"
         yield Finding(
             "install-stale",
-            f"Since the last build {what}, so what runs is not what is in src.",
+            cause,
             changed[0] if changed else package.shown("setup.py"),
-            f"{_BUILD} {package.name} (with --symlink-install, edits to Python files need no rebuild)",
+            fix,
             (*(PurePosixPath(shown).name for shown in changed), *missing),
         )
 
@@ -177,12 +173,9 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
         again = f"rm -r {quote(shown_path(build, root))} {quote(shown_path(prefix, root))}, then {_BUILD} {package.name} --symlink-install"
         if is_moved:  # and with it what each package needs of the others
             again = "rm -rf build install log, then colcon build --symlink-install"
-        yield Finding(
-            "link-stale",
-            f"{shown_path(path, root)} points to {target}, but {why}.",
-            shown_path(path, root),
-            f"{again}, then source install/setup.bash in a new terminal",
-        )
+        cause = f"{shown_path(path, root)} points to {target}, but {why}."
+        fix = f"{again}, then source install/setup.bash in a new terminal"
+        yield Finding("link-stale", cause, shown_path(path, root), fix)
         return
 
 
@@ -223,12 +216,9 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
         ]
     for path in old if points else ():
         shown = shown_path(path, root)
-        yield Finding(
-            "left-over",
-            f"{shown} is left over from an earlier build: setup.py no longer names it, but it can still be started.",
-            shown,
-            f"rm {quote(shown)}; or name it in setup.py, if it is still wanted, and build again",
-        )
+        cause = f"{shown} is left over from an earlier build: setup.py no longer names it, but it can still be started."
+        fix = f"rm {quote(shown)}; or name it in setup.py, if it is still wanted, and build again"
+        yield Finding("left-over", cause, shown, fix)
 
 
 def _last_built(prefix: Path, package: SourcePackage) -> Path | None:
@@ -288,21 +278,17 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
         if not any(_same(prefix, own) for prefix in on_path):
             missing.append(name)
         elif not _same(on_path[0], own):
-            yield Finding(
-                "overlay-order",
-                f"{on_path[0]} comes before this workspace in AMENT_PREFIX_PATH and also has a package {name}, so that one runs.",
-                "",
-                f"open a new terminal, then source the other workspace first and {root}/install/setup.bash last",
-            )
+            cause = f"{on_path[0]} comes before this workspace in AMENT_PREFIX_PATH and also has a package {name}, so that one runs."
+            fix = f"open a new terminal, then source the other workspace first and {root}/install/setup.bash last"
+            yield Finding("overlay-order", cause, "", fix)
     if missing:
         is_earlier = any(prefix.is_relative_to(root / "install") for prefix in prefixes)
         has = f"sourced it before {', '.join(missing)} was built" if is_earlier else "not sourced it"
-        yield Finding(
-            "not-sourced",
-            f"The workspace is built but this terminal has {has}, so ROS does not find {', '.join(missing)}.",
-            "",
-            f"source {quote(f'{root}/install/setup.bash')}",
+        cause = (
+            f"The workspace is built but this terminal has {has}, so ROS does not find {', '.join(missing)}."
         )
+        fix = f"source {quote(f'{root}/install/setup.bash')}"
+        yield Finding("not-sourced", cause, "", fix)
 
 
 def _same(first: Path, second: Path) -> bool:

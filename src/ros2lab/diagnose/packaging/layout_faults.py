@@ -77,30 +77,21 @@ def hidden(skipped: PassedOver, copies: Sequence[str] = ()) -> Finding:
     root = skipped.package.root
     if skipped.is_nested and root and (file := takes_for_package(skipped.by, root)):
         where = shown_path(skipped.by / file, root)
-        return Finding(
-            "package-passed-over",
-            f"colcon takes the folder {skipped.by} for a package because of {where}, so it does not look inside for {name}.",
-            where,
-            f"mv {quote(where)} {quote(where + '.away')}, and build again",
-        )
+        cause = f"colcon takes the folder {skipped.by} for a package because of {where}, so it does not look inside for {name}."
+        fix = f"mv {quote(where)} {quote(where + '.away')}, and build again"
+        return Finding("package-passed-over", cause, where, fix)
     if skipped.is_nested:
         outer = SourcePackage(skipped.by, root).name
         others = f"; leave its other copies where they are ({', '.join(copies)})" if copies else ""
         beside = skipped.by.parent
         is_free = not (beside / skipped.package.folder.name).exists()
         target = shown_path(beside, root) + "/" if is_free else shown_path(_free(beside / name), root)
-        return Finding(
-            "package-passed-over",
-            f"The package {name} is inside the package {outer}, and colcon does not look inside packages.",
-            folder,
-            f"mv {quote(folder)} {quote(target)}, and build again{others}",
-        )
-    return Finding(
-        "package-passed-over",
-        f"colcon skips the package {name} because of the file {by}.",
-        by,
-        f"rm {quote(by)}, and build again",
-    )
+        cause = f"The package {name} is inside the package {outer}, and colcon does not look inside packages."
+        fix = f"mv {quote(folder)} {quote(target)}, and build again{others}"
+        return Finding("package-passed-over", cause, folder, fix)
+    cause = f"colcon skips the package {name} because of the file {by}."
+    fix = f"rm {quote(by)}, and build again"
+    return Finding("package-passed-over", cause, by, fix)
 
 
 def _free(path: Path) -> Path:
@@ -114,12 +105,9 @@ def outside(root: Path, name: str = "") -> Iterator[Finding]:
     for file in sorted([*root.parent.glob("*/package.xml"), *root.parent.glob("src/*/package.xml")]):
         package = SourcePackage(file.parent)
         if root not in (file.parent, *file.parents) and name in ("", package.name):
-            yield Finding(
-                "package-outside",
-                f"The package {package.name} is in {file.parent}, outside the workspace {root}, so it is not built.",
-                str(file.parent),
-                f"mv {quote(str(file.parent))} {quote(f'{root}/src/')}, and run colcon build in {root}",
-            )
+            cause = f"The package {package.name} is in {file.parent}, outside the workspace {root}, so it is not built."
+            fix = f"mv {quote(str(file.parent))} {quote(f'{root}/src/')}, and run colcon build in {root}"
+            yield Finding("package-outside", cause, str(file.parent), fix)
 
 
 def _built_elsewhere(root: Path, packages: Collection[SourcePackage]) -> Iterator[Finding]:
@@ -136,12 +124,9 @@ def _built_elsewhere(root: Path, packages: Collection[SourcePackage]) -> Iterato
         own = [name for name in made if name != "log"]
         is_edited = any(edited(folder, package) for package in packages)
         remove = f"rm -r {' '.join(quote(f'{where}/{name}') for name in made or own)}, then "
-        yield Finding(
-            "build-elsewhere",
-            f"colcon build was run in {where}, so what it built is there, not in {root}/install.",
-            f"{where}/install",
-            f"{'' if is_edited or folder == root.parent else remove}cd {root}, run colcon build there, and source install/setup.bash",
-        )
+        cause = f"colcon build was run in {where}, so what it built is there, not in {root}/install."
+        fix = f"{'' if is_edited or folder == root.parent else remove}cd {root}, run colcon build there, and source install/setup.bash"
+        yield Finding("build-elsewhere", cause, f"{where}/install", fix)
 
 
 def _not_writable(root: Path, packages: Collection[SourcePackage]) -> Iterator[Finding]:
@@ -151,10 +136,7 @@ def _not_writable(root: Path, packages: Collection[SourcePackage]) -> Iterator[F
         if path.exists() and not os.access(path, os.W_OK):
             owner = path.stat().st_uid
             whose = "root, as after a build with sudo" if owner == 0 else f"the user {owner}"
-            yield Finding(
-                "not-writable",
-                f"{shown_path(path, root)} belongs to {whose}, so colcon cannot write there.",
-                shown_path(path, root),
-                f'sudo chown -R "$USER" {quote(str(root))}, and build without sudo',
-            )
+            cause = f"{shown_path(path, root)} belongs to {whose}, so colcon cannot write there."
+            fix = f'sudo chown -R "$USER" {quote(str(root))}, and build without sudo'
+            yield Finding("not-writable", cause, shown_path(path, root), fix)
             return

@@ -42,12 +42,9 @@ def manifest_faults(
     """Yield what is wrong with the package.xml of a package for ROS; of the plain packages, it need not declare any."""
     shown = package.shown("package.xml")
     if not package.has("package.xml") and (misnamed := renamed_manifest(package)):
-        yield Finding(
-            "manifest-invalid",
-            f"The manifest is called {misnamed} but must be called package.xml, so colcon does not treat this as a ROS package.",
-            package.shown(misnamed),
-            f"mv {quote(package.shown(misnamed))} {quote(shown)}",
-        )
+        cause = f"The manifest is called {misnamed} but must be called package.xml, so colcon does not treat this as a ROS package."
+        fix = f"mv {quote(package.shown(misnamed))} {quote(shown)}"
+        yield Finding("manifest-invalid", cause, package.shown(misnamed), fix)
         return
     if not package.has("package.xml"):
         yield no_manifest(package)
@@ -60,12 +57,8 @@ def manifest_faults(
             package.manifest_line,
             "change it as it says; `colcon list` then shows (ros.ament_python)",
         )
-        yield Finding(
-            "manifest-invalid",
-            f"package.xml is not valid, so colcon does not treat this as a ROS package: {said}",
-            at(shown, line),
-            fix,
-        )
+        cause = f"package.xml is not valid, so colcon does not treat this as a ROS package: {said}"
+        yield Finding("manifest-invalid", cause, at(shown, line), fix)
         return
     yield from _build_type_faults(package, shown)
     yield from _dependency_faults(package, shown, workspace_names, plain)
@@ -73,12 +66,11 @@ def manifest_faults(
 
 def no_manifest(package: SourcePackage) -> Finding:
     """Return a finding that a package for ROS has no package.xml."""
-    return Finding(
-        "manifest-invalid",
-        f"The package {package.name} has no package.xml, so colcon and ROS do not treat it as a ROS package.",
-        package.shown("package.xml"),
-        "write a package.xml next to setup.py; `ros2 pkg create --build-type ament_python` creates one",
+    cause = (
+        f"The package {package.name} has no package.xml, so colcon and ROS do not treat it as a ROS package."
     )
+    fix = "write a package.xml next to setup.py; `ros2 pkg create --build-type ament_python` creates one"
+    return Finding("manifest-invalid", cause, package.shown("package.xml"), fix)
 
 
 def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
@@ -92,13 +84,14 @@ def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
         by_name = {package.name: package for package in packages}
         wanted, user = next((edge for edge in edges if not mentions(by_name[edge[1]], edge[0])), edges[0])
         package = by_name[user]
-        yield Finding(
-            "dependency-circle",
-            f"colcon cannot decide which package to build first, because each of these depends on the next: {' -> '.join(circle[::-1])}.",
-            at(package.shown("package.xml"), manifest_line(package, wanted)),
+        cause = f"colcon cannot decide which package to build first, because each of these depends on the next: {' -> '.join(circle[::-1])}."
+        fix = (
             f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
             if not mentions(package, wanted)
-            else f"move what {user} uses from {wanted} into a separate package that both depend on, and remove this dependency",
+            else f"move what {user} uses from {wanted} into a separate package that both depend on, and remove this dependency"
+        )
+        yield Finding(
+            "dependency-circle", cause, at(package.shown("package.xml"), manifest_line(package, wanted)), fix
         )
 
 
@@ -118,18 +111,12 @@ def _needed(package: SourcePackage) -> list[Any]:
 def _no_setup(package: SourcePackage) -> Finding:
     """Return that a Python package has no setup.py, or one of nearly that name."""
     if called := alike(package.folder, "setup.py"):
-        return Finding(
-            "setup-missing",
-            f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}.",
-            package.shown(called),
-            f"mv {quote(package.shown(called))} {quote(package.shown('setup.py'))}, and build again",
-        )
-    return Finding(
-        "setup-missing",
-        f"The package {package.name} is an ament_python package but has no setup.py, which says what to install.",
-        package.shown("setup.py"),
-        f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points",
-    )
+        cause = f"The file is called {called} but must be called setup.py: {differs(called, 'setup.py')}."
+        fix = f"mv {quote(package.shown(called))} {quote(package.shown('setup.py'))}, and build again"
+        return Finding("setup-missing", cause, package.shown(called), fix)
+    cause = f"The package {package.name} is an ament_python package but has no setup.py, which says what to install."
+    fix = f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, copy setup.py, setup.cfg and resource from there next to package.xml, and add the executables to entry_points"
+    return Finding("setup-missing", cause, package.shown("setup.py"), fix)
 
 
 def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
@@ -142,12 +129,9 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
     if len(several) > 1:
         yield _several_build_types(package, shown, several)
     elif kind is None and near:
-        yield Finding(
-            "build-type-missing",
-            f"package.xml has <{near}>, but the tag is called <build_type>, so colcon does not know how to build this.",
-            at(shown, manifest_line(package, near)),
-            "write `<build_type>ament_python</build_type>`",
-        )
+        cause = f"package.xml has <{near}>, but the tag is called <build_type>, so colcon does not know how to build this."
+        fix = "write `<build_type>ament_python</build_type>`"
+        yield Finding("build-type-missing", cause, at(shown, manifest_line(package, near)), fix)
     elif kind is None and not has_cmake:
         cause = "package.xml has no <build_type>, so colcon takes this for an old catkin package and expects a CMakeLists.txt."
         yield _with_build_type("build-type-missing", cause, package, "ament_python")
@@ -198,12 +182,9 @@ def _not_installed_by_cmake(package: SourcePackage, shown: str, file: str) -> Fi
     create = f"ros2 pkg create {name} --build-type ament_python"
     create += f" --dependencies {' '.join(needs)}" if needs else ""
     folder = package.shown("").rstrip("/")
-    return Finding(
-        "build-type-cmake",
-        f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python.",
-        place,
-        f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(folder.rpartition('/')[0] or '.')} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
-    )
+    cause = f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python."
+    fix = f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(folder.rpartition('/')[0] or '.')} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}"
+    return Finding("build-type-cmake", cause, place, fix)
 
 
 def _python_alone(package: SourcePackage) -> str:
@@ -270,25 +251,19 @@ def _dependency_faults(
         if name in known:
             continue
         if name in sys.stdlib_module_names - _LIBRARIES:
-            yield Finding(
-                "dependency-not-ros",
-                f"package.xml declares {name}, which is part of Python, not a package, so rosdep cannot find it.",
-                place,
-                f"remove the line with {name}",
-                (name,),
-            )
+            cause = f"package.xml declares {name}, which is part of Python, not a package, so rosdep cannot find it."
+            fix = f"remove the line with {name}"
+            yield Finding("dependency-not-ros", cause, place, fix, (name,))
         elif wanted := _of_ros_2(name) or next(
             (candidate for candidate in sorted(known) if _is_slip(package, name, candidate)), None
         ):
-            yield Finding(
-                "dependency-unknown",
-                f"package.xml declares {name}, but there is no such package; the name is {wanted}.",
-                place,
+            cause = f"package.xml declares {name}, but there is no such package; the name is {wanted}."
+            fix = (
                 f"remove this line: {wanted} is declared as well"
                 if wanted in declared
-                else f"write {wanted} instead of {name}",
-                (name,),
+                else f"write {wanted} instead of {name}"
             )
+            yield Finding("dependency-unknown", cause, place, fix, (name,))
     yield from _undeclared(
         package, {*declared} | package.conditional, known - {*plain}, set(workspace_names) - {*plain}
     )
@@ -359,13 +334,9 @@ def _undeclared(
     for name, place in launched_packages(package):
         if name in own and name not in launched | declared | {package.name}:
             launched.add(name)
-            yield Finding(
-                "dependency-launched",
-                f"{place.partition(':')[0]} uses the package {name}, but package.xml does not declare it, so `colcon build --packages-up-to {package.name}` leaves it out.",
-                place,
-                f"add <exec_depend>{name}</exec_depend> to {package.shown('package.xml')}",
-                (name,),
-            )
+            cause = f"{place.partition(':')[0]} uses the package {name}, but package.xml does not declare it, so `colcon build --packages-up-to {package.name}` leaves it out."
+            fix = f"add <exec_depend>{name}</exec_depend> to {package.shown('package.xml')}"
+            yield Finding("dependency-launched", cause, place, fix, (name,))
     for source in package.sources.values():
         if re.search(r"(^|/)tests?/", source.shown):
             continue
@@ -378,10 +349,6 @@ def _undeclared(
                 told.add(name)
                 if difflib.get_close_matches(name, [d for d in declared if d not in known], n=1, cutoff=0.85):
                     continue  # it is declared but misspelt, which is reported already
-                yield Finding(
-                    "dependency-undeclared",
-                    f"{source.shown} imports {name}, but package.xml does not declare it: it may be missing on another machine, and colcon may build in the wrong order.",
-                    source.at(imported.line),
-                    f"add <depend>{name}</depend> to package.xml",
-                    (name,),
-                )
+                cause = f"{source.shown} imports {name}, but package.xml does not declare it: it may be missing on another machine, and colcon may build in the wrong order."
+                fix = f"add <depend>{name}</depend> to package.xml"
+                yield Finding("dependency-undeclared", cause, source.at(imported.line), fix, (name,))

@@ -49,12 +49,9 @@ def packaging_faults(
     yield from path_faults(setup.source)
     yield from comma_faults(setup.source, "setup-syntax")
     if not setup.is_called:
-        yield Finding(
-            "setup-missing",
-            "setup.py never calls setup(), so nothing is installed.",
-            setup.source.shown,
-            "call setup(...) from setuptools",
-        )
+        cause = "setup.py never calls setup(), so nothing is installed."
+        fix = "call setup(...) from setuptools"
+        yield Finding("setup-missing", cause, setup.source.shown, fix)
         return
     yield from keys_twice(setup.source)
     yield from _taken_over(package, setup)
@@ -79,11 +76,13 @@ def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
     if not isinstance(table, dict) or "entry_points" not in setup.lines:
         return
     if not {*table, *table.get("dynamic", ())} & {"scripts", "entry-points"}:
+        cause = "pyproject.toml has a [project] table, so setuptools ignores the entry points in setup.py and installs no executable."
+        fix = f"rm {quote(package.shown('pyproject.toml'))}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]"
         yield Finding(
             "entry-points-missing",
-            "pyproject.toml has a [project] table, so setuptools ignores the entry points in setup.py and installs no executable.",
+            cause,
             at(package.shown("pyproject.toml"), line_with(text, "project")),
-            f"rm {quote(package.shown('pyproject.toml'))}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]",
+            fix,
         )
 
 
@@ -108,21 +107,17 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             yield Finding("package-folder-missing", cause, place, f"write {written} instead of {name!r}")
             return
         if called := alike(package.folder, name.replace(".", "/")):
-            yield Finding(
-                "package-folder-missing",
-                f"The folder is called {called}, but setup.py installs the Python package {name}: {differs(called, name)}.",
-                place,
-                f"mv {quote(package.shown(called))} {quote(package.shown(name.replace('.', '/')))}, and build again",
-            )
+            cause = f"The folder is called {called}, but setup.py installs the Python package {name}: {differs(called, name)}."
+            fix = f"mv {quote(package.shown(called))} {quote(package.shown(name.replace('.', '/')))}, and build again"
+            yield Finding("package-folder-missing", cause, place, fix)
             continue
         if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
             line = setup.line("package_dir") or line_with(setup.source.text, "package_dir")
-            yield Finding(
-                "package-folder-missing",
-                f"package_dir makes setup.py look for {name} in another folder, but it is next to setup.py.",
-                at(setup.source.shown, line),
-                "remove the line with package_dir",
+            cause = (
+                f"package_dir makes setup.py look for {name} in another folder, but it is next to setup.py."
             )
+            fix = "remove the line with package_dir"
+            yield Finding("package-folder-missing", cause, at(setup.source.shown, line), fix)
             continue
         if name != package.name and package.name in names:
             left = [listed for listed in names if folder_of(package, listed).is_dir()]
@@ -130,13 +125,12 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             yield Finding("package-folder-missing", cause, place, f"write packages={left!r}")
             continue
         beside = [path.name for path in package.folder.glob("*.py") if path.name != "setup.py"]
-        yield Finding(
-            "package-folder-missing",
+        cause = (
             f"setup.py installs the Python package {name}, but there is no folder {name} next to setup.py"
-            + (f" ({', '.join(sorted(beside))} are directly there)." if beside else "."),
-            place,
-            f"create the folder {name} in {package.shown('')} with an empty __init__.py, and put the nodes into it",
+            + (f" ({', '.join(sorted(beside))} are directly there)." if beside else ".")
         )
+        fix = f"create the folder {name} in {package.shown('')} with an empty __init__.py, and put the nodes into it"
+        yield Finding("package-folder-missing", cause, place, fix)
     for name in dict.fromkeys(needed_packages(package, setup)):
         if name not in names:
             yield not_listed(package, setup, name)
@@ -160,12 +154,9 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
     if not any(target == INDEX for target, _ in setup.data_files):
         marker = f"resource/{package.name}"
         made = "" if package.has(marker) else f"{_touched(package, marker)}, and "
-        yield Finding(
-            "marker-not-installed",
-            "setup.py does not install the marker file that ROS uses to find the package; colcon does it for you with a warning.",
-            place,
-            f"{made}add ('{INDEX}', ['{marker}']) to data_files",
-        )
+        cause = "setup.py does not install the marker file that ROS uses to find the package; colcon does it for you with a warning."
+        fix = f"{made}add ('{INDEX}', ['{marker}']) to data_files"
+        yield Finding("marker-not-installed", cause, place, fix)
     installed = {file for _, files in setup.data_files for file in files}
     # `ros2 launch` finds a file by its name, so a copy of an installed one need not be installed.
     found = {Path(file).name for file in installed}
@@ -176,13 +167,9 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         target = next((target for target, files in setup.data_files if relative in files), "")
         if target and not target.startswith("/") and not f"{target}/".startswith(f"{share}/"):
             written, line = setup.written(target)
-            yield Finding(
-                "installed-elsewhere",
-                f"{relative} is installed into {target}, but ROS looks for it in {share}.",
-                at(setup.source.shown, line),
-                f"write '{share}/{folder}' instead of {written}, and build again",
-                (path.name,),
-            )
+            cause = f"{relative} is installed into {target}, but ROS looks for it in {share}."
+            fix = f"write '{share}/{folder}' instead of {written}, and build again"
+            yield Finding("installed-elsewhere", cause, at(setup.source.shown, line), fix, (path.name,))
         is_copy = path in package.launch_files and path.name in found
         if relative not in installed and not is_copy:
             yield _left_out(package, setup, path, folder)

@@ -72,29 +72,25 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     given = package.manifest.name if package.manifest else ""
     if "-" in package.name:
         better = package.name.replace("-", "_")
-        yield Finding(
-            "package-name",
-            f"The name {package.name} has a hyphen, which a Python package name may not have; use an underscore.",
-            package.shown(""),
-            f"create the package again with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and rename the folders",
-        )
+        cause = f"The name {package.name} has a hyphen, which a Python package name may not have; use an underscore."
+        fix = f"create the package again with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and rename the folders"
+        yield Finding("package-name", cause, package.shown(""), fix)
     elif isinstance(name, str) and given and name.replace("-", "_") != given:
         if (package.folder / name).is_dir() and not (package.folder / given).is_dir():
+            cause = f"package.xml names the package {given}, but its folder and setup.py name it {name}: colcon goes by package.xml."
+            fix = f"write <name>{name}</name> in package.xml, then rm -r build install, build again, and source install/setup.bash in a new terminal"
             yield Finding(
                 "package-name",
-                f"package.xml names the package {given}, but its folder and setup.py name it {name}: colcon goes by package.xml.",
+                cause,
                 at(package.shown("package.xml"), manifest_line(package, given)),
-                f"write <name>{name}</name> in package.xml, then rm -r build install, build again, and source install/setup.bash in a new terminal",
+                fix,
                 (name,),
             )
             return
         line = line_with(setup.source.text, name) or setup.line("name")
-        yield Finding(
-            "package-name",
-            f"setup.py names the package {name}, but package.xml names it {given}.",
-            at(setup.source.shown, line),
-            f"write {given} instead of {name}",
-        )
+        cause = f"setup.py names the package {name}, but package.xml names it {given}."
+        fix = f"write {given} instead of {name}"
+        yield Finding("package-name", cause, at(setup.source.shown, line), fix)
 
 
 def _keywords(setup: SetupScript) -> Iterator[Finding]:
@@ -236,20 +232,13 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
         elif not path.exists() and (called := alike(package.folder, file)):
             shown, wanted = package.shown(called), package.shown(file)
             cause = f"setup.py installs {file}, but there is {called} instead: {differs(called, file)}."
-            yield Finding(
-                "data-file-missing",
-                cause,
-                at(setup.source.shown, setup.line("data_files")),
-                f"mv {quote(shown)} {quote(wanted)}",
-            )
+            fix = f"mv {quote(shown)} {quote(wanted)}"
+            yield Finding("data-file-missing", cause, at(setup.source.shown, setup.line("data_files")), fix)
         elif not path.exists() and (close := like(path)) and not lies_elsewhere(package, file):
             shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
-            yield Finding(
-                "data-file-missing",
-                f"setup.py installs {file}, but there is no such file; there is {close}.",
-                at(setup.source.shown, setup.line("data_files")),
-                f"mv {quote(shown)} {quote(wanted)}",
-            )
+            cause = f"setup.py installs {file}, but there is no such file; there is {close}."
+            fix = f"mv {quote(shown)} {quote(wanted)}"
+            yield Finding("data-file-missing", cause, at(setup.source.shown, setup.line("data_files")), fix)
 
 
 def like(path: Any) -> str:
