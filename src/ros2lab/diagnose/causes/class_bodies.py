@@ -128,10 +128,9 @@ def _without_type(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:
     plain = {"'": "str", '"': "str"}
     number = (plain.get(default[1]) or ("float" if "." in default[1] else "int")) if default else "..."
     kind = factory[1] if factory and factory[1] != "lambda" else number
-    return (
-        f"{body.name} is made with field() but has no type.",
-        f"write {body.name}: {kind} = {ast.unparse(node.value)}",
-    )
+    cause = f"{body.name} is made with field() but has no type."
+    fix = f"write {body.name}: {kind} = {ast.unparse(node.value)}"
+    return cause, fix
 
 
 def _twice(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
@@ -172,10 +171,8 @@ def _frozen(body: _Body, match: re.Match[str]) -> tuple[str, str] | None:
 def _extended(_body: _Body, match: re.Match[str]) -> tuple[str, str]:
     base = match["base"]
     cause = f"{base} is an Enum with members, so it cannot be subclassed."
-    return (
-        cause,
-        f"write Enum instead of {base} in the parentheses, and write all the members in this class",
-    )
+    fix = f"write Enum instead of {base} in the parentheses, and write all the members in this class"
+    return cause, fix
 
 
 def _order(body: _Body, _match: re.Match[str]) -> tuple[str, str] | None:

@@ -52,10 +52,8 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     cause = f"{name}[{index}] asks for an element past the end of {name}{count}."
     if isinstance(asked.slice, ast.Constant):
         return _too_few(spot, name, index, cause)
-    return (
-        cause,
-        f"write {name}[{index} % len({name})] to start again at the first one, or check `if {index} < len({name}):` first",
-    )
+    fix = f"write {name}[{index} % len({name})] to start again at the first one, or check `if {index} < len({name}):` first"
+    return cause, fix
 
 
 def key_asked(spot: Spot, key: str = "") -> ast.Subscript | None:
@@ -86,10 +84,8 @@ def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     asked = key_asked(spot, match["name"])
     if asked is None:
         cause = f"The dictionary in `{spot.text}` has no key {match['name']}."
-        return (
-            cause,
-            "check first with `if ... in` whether the key is there, and compare the keys, including upper and lower case",
-        )
+        fix = "check first with `if ... in` whether the key is there, and compare the keys, including upper and lower case"
+        return cause, fix
     name, key = ast.unparse(asked.value), ast.unparse(asked.slice)
     dicts = [value for value in spot.assigned(name) if isinstance(value, ast.Dict)]
     keys = [ast.unparse(known) for made in dicts for known in made.keys if known]
@@ -98,19 +94,15 @@ def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     if not isinstance(asked.slice, ast.Constant):
         if may_be_left(spot):
             return cause, left_out(f"{key} not in {name}", f"{key} in {name}", key, spot)
-        return (
-            cause,
-            f"write {name}.get({key}, ...) instead of {name}[{key}], with a default for missing keys",
-        )
+        fix = f"write {name}.get({key}, ...) instead of {name}[{key}], with a default for missing keys"
+        return cause, fix
     if near:
         return cause, f"write {near} instead of {key}"
     if keys:
         more = f"; or add {key}: ... to the dictionary on line {dicts[0].lineno}"
         return f"{cause} It has {', '.join(keys)}.", f"use one of these instead of {key}{more}"
-    return (
-        cause,
-        f"print {name} on the line above, and use one of the keys it shows instead of {key}",
-    )
+    fix = f"print {name} on the line above, and use one of the keys it shows instead of {key}"
+    return cause, fix
 
 
 def _put(spot: Spot, element: ast.Subscript, name: str) -> str:

@@ -32,15 +32,13 @@ def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     anywhere = _lines(spot.file.nodes, ("init",))
     what = f"rclpy is not running when `{spot.text}` is reached"
     if inits and min(inits) > spot.line:
-        return (
-            f"{what}: rclpy.init() comes only on line {min(inits)}.",
-            f"move line {min(inits)} up, above line {spot.line}",
-        )
+        cause = f"{what}: rclpy.init() comes only on line {min(inits)}."
+        fix = f"move line {min(inits)} up, above line {spot.line}"
+        return cause, fix
     if before:
-        return (
-            f"{what}: line {max(before)} has already shut it down.",
-            f"move the line up, above line {max(before)}",
-        )
+        cause = f"{what}: line {max(before)} has already shut it down."
+        fix = f"move the line up, above line {max(before)}"
+        return cause, fix
     if not anywhere:
         fix = "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin"
         return f"{what}: it was not initialized yet, or has already been shut down.", fix

@@ -220,11 +220,8 @@ def _of_get(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
     place = leaf.source.at(call)
     if owner in ("os.environ", "environ"):
         cause = f"`{leaf.text}` returns None, because the variable {key} is not set where the program was started."
-        return (
-            cause,
-            place,
-            f"type export {key.strip(chr(39))}=... in the terminal before you start the program",
-        )
+        fix = f"type export {key.strip(chr(39))}=... in the terminal before you start the program"
+        return cause, place, fix
     made = [n for n in Spot(leaf.source, call.lineno).assigned(owner) if isinstance(n, ast.Dict)]
     keys = [ast.unparse(known) for node in made for known in node.keys if known]
     near = nearest(key, keys) if isinstance(call.args[0], ast.Constant) else None
@@ -240,11 +237,8 @@ def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told:
     place = source.at(last)
     if values:
         cause = f"{function.name}() returns nothing when none of its conditions is true."
-        return (
-            cause,
-            place,
-            f"add another return at its end for all other cases, as in `{ast.unparse(values[0])}`",
-        )
+        fix = f"add another return at its end for all other cases, as in `{ast.unparse(values[0])}`"
+        return cause, place, fix
     is_value = isinstance(last, ast.Expr) and not isinstance(last.value, ast.Call)
     fix = (
         f"write return {ast.unparse(last)}"

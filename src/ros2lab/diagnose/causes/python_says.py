@@ -65,10 +65,9 @@ def _other_class(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     for node in spot.nodes:
         match node:
             case ast.Call(func=ast.Name(id="super"), args=[given, *_]):
-                return (
-                    f"super() is given {ast.unparse(given)}, which is not the class it is used in.",
-                    f"write super() instead of {ast.unparse(node)}",
-                )
+                cause = f"super() is given {ast.unparse(given)}, which is not the class it is used in."
+                fix = f"write super() instead of {ast.unparse(node)}"
+                return cause, fix
     return cause, "write super() without arguments"
 
 
@@ -77,32 +76,27 @@ def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     where = f"{function.name}()" if function else "this function"
     cause = f"{where} assigns {name}, so {name} is a local variable everywhere in it, and here it has no value yet"
     if any(imported.local == name for imported in source.imports):
-        return (
-            f"{cause}: it hides the imported {name}.",
-            f"rename the variable, for example to {name.lower()}_",
-        )
+        cause = f"{cause}: it hides the imported {name}."
+        fix = f"rename the variable, for example to {name.lower()}_"
+        return cause, fix
     if function and name in (known := known_names(source)):
         return f"{cause}: it hides {known[name]}.", fix_of(name, function.name)
     at_top = [n for n in source.tree.body if isinstance(n, (ast.Assign, ast.AnnAssign))]
     if any(isinstance(i, ast.Name) and i.id == name for n in at_top for i in ast.walk(n)):
-        return (
-            f"{cause}: it is not the global {name}.",
-            f"write self.{name} everywhere, and set it in __init__; or write `global {name}` as the first line of {where}",
-        )
-    return (
-        f"{cause}.",
-        f"give {name} a value on the first line of {where}, in case no other line does",
-    )
+        cause = f"{cause}: it is not the global {name}."
+        fix = f"write self.{name} everywhere, and set it in __init__; or write `global {name}` as the first line of {where}"
+        return cause, fix
+    cause = f"{cause}."
+    fix = f"give {name} a value on the first line of {where}, in case no other line does"
+    return cause, fix
 
 
 def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     kind = match["kind"]
     if not spot.is_innermost:
         cause = f"What was passed to ROS as a callback is {kind_in_words(kind)}, not a function."
-        return (
-            cause,
-            "pass each create_timer and create_subscription a method, such as self.callback, without quotes or parentheses",
-        )
+        fix = "pass each create_timer and create_subscription a method, such as self.callback, without quotes or parentheses"
+        return cause, fix
     calls = spot.calls
     calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
     fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
@@ -141,14 +135,12 @@ def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
             line = next((imported.line for imported in spot.file.imports if imported.local == name), 0)
             if homes and line:
                 meant = name.rpartition(".")[2].capitalize()
-                return (
-                    f"{name} is the module here, not a class.",
-                    f"write `from {homes[0]} import {meant}` on line {line}",
-                )
-    return (
-        f"In `{spot.text}` there is a module where a class should be.",
-        "import the class from the module, and use it here",
-    )
+                cause = f"{name} is the module here, not a class."
+                fix = f"write `from {homes[0]} import {meant}` on line {line}"
+                return cause, fix
+    cause = f"In `{spot.text}` there is a module where a class should be."
+    fix = "import the class from the module, and use it here"
+    return cause, fix
 
 
 def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -160,10 +152,8 @@ def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         if own in used:
             what = "To set" if isinstance(used[own].ctx, ast.Store) else "Reading"
             cause = f"{what} {own} calls the property {function.name}() itself, endlessly."
-            return (
-                cause,
-                f"write self._{function.name} instead of {own} here, and wherever the property stores its value",
-            )
+            fix = f"write self._{function.name} instead of {own} here, and wherever the property stores its value"
+            return cause, fix
     if (
         function is not None
         and (call := _own_call(spot, function))

@@ -20,10 +20,8 @@ def by_zero(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
                 zeros = [value for value in values if getattr(value, "value", None) in (0, 0.0)]
                 if len(zeros) == 1 < len(values):
                     cause = f"{text} is still 0, as line {zeros[0].lineno} sets it, when {spot.function.name}() divides by it: nothing has set it to another value yet."
-                    return (
-                        cause,
-                        f"write `if {text} == 0:` above this line, and below that, indented, `return`",
-                    )
+                    fix = f"write `if {text} == 0:` above this line, and below that, indented, `return`"
+                    return cause, fix
     cause = f"`{spot.text}` divides by 0."
     return cause, "make sure the divisor is not 0; a period is 1.0 / rate, and both must be above 0"
 
@@ -37,10 +35,8 @@ def no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         if (call := next(calls, None)) is not None:
             given = ast.unparse(call.args[0])
             cause = f"int() needs a string with a whole number, but {match['name']} is not one."
-            return (
-                cause,
-                f"write float({given}) instead of int({given}); or, for {whole}, int(float({given}))",
-            )
+            fix = f"write float({given}) instead of int({given}); or, for {whole}, int(float({given}))"
+            return cause, fix
     cause = f"The string {match['name']} is not a number, so `{spot.text}` cannot convert it."
     return cause, "write a number with a decimal point and without a unit, or catch ValueError around it"
 

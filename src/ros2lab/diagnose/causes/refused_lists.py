@@ -96,17 +96,12 @@ def _of_literal(value: ast.expr, made: ast.List | ast.Tuple, kind: str, count: i
         filled = ", ".join([*more, *[_ZERO.get(kind, "0")] * (count - len(more))])
         return f"[{filled}]", f"a list of {len(made.elts)}"
     right = [_item(element, kind) for element in made.elts]
-    wrong = [
-        ast.unparse(element)
-        for element, new in zip(made.elts, right, strict=True)
-        if ast.unparse(element) != new
-    ]
+    texts = map(ast.unparse, made.elts)
+    wrong = [text for text, new in zip(texts, right, strict=True) if text != new]
+    given = f"a list with {', '.join(wrong)} in it"
     if made is not value:
-        return (
-            f"[{_made(kind, 'one')} for one in {ast.unparse(value)}]",
-            f"a list with {', '.join(wrong)} in it",
-        )
-    return f"[{', '.join(right)}]", f"a list with {', '.join(wrong)} in it"
+        return f"[{_made(kind, 'one')} for one in {ast.unparse(value)}]", given
+    return f"[{', '.join(right)}]", given
 
 
 def _item(element: ast.expr, kind: str) -> str:

@@ -144,11 +144,8 @@ def _named(module: str, file: Path, look: Look) -> tuple[list[str], SourcePackag
         for number, line in enumerate(package.setup.source.text.splitlines() if package.setup else (), 1):
             lines += [(package.setup.source, number)] if package.setup and f"{own}:" in line else []
         are_whole = all(own in source.text.splitlines()[line - 1] for source, line in lines)
-        return (
-            [*dict.fromkeys(source.at(line) for source, line in lines)],
-            package,
-            own if are_whole else module,
-        )
+        places = [*dict.fromkeys(source.at(line) for source, line in lines)]
+        return places, package, own if are_whole else module
     return [], None, module
 
 

@@ -81,10 +81,8 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
             taken = list(itertools.takewhile(lambda argument: not argument.startswith("-"), after))
             for value in reversed(taken):
                 rest = [argument for argument in after if argument is not value]
-                yield (
-                    [*before, value, name, *rest],
-                    f"{name} takes all the words after it, including {value!r}.",
-                )
+                why = f"{name} takes all the words after it, including {value!r}."
+                yield [*before, value, name, *rest], why
         elif action.nargs != 0 and (given or after):
             value, rest = (given, after) if sign else (after[0], after[1:])
             for right in _values_for(action, value):
@@ -92,10 +90,8 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
                 why = f"{name} takes {_kind(action)}, so it uses up {value!r}, which belongs to what follows."
                 is_other = not sign and (action.choices or not _NUMBER.match(value))
                 yield from [(kept, why)] if is_other else []
-                yield (
-                    [*before, name, right, *rest],
-                    f"{name} must be followed by {_kind(action)}, not {value!r}.",
-                )
+                why = f"{name} must be followed by {_kind(action)}, not {value!r}."
+                yield [*before, name, right, *rest], why
         elif action.nargs != 0:
             for right in _values_for(action, ""):
                 yield [*words, right], f"{name} must be followed by {_kind(action)}."
@@ -114,10 +110,8 @@ def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
             name, sign, value = words[number].rpartition("/")
         if name and sign and value:
             parted = [*words[:number], name, value, *words[number + 1 :]]
-            yield (
-                parted,
-                f"{name} and {value} must be two words here, with a space between them instead of {sign}.",
-            )
+            why = f"{name} and {value} must be two words here, with a space between them instead of {sign}."
+            yield parted, why
 
 
 def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
@@ -127,10 +121,8 @@ def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
         while end + 1 < len(words) and words[end].startswith("-"):
             end += 2
         moved = [*words[:start], *words[end:], *words[start:end]]
-        yield (
-            moved,
-            "--ros-args and what follows it must come after the names of the package and the executable.",
-        )
+        why = "--ros-args and what follows it must come after the names of the package and the executable."
+        yield moved, why
 
 
 def _unknown_option(
@@ -158,10 +150,8 @@ def _other_verb(
             near = nearest(wrong, action.choices, 0.6)
             if near:
                 said = " ".join(words[: depth + 1])
-                yield (
-                    [*words[: depth + 1], near, *words[depth + 2 :]],
-                    f"`{said}` has no {wrong}; there is {near}.",
-                )
+                why = f"`{said}` has no {wrong}; there is {near}."
+                yield [*words[: depth + 1], near, *words[depth + 2 :]], why
 
 
 def _parser(words: Sequence[str]) -> tuple[argparse.ArgumentParser, int]:
