@@ -45,12 +45,7 @@ _TRANSITION = _Kind(
 _REGISTERED = {
     "create_service": _Kind("service.py", 2, "callback", r"\w*Response", "{last}"),
     "add_on_set_parameters_callback": _Kind(
-        "node.py",
-        0,
-        "callback",
-        "SetParametersResult",
-        ACCEPTED,
-        "rcl_interfaces.msg",
+        "node.py", 0, "callback", "SetParametersResult", ACCEPTED, "rcl_interfaces.msg"
     ),
     "add_pre_set_parameters_callback": _Kind("node.py", 0, "callback", r"list\b.*", "{last}"),
     "goal_callback": _Kind("action/server.py", 4, "", "GoalResponse", "GoalResponse.ACCEPT", "rclpy.action"),

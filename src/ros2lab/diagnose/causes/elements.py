@@ -108,13 +108,11 @@ def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 def _put(spot: Spot, element: ast.Subscript, name: str) -> str:
     """Return how to fill a list whose elements are assigned one by one, in a loop or on separate lines."""
     nodes = [*own_nodes(spot.function)] if spot.function else spot.nodes
-    values = {
-        ast.unparse(node.targets[0].slice): ast.unparse(node.value)
-        for node in nodes
-        if isinstance(node, ast.Assign)
-        and isinstance(node.targets[0], ast.Subscript)
-        and ast.unparse(node.targets[0].value) == name
-    }
+    values: dict[str, str] = {}
+    for node in nodes:
+        match node:
+            case ast.Assign(targets=[ast.Subscript(value=owner, slice=index), *_], value=given):
+                values |= {ast.unparse(index): ast.unparse(given)} if ast.unparse(owner) == name else {}
     if any(isinstance(n, (ast.For, ast.While)) and element in ast.walk(n) for n in nodes):
         value = values[ast.unparse(element.slice)]
         return f"write `{name}.append({value})` instead of `{ast.unparse(element)} = {value}`"

@@ -15,6 +15,11 @@ from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import nearest
 
+# Each import that a path in a share folder needs, and how a file that has it is recognized.
+_IMPORTS = {
+    "import os": r"^import os\b",
+    "from ament_index_python.packages import get_package_share_directory": r"import.*get_package_share_directory",
+}
 _BUILD = "colcon build --packages-select"
 
 
@@ -76,15 +81,8 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
         cause = f"setup.py looks for {path} from its own folder on, and the file lies in {there.folder}."
         return Finding(SAID, cause, place, there.fix, (Path(path).name,))
     if not lies:
-        alike = next(
-            (
-                entry.name
-                for entry in package.folder.iterdir()
-                if entry.name.lower() == Path(path).name.lower()
-            ),
-            "",
-        )
-        if alike:
+        names = (entry.name for entry in package.folder.iterdir())
+        if alike := next((name for name in names if name.lower() == Path(path).name.lower()), ""):
             cause = f"There is no file {path}; there is {alike}, with different upper and lower case."
             return Finding(SAID, cause, place, f"write {alike!r} instead of {path!r}")
         cause = f"setup.py reads {path}, but there is no such file in the package."
@@ -95,18 +93,8 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
     cause = f"{path} is looked for in the terminal's current folder, not in the package {package.name}."
     is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
     more = "" if is_installed else f"; and add {installing(package, lies, lies)} to data_files in setup.py"
-    source = spot_at(place, look).source
-    needs = [
-        line
-        for line, name in (
-            ("import os", r"^import os\b"),
-            (
-                "from ament_index_python.packages import get_package_share_directory",
-                r"import.*get_package_share_directory",
-            ),
-        )
-        if source is None or not re.search(name, source.text, re.MULTILINE)
-    ]
+    text = spot_at(place, look).file.text
+    needs = [line for line, known in _IMPORTS.items() if not re.search(known, text, re.MULTILINE)]
     with_them = f", with `{'; '.join(needs)}` at the top" if needs else ""
     fix = f"write {share}{with_them}{more}"
     return Finding(SAID, cause, place, fix)

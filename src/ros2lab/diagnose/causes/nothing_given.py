@@ -19,6 +19,7 @@ from ros2lab.diagnose.sources.python_source import (
     PythonSource,
     assigned_to,
     given_to,
+    last_name,
     own_nodes,
     returns_value,
     walk,
@@ -151,20 +152,11 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
     future, source = call.func.value, leaf.source
     name = ast.unparse(future)
     scope = own_nodes(leaf.function) if leaf.function else source.nodes
-    waits = [
-        n
-        for n in scope
-        if isinstance(n, ast.Call)
-        and ast.unparse(n.func).endswith("spin_until_future_complete")
-        and n.lineno <= call.lineno
-    ]
+    before = [n for n in scope if isinstance(n, ast.Call) and n.lineno <= call.lineno]
+    waits = [n for n in before if ast.unparse(n.func).endswith("spin_until_future_complete")]
     if any(name in map(ast.unparse, n.args) for n in waits):
         cause = f"`{leaf.text}` is None: the response did not arrive in the time that line {waits[-1].lineno} waits."
-        return (
-            cause,
-            spot.place or origin.place,
-            _asked_first(origin.name, spot),
-        )
+        return (cause, spot.place or origin.place, _asked_first(origin.name, spot))
     cause = (
         f"`{leaf.text}` returns None until the response has arrived, and nothing before this waits for it."
     )
@@ -182,21 +174,11 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
 
 def _is_called_back(source: PythonSource, function: Function) -> bool:
     """Return whether a function is a callback of ROS, or is called by one."""
-    given = {
-        ast.unparse(value).rpartition(".")[2]
-        for n in source.nodes
-        if isinstance(n, ast.Call) and getattr(n.func, "attr", "").startswith("create_")
-        for value in given_to(n)
-        if isinstance(value, (ast.Name, ast.Attribute))
-    }
-    callers = {
-        node.name
-        for node in source.nodes
-        if isinstance(node, Function)
-        and any(
-            isinstance(n, ast.Call) and ast.unparse(n.func) == f"self.{function.name}" for n in walk(node)
-        )
-    }
+    calls = [n for n in source.nodes if isinstance(n, ast.Call)]
+    made = (call for call in calls if getattr(call.func, "attr", "").startswith("create_"))
+    given = {last_name(value) for call in made for value in given_to(call)}
+    own = (call.lineno for call in calls if ast.unparse(call.func) == f"self.{function.name}")
+    callers = {caller.name for line in own if (caller := source.function_at(line))}
     return bool({function.name, *callers} & given)
 
 

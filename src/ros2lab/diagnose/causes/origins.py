@@ -194,13 +194,9 @@ def _declared(source: PythonSource, value: ast.expr) -> ast.Call | None:
 
 
 def _kind_of_default(source: PythonSource, declared: ast.Call) -> str:
-    return (
-        _kind(source, declared.args[1])
-        if len(declared.args) > 1
-        else "?"
-        if declared.keywords
-        else "NoneType"
-    )
+    if len(declared.args) > 1:
+        return _kind(source, declared.args[1])
+    return "?" if declared.keywords else "NoneType"
 
 
 def _kind(source: PythonSource, value: ast.expr) -> str:

@@ -64,13 +64,8 @@ def _defined(name: str, look: Look) -> tuple[PythonSource, ast.FunctionDef] | No
 
 def _new_names(source: PythonSource, function: ast.FunctionDef, number: int) -> list[str]:
     """Return names for the parameters that a function lacks, by what it is passed to."""
-    passed = [
-        getattr(call.func, "attr", "")
-        for call in source.nodes
-        if isinstance(call, ast.Call)
-        for given in given_to(call)
-        if last_name(given) == function.name
-    ]
+    calls = (n for n in source.nodes if isinstance(n, ast.Call))
+    takers = [last_name(call.func) for call in calls if function.name in map(last_name, given_to(call))]
     if number > 1:
         return ["*args"]
-    return ["future"] if "add_done_callback" in passed else ["event"]
+    return ["future"] if "add_done_callback" in takers else ["event"]

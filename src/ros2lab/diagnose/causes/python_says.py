@@ -23,16 +23,17 @@ _PRINT = "print the values used on this line just above it, and see which one is
 
 
 _Said = Callable[[re.Match[str], Spot], tuple[str, str]]
+# A pattern, and a function that makes cause and fix of it, or both as texts, with its groups and the line filled in.
+_Saying = tuple[str, _Said] | tuple[str, str, str]
 
 
 def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
     """Return what an error means at a place; None if nothing is known of it."""
-    for pattern, said in _SAYINGS:
-        match = re.search(pattern, f"{kind}: {message}")
-        if match is not None and (spot.text or not place):
-            if not spot.text and said.__name__ == "of_line":
-                continue  # it quotes the line, which is not known
-            cause, fix = said(match, spot)
+    for saying in _SAYINGS if spot.text or not place else ():
+        match = re.search(saying[0], f"{kind}: {message}")
+        is_quoting = isinstance(saying[1], str) and "{text}" in saying[1]
+        if match is not None and (spot.text or not is_quoting):
+            cause, fix = _told(saying, match, spot)
             return Finding("python-error", cause, place, fix)
     known = getattr(builtins, kind, None)
     if not place or kind in ("CheckError", "TerminalError"):
@@ -49,6 +50,13 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
         return Finding("python-error", cause, place, f"write {held_in(name, held)} instead of {name}")
     where = f"in `{spot.text}`" if spot.text else "at this line"
     return Finding(SAID, f"Python stops {where} with {kind}: {message}".removesuffix(": "), place, _PRINT)
+
+
+def _told(saying: _Saying, match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    if len(saying) == 2:
+        return saying[1](match, spot)
+    groups = {**match.groupdict(default=""), "text": spot.text}
+    return saying[1].format(**groups), saying[2].format(**groups)
 
 
 def _taken_out(message: str, spot: Spot) -> tuple[str, str] | None:
@@ -183,19 +191,8 @@ def _overridden(spot: Spot, function: Function) -> str:
     return ""
 
 
-def _plain(cause: str, fix: str) -> _Said:
-    def of_line(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-        groups = {**match.groupdict(default=""), "text": spot.text}
-        return cause.format(**groups), fix.format(**groups)
-
-    def said(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-        return of_line(match, spot)
-
-    return of_line if "{text}" in cause else said
-
-
 # Python's own messages, and what they mean for a beginner; the first match counts.
-_SAYINGS: tuple[tuple[str, _Said], ...] = (
+_SAYINGS: tuple[_Saying, ...] = (
     (r"UnboundLocalError: .*variable '(?P<name>\w+)'", _local),
     (r"TypeError: '(?P<kind>\w+)' object is not callable", _called),
     (r"'NoneType' object has no attribute '(?P<name>\w+)'", _none),
@@ -207,121 +204,85 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (r"TypeError: module\(\) takes at most \d arguments", _base),
     (
         r"attempted relative import",
-        _plain(
-            "The file was started directly, so its relative import (with a dot) has no package to start from.",
-            "start it with `ros2 run` and the names of the package and its executable",
-        ),
+        "The file was started directly, so its relative import (with a dot) has no package to start from.",
+        "start it with `ros2 run` and the names of the package and its executable",
     ),
     (
         r"partially initialized module '(?P<name>[\w.]+)'",
-        _plain(
-            "Two modules import each other, and {name} is asked for a name it has not defined yet.",
-            "move what both need into a third module, or remove one of the two imports",
-        ),
+        "Two modules import each other, and {name} is asked for a name it has not defined yet.",
+        "move what both need into a third module, or remove one of the two imports",
     ),
     (r"KeyError: (?P<name>.+)", no_key),
     (
         r"Replacement index \d+ out of range|not enough arguments for format|not all arguments converted",
-        _plain(
-            "In `{text}` the string does not have as many placeholders as there are values.",
-            "write an f-string, with each value in its place: f'... {{value}}'",
-        ),
+        "In `{text}` the string does not have as many placeholders as there are values.",
+        "write an f-string, with each value in its place: f'... {{value}}'",
     ),
-    (
-        r"IndexError: (?P<name>.+)",
-        beyond,
-    ),
-    (
-        r"ZeroDivisionError",
-        python_values.by_zero,
-    ),
+    (r"IndexError: (?P<name>.+)", beyond),
+    (r"ZeroDivisionError", python_values.by_zero),
     (
         r"ValueError: (?:could not convert string to float|invalid literal for int\(\).*): (?P<name>.+)",
         python_values.no_number,
     ),
     (
         r"cannot unpack non-iterable (?P<kind>\w+)",
-        _plain(
-            "`{text}` needs several values, but there is only one on the right, of type {kind}.",
-            "give it as many values as there are names on the left, or keep only one name there",
-        ),
+        "`{text}` needs several values, but there is only one on the right, of type {kind}.",
+        "give it as many values as there are names on the left, or keep only one name there",
     ),
     (
         r"not enough values to unpack \(expected (?:at least )?(?P<wanted>\d+), got (?P<given>\d+)",
-        _plain(
-            "`{text}` needs {wanted} values but got {given}.",
-            "store the result in one variable first, and check `if len(...) == {wanted}:` before unpacking it",
-        ),
+        "`{text}` needs {wanted} values but got {given}.",
+        "store the result in one variable first, and check `if len(...) == {wanted}:` before unpacking it",
     ),
     (r"too many values to unpack", python_values.taken_apart),
     (r"RecursionError", _without_end),
     (r"'(?P<kind>\w+)' object (?:is not subscriptable|does not support item assignment)", subscripted),
     (
-        r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
-        _plain(
-            "`{text}` needs a list or a string, but is given a value of type {kind}{kind2}.",
-            "use its field that is a list or a string, such as msg.data",
-        ),
+        r"'(?P<kind>\w+)' object is not iterable|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
+        "`{text}` needs a list or a string, but is given a value of type {kind}{kind2}.",
+        "use its field that is a list or a string, such as msg.data",
     ),
     (
-        r"'(?P<kind>\w+)' object does not support item assignment|'(?P<kind2>\w+)' object cannot be interpreted as an integer",
-        _plain(
-            "`{text}` uses a value of type {kind}{kind2} in a way that this type does not allow.",
-            "convert it to a list, or with int(...), first",
-        ),
+        r"'(?P<kind>\w+)' object cannot be interpreted as an integer",
+        "`{text}` uses a value of type {kind} in a way that this type does not allow.",
+        "convert it to a list, or with int(...), first",
     ),
-    (
-        r"unhashable type: '(?P<kind>\w+)'",
-        python_values.unhashable,
-    ),
+    (r"unhashable type: '(?P<kind>\w+)'", python_values.unhashable),
     (
         r"UnicodeDecodeError",
-        _plain(
-            "A file is not saved as UTF-8, so Python cannot read one of its characters.",
-            "save it again with the encoding UTF-8",
-        ),
+        "A file is not saved as UTF-8, so Python cannot read one of its characters.",
+        "save it again with the encoding UTF-8",
     ),
     (
         r"'generator' object|was never awaited|coroutine",
-        _plain(
-            "`{text}` makes a coroutine, which does nothing until it is awaited.",
-            "write await before it, in an async function, or def instead of async def",
-        ),
+        "`{text}` makes a coroutine, which does nothing until it is awaited.",
+        "write await before it, in an async function, or def instead of async def",
     ),
     (
         r"AttributeError: type object '(?P<kind>\w+)' has no attribute '(?P<name>\w+)'",
-        _plain(
-            "The class {kind} itself has no {name}.",
-            "make an instance first, {kind}(), or fix the spelling of {name}",
-        ),
+        "The class {kind} itself has no {name}.",
+        "make an instance first, {kind}(), or fix the spelling of {name}",
     ),
     (
         r"InvalidHandle|destruction was requested|cannot use Destroyable",
-        _plain(
-            "`{text}` uses part of a node that has already been destroyed.",
-            "call destroy_node() and shutdown() as the last lines of main, after spin",
-        ),
+        "`{text}` uses part of a node that has already been destroyed.",
+        "call destroy_node() and shutdown() as the last lines of main, after spin",
     ),
-    (
-        r"context is not valid|rcl_shutdown\(\) was called|context is invalid|NotInitialized",
-        not_running,
-    ),
+    (r"context is not valid|rcl_shutdown\(\) was called|context is invalid|NotInitialized", not_running),
     (
         r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
-        _plain("The node already has the parameter {name} when `{text}` is reached.", "remove this line"),
+        "The node already has the parameter {name} when `{text}` is reached.",
+        "remove this line",
     ),
     (
         r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",
-        _plain(
-            "The parameter {name} has a type but no value.", "give declare_parameter a default, such as 0.5"
-        ),
+        "The parameter {name} has a type but no value.",
+        "give declare_parameter a default, such as 0.5",
     ),
     (
         r"Executor is already spinning|generator already executing",
-        _plain(
-            "`{text}` spins a node that is already being spun: a callback must not spin.",
-            "remove the spin; in a callback use call_async() and add_done_callback()",
-        ),
+        "`{text}` spins a node that is already being spun: a callback must not spin.",
+        "remove the spin; in a callback use call_async() and add_done_callback()",
     ),
 )
 
@@ -331,15 +292,8 @@ def of_function(name: str, place: str, spot: Spot) -> Finding:
     owners = spot.holds(name)
     owner = owners[0] if owners else "the object before the dot"
     code, cause = "attribute-unknown", f"{owner} is a function, so it has no {name}"
-    imports = spot.file.imports
-    module = next(
-        (
-            imported.target.rpartition(".")[0]
-            for imported in imports
-            if imported.local == owner and imported.is_from
-        ),
-        "",
-    )
+    imports = (i.target for i in spot.file.imports if i.local == owner and i.is_from)
+    module = next(imports, "").rpartition(".")[0]
     if owner.rpartition(".")[2] == name:
         cause = f"{cause}: it was imported with `from {name} import {name}`, so it already is {owner}.{name}."
         return Finding(code, cause, place, f"write {owner}(...) instead of {owner}.{name}(...)")

@@ -84,14 +84,7 @@ def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     for node in spot.file.nodes:
         if not isinstance(node, ast.ClassDef) or node.name != kind:
             continue
-        made = next(
-            (
-                ast.unparse(decorator)
-                for decorator in node.decorator_list
-                if "dataclass" in ast.unparse(decorator)
-            ),
-            "",
-        )
+        made = next((text for text in map(ast.unparse, node.decorator_list) if "dataclass" in text), "")
         what = f"@{made} gives" if made else "__eq__ gives"
         cause = f"{what} the class {kind} its own comparison and removes its hash, which rclpy and Python use to tell objects apart."
         where = f"on line {node.lineno - 1}" if made else f"from the class on line {node.lineno}"

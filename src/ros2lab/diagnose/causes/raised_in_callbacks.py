@@ -120,15 +120,8 @@ def _called_by_rclpy(report: ErrorReport, error: ErrorText, look: Look) -> Itera
 
 def _passed_on(sources: NodeSources, shown: str, function: Function, spot: Spot) -> Iterator[_Callback]:
     """Yield a function of a file with each call that passes it on."""
-    owner = next(
-        (
-            node_class
-            for node_class in sources.classes.values()
-            if node_class.source.shown == shown
-            and any(method.lineno == function.lineno for method in node_class.functions)
-        ),
-        None,
-    )
+    here = (node_class for node_class in sources.classes.values() if node_class.source.shown == shown)
+    owner = next((found for found in here if function.lineno in {f.lineno for f in found.functions}), None)
     given = len(parameters(function)) - (owner is not None)
     for kind, call in _taking(sources, shown, function.name):
         # Whatever takes a function of two parameters by another name gives it a request and a response.

@@ -14,12 +14,7 @@ from ros2lab.diagnose.explaining.typed_message import as_message, misfit, read_a
 from ros2lab.diagnose.explaining.usage import accepted_form, plain_words
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.printed.names_there import (
-    all_service_ends,
-    declared_parameters,
-    node_names,
-    topic_ends,
-)
+from ros2lab.diagnose.printed.names_there import all_service_ends, declared_parameters, node_names, topic_ends
 from ros2lab.diagnose.printed.transcript import words_in
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import read_text

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
 from ros2lab.diagnose.causes.filled import published
@@ -47,22 +47,15 @@ def said_of(
     if told or meaning.cause:
         return [told or _in_words(meaning, groups, place, error, look)]
     report = error.report or ErrorReport("", "")
-    hint = re.search(r"Did you mean: '(.+?)'", line)
+    near = "".join(re.findall(r"Did you mean: '(.+?)'", line)[:1])
     if report.kind in ("SyntaxError", "IndentationError", "TabError"):
         return [_of_syntax(report, look)]
     if report.kind == "NameError":
-        is_launched = "Caught exception in launch" in error.text
-        return [
-            _no_name(
-                groups.get("name", ""),
-                hint[1] if hint else "",
-                spot_at(place, look),
-                place,
-                is_launched=is_launched,
-            )
-        ]
+        homes_in = launch_homes_of if "Caught exception in launch" in error.text else homes_of
+        homes = homes_in(groups.get("name", ""))
+        return [_no_name(groups.get("name", ""), near, spot_at(place, look), place, homes)]
     if report.kind == "AttributeError" and "name" in groups:
-        return [_no_attribute(groups, hint[1] if hint else "", place, look)]
+        return [_no_attribute(groups, near, place, look)]
     return []
 
 
@@ -105,7 +98,7 @@ def _of_syntax(report: ErrorReport, look: Look) -> Finding:
     return explained(code, "Python cannot read the file", place, fault, source if found else None)
 
 
-def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool) -> Finding:
+def _no_name(name: str, near: str, spot: Spot, place: str, homes: Sequence[str]) -> Finding:
     code = "setup-import" if is_setup(place) else "name-missing"
     used = (node for node in spot.nodes if isinstance(node, ast.Name) and node.id == name)
     if spot.source and (node := next(used, None)):
@@ -115,7 +108,6 @@ def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool)
         if told:
             return Finding(code, told[0], place, told[1])
         near = "" if is_bound else near
-    homes = launch_homes_of(name) if is_launched else homes_of(name)
     do = f"write {near}" if near else f"import {name} or define it above, or fix its spelling"
     do = f"write `from {homes[0]} import {name}` at the top" if homes else do
     return Finding(code, f"{name} is used before it is imported or defined.", place, do)

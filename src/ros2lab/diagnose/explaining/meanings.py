@@ -33,10 +33,7 @@ MEANINGS: tuple[Meaning, ...] = (
         "Two folders below src contain a package of the same name, so colcon builds nothing.",
         "remove one of them, or put an empty file COLCON_IGNORE into it",
     ),
-    meaning(
-        r"Check that the following packages have been built",
-        "not-built",
-    ),
+    meaning(r"Check that the following packages have been built", "not-built"),
     meaning(
         r"share an exact name",
         "name-twice",

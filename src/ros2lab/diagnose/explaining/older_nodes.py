@@ -18,13 +18,8 @@ _ECHOED = re.compile(r"data: '?(?P<text>[^\W\d][^'\n]*[^\W\d])'?$", re.MULTILINE
 
 def of_older_node(error: ErrorText, look: Look) -> Finding | None:
     """Say that a node of an earlier start still runs; None if the text shows no or all starts."""
-    listed = Counter(
-        line.strip()
-        for step in error.steps
-        if _TWICE in step.text
-        for line in step.lines
-        if line.startswith("/")
-    )
+    lines = (line for step in error.steps if _TWICE in step.text for line in step.lines)
+    listed = Counter(line.strip() for line in lines if line.startswith("/"))
     for name, number in listed.items():
         makers = {*_makers(name.rpartition("/")[2], look)}
         starts = [match.groups() for line in error.typed for match in _STARTED.finditer(line)]

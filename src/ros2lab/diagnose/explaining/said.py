@@ -17,7 +17,6 @@ from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
 from ros2lab.diagnose.explaining.warnings_told import of_warning
 from ros2lab.diagnose.finding import SAID, Finding
-from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.names_there import node_names, topic_ends
@@ -106,15 +105,8 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
         word = close or (meant[1] if meant else None)
         form = re.search(r"expected format '(.+?)'", sentence)
         last = " ".join(step_with(line, error.steps).command.split()[:3])
-        fix = (
-            f"write {word}"
-            if word
-            else f"write it as {form[1]}"
-            if form
-            else f"`{last} -h` shows its arguments"
-            if last
-            else ""
-        )
+        fix = f"`{last} -h` shows its arguments" if last else ""
+        fix = f"write {word}" if word else f"write it as {form[1]}" if form else fix
         if word or not LABELLED.match(line):
             return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
     return None
@@ -293,33 +285,18 @@ def of_launch(error: ErrorText, look: Look) -> Finding | None:
     choices = re.findall(r"\"(\w+)\"", said)
     close = nearest(said.split()[0], choices, 0.5)
     place = launch_line(error, look)
-    fix = (
-        f"write {close} instead of {said.split()[0]}"
-        if close
-        else _other_substitution(said)
-        or "compare the tag and its attributes with those of a working launch file"
-        if place.partition(":")[0].endswith((".xml", ".yaml", ".yml"))
-        else ""
-    )
+    fix = f"write {close} instead of {said.split()[0]}" if close else ""
+    if not close and place.partition(":")[0].endswith((".xml", ".yaml", ".yml")):
+        working = "compare the tag and its attributes with those of a working launch file"
+        fix = _other_substitution(said) or working
     return Finding(SAID, f"launch cannot load the launch file: {said.rstrip('.')}.", place, fix)
 
 
 def _refused_here(error: ErrorText, look: Look) -> Finding | None:
     """Return the fault that launch found in a file of the workspace, if the error is the same; else None."""
-    files = look.launch_files
-    faults = (
-        fault
-        for file in files
-        if _is_refusal(file, error.text)
-        for fault in file.faults
-        if fault.code == SAID
-    )
-    return next(faults, None)
-
-
-def _is_refusal(file: LaunchFile, said: str) -> bool:
-    """Return whether launch rejects a file with this very message; addresses in memory are ignored."""
-    return bool(file.refusal) and file.refusal.partition(" at 0x")[0] in said
+    # Addresses in memory are others each time.
+    refused = (f for f in look.launch_files if f.refusal and f.refusal.partition(" at 0x")[0] in error.text)
+    return next((fault for file in refused for fault in file.faults if fault.code == SAID), None)
 
 
 # Substitutions of ROS 1 that have another name now; see http://wiki.ros.org/roslaunch/XML.

@@ -51,14 +51,10 @@ def is_text_step_by_step(text: str, folder: Path | None) -> bool:
 
 def told(findings: Iterable[Finding], step: Step) -> list[Finding]:
     """Return the likeliest finding, told as far as a step; empty if there are no findings."""
-    return [
-        replace(
-            finding,
-            place="" if step is Step.CAUSE else finding.place,
-            fix=finding.fix if step is Step.FIX else "",
-        )
-        for finding in findings
-    ][:1]
+    for finding in findings:
+        place, fix = (finding.place, finding.fix) if step is Step.FIX else (finding.place, "")
+        return [replace(finding, place="" if step is Step.CAUSE else place, fix=fix)]
+    return []
 
 
 def next_step(finding: Finding, step: Step) -> Step | None:

@@ -40,21 +40,11 @@ def of_warning(line: str, text: str, look: Look) -> Finding | None:
     """Pass on a warning with its place and its fix; None if the line is no warning."""
     head = WARNING.match(line)
     every = [*_warnings(text.splitlines())]
-    first = next(
-        (
-            warning
-            for warning in every
-            if head and warning.kind == head["kind"] and warning.said.startswith(head["message"].strip())
-        ),
-        None,
-    )
-    if head is None or first is None:
+    same = [warning for warning in every if head and warning.kind == head["kind"]]
+    first = next((w for w in same if head and w.said.startswith(head["message"].strip())), None)
+    if first is None:
         return None
-    places = [
-        *dict.fromkeys(
-            place for warning in every if warning.kind == first.kind for place in _places(warning, look)
-        )
-    ]
+    places = [*dict.fromkeys(place for warning in same for place in _places(warning, look))]
     fix, place = _fix(first.said, places, look)
     cause = _SEE.sub("", first.said).strip().rstrip(".")
     return Finding(SAID, f"Python warns: {cause}{'' if cause[-1:] == '?' else '.'}", place, fix)

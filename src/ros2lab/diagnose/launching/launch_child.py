@@ -13,7 +13,6 @@ import os
 import re
 import sys
 import traceback
-from collections import ChainMap
 from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Any
@@ -124,6 +123,12 @@ def _in_order(parameters: list[Any], context: Any, text: Callable[[Any], str | N
             yield os.path.realpath(str(text(entry)))
 
 
+def _inside(entity: Any) -> list[Any]:
+    """Return what an entity holds, whether or not it is visited."""
+    inner: list[tuple[str, list[Any]]] = getattr(entity, "describe_conditional_sub_entities", list)()
+    return [child for _, several in inner for child in several]
+
+
 class _Loading:
     """A launch file, with every node that it makes, and those that would be started."""
 
@@ -205,19 +210,18 @@ class _Loading:
     def _visit(self, entity: Any, context: Any) -> None:
         from launch.actions import ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction
 
-        inner: list[tuple[str, list[Any]]] = getattr(entity, "describe_conditional_sub_entities", list)()
-        self._reach(entity, [child for _, several in inner for child in several])
+        self._reach(entity)
         condition = getattr(entity, "condition", None)
-        if isinstance(entity, ExecuteProcess):
-            if condition is None or condition.evaluate(context):
-                self._start(entity, context)
-            return
-        if not isinstance(entity, (OpaqueCoroutine, RegisterEventHandler, TimerAction)):
+        if not isinstance(entity, (ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction)):
             for child in entity.visit(context) or []:
                 self._visit(child, context)
-        elif condition is None or condition.evaluate(context):
+        elif condition is not None and not condition.evaluate(context):
+            return
+        elif isinstance(entity, ExecuteProcess):
+            self._start(entity, context)
+        else:
             # Timers and event handlers are taken to fire.
-            for child in (child for _, several in inner for child in several):
+            for child in _inside(entity):
                 self._visit_later(child, context)
 
     def _visit_later(self, entity: Any, context: Any) -> None:
@@ -233,17 +237,14 @@ class _Loading:
                 self.later.append({"lacks": lacks, "line": self._line_of(problem)})
         self.is_later = was_later
 
-    def _reach(self, entity: Any, inner: list[Any]) -> None:
+    def _reach(self, entity: Any) -> None:
         from launch.actions import DeclareLaunchArgument
 
         self.reached.add(id(entity))
         if isinstance(entity, DeclareLaunchArgument):
             self.arguments.add(entity.name)
-        for child in inner:
-            conditional: list[tuple[str, list[Any]]] = getattr(
-                child, "describe_conditional_sub_entities", list
-            )()
-            self._reach(child, [deeper for _, several in conditional for deeper in several])
+        for child in _inside(entity):
+            self._reach(child)
 
     def _start(self, action: Any, context: Any) -> None:
         from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
@@ -266,28 +267,22 @@ class _Loading:
         files = [os.path.realpath(str(text(entry))) for entry in scoped if not isinstance(entry, tuple)]
         in_order = [*_in_order(parameters, context, text)]
         files += [entry for entry in in_order if isinstance(entry, str)]
+        values: dict[str, Any] = {**of_scope}
+        for entry in (entry for entry in in_order if isinstance(entry, dict)):
+            values |= entry
+        renamed = [*context.launch_configurations.get("ros_remaps", []), *(given.get("remappings") or [])]
+        is_whole = own.startswith("/") or not base
         self.nodes.append(
             {
                 "package": text(given.get("package")),
                 "executable": text(given.get("executable")),
                 "name": text(given.get("name")),
-                "namespace": own
-                if own.startswith("/") or not base
-                else f"{base.rstrip('/')}/{own}".rstrip("/"),
-                "remappings": [
-                    [text(part) for part in pair]
-                    for pair in [
-                        *context.launch_configurations.get("ros_remaps", []),
-                        *(given.get("remappings") or []),
-                    ]
-                ],
+                "namespace": own if is_whole else f"{base.rstrip('/')}/{own}".rstrip("/"),
+                "remappings": [[text(part) for part in pair] for pair in renamed],
                 "files": files,
                 "output": None if given.get("output") is None else str(given["output"]),
                 "arguments": [text(word) for word in given.get("arguments") or []],
-                "values": {
-                    **of_scope,
-                    **ChainMap(*reversed([entry for entry in in_order if isinstance(entry, dict)])),
-                },
+                "values": values,
                 "given": in_order,
                 "line": line,
             }

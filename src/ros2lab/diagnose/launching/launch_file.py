@@ -241,21 +241,14 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
         given = {k.arg: evaluate(k.value, names, calls) for k in node.keywords if k.arg}
         line = next((k.value for k in node.keywords if k.arg == "executable"), node)
         remappings = given.get("remappings", [])
-        renamed = (
-            [
-                (pair[0], pair[1])
-                for pair in remappings
-                if isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str)
-            ]
-            if isinstance(remappings, list)
-            else []
-        )
+        pairs = remappings if isinstance(remappings, list) else []
+        two = [pair for pair in pairs if isinstance(pair, list) and len(pair) == 2]
         yield Launched(
             given.get("package", UNKNOWN),
             given.get("executable", UNKNOWN),
             given.get("name"),
             tuple(_files(given.get("parameters"))),
-            tuple(renamed),
+            tuple((old, new) for old, new in two if isinstance(old, str)),
             source.at(line),
             given.get("namespace", ""),
             given.get("output"),

@@ -91,7 +91,7 @@ def _own_names(node: Started) -> set[str]:
                 return set()
         if any(imported.target.startswith("rclpy.action") for imported in source.imports):
             return set()
-    return _names([files]) if files else set()
+    return _names(files) if files else set()
 
 
 def _is_among(topic: str, names: set[str], node: Started) -> bool:
@@ -122,14 +122,8 @@ def _remapped(
     return Finding("remap-unknown", cause, node.launched.place, fix)
 
 
-def _names(files: Sequence[NodeSources]) -> set[str]:
+def _names(files: NodeSources) -> set[str]:
     """Return the names of all topics and services, without leading slashes; empty if any is not known."""
-    given = [
-        (creation.source, value, sources)
-        for sources in files
-        for creation in sources.creations
-        if creation.method != "create_timer"
-        for value in [creation.given("topic", "srv_name")]
-    ]
-    names = [sources.value(source, value) for source, value, sources in given]
+    created = [creation for creation in files.creations if creation.method != "create_timer"]
+    names = [files.value(creation.source, creation.given("topic", "srv_name")) for creation in created]
     return {name.lstrip("/") for name in names} if all(isinstance(name, str) for name in names) else set()

@@ -36,10 +36,13 @@ class Started:
         """The node's name; empty if it is unknown or ambiguous."""
         if self.launched.name is not None:
             return self.launched.name if isinstance(self.launched.name, str) else ""
-        names = [
-            name for name, (source, _) in self.sources.node_names().items() if source.name == self.module
-        ]
-        return names[0] if len(names) == 1 else ""
+        return self.own_names[0] if len(self.own_names) == 1 else ""
+
+    @property
+    def own_names(self) -> list[str]:
+        """The names that its file gives to nodes."""
+        named = self.sources.node_names().items()
+        return [name for name, (source, _) in named if source.name == self.module]
 
     @property
     def namespace(self) -> str:
@@ -55,13 +58,9 @@ class Started:
     @cached_property
     def runs_as(self) -> str:
         """Its full name, with the namespace from the code if launch gives none; empty if unknown."""
-        names = [full for full in self.sources.full_names().values() if self._makes(full.rpartition("/")[2])]
+        names = [n for n in self.sources.full_names().values() if n.rpartition("/")[2] in self.own_names]
         of_code = names[0].rpartition("/")[0] if len(names) == 1 else ""
         return f"{self.namespace or of_code}/{self.name}" if self.name else ""
-
-    def _makes(self, name: str) -> bool:
-        home = self.sources.node_names().get(name)
-        return home is not None and home[0].name == self.module
 
     @cached_property
     def ends(self) -> list[tuple[End, str, str]]:
@@ -191,18 +190,10 @@ def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool
 def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield an executable that is started twice under the same name, while another is never started."""
     for number, node in enumerate(nodes):
-        twin = next(
-            (
-                earlier
-                for earlier in nodes[:number]
-                if (earlier.module, earlier.full_name) == (node.module, node.full_name)
-            ),
-            None,
-        )
-        points = node.package.points
+        earlier = [(other.module, other.full_name) for other in nodes[:number]]
         started = {other.launched.executable for other in nodes}
-        left = [point.name for point in points if point.name not in started]
-        if twin is not None and left:
+        left = [point.name for point in node.package.points if point.name not in started]
+        if (node.module, node.full_name) in earlier and left:
             name = node.launched.executable
             cause = f"The launch file starts {name} twice under the same name and never starts {left[0]}."
             yield Finding(
@@ -224,17 +215,10 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
         if package == node.package.name
     ):
         text = read_text(home.folder / path)
-        number = next(
-            (
-                n
-                for n, line in enumerate(text.splitlines(), 1)
-                if re.match(r"\s*use_sim_time\s*:\s*[Tt]rue", line)
-            ),
-            None,
-        )
-        if number:
+        if written := re.search(r"^\s*use_sim_time\s*:\s*[Tt]rue", text, re.MULTILINE):
             fix = "write use_sim_time: false, unless a simulator is running"
-            yield Finding("period", cause, f"{home.shown(path)}:{number}", fix)
+            place = at(home.shown(path), text.count("\n", 0, written.end()) + 1)
+            yield Finding("period", cause, place, fix)
 
 
 def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
@@ -270,8 +254,7 @@ def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
     """Return the node that a section was meant for, by its own name or its executable's; else None."""
     last = key.rstrip("/").rpartition("/")[2]
     for node in nodes:
-        own = [name for name, (source, _) in node.sources.node_names().items() if source.name == node.module]
-        if last in (*own, node.launched.executable, node.name):
+        if last in (*node.own_names, node.launched.executable, node.name):
             return node
     return None
 

@@ -81,14 +81,8 @@ def _reads_words(source: PythonSource) -> bool:
         return True
     if "argv" in source.text or "remove_ros_args" in source.text:
         return True
-    main = next(
-        (
-            statement
-            for statement in source.tree.body
-            if isinstance(statement, ast.FunctionDef) and statement.name == "main"
-        ),
-        None,
-    )
+    functions = (n for n in source.tree.body if isinstance(n, ast.FunctionDef))
+    main = next((function for function in functions if function.name == "main"), None)
     taken = [argument.arg for argument in main.args.args] if main else []
     nodes = own_nodes(main) if main else ()
     # rclpy.init() reads only what comes after --ros-args.

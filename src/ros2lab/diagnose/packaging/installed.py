@@ -49,13 +49,9 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
         )
         cause = f"Since the last build {what}, so what runs is not what is in src."
         fix = f"{_BUILD} {package.name} (with --symlink-install, edits to Python files need no rebuild)"
-        yield Finding(
-            "install-stale",
-            cause,
-            changed[0] if changed else package.shown("setup.py"),
-            fix,
-            (*(PurePosixPath(shown).name for shown in changed), *missing),
-        )
+        place = changed[0] if changed else package.shown("setup.py")
+        about = (*(PurePosixPath(shown).name for shown in changed), *missing)
+        yield Finding("install-stale", cause, place, fix, about)
 
 
 def prefix_of(root: Path, name: str) -> Path | None:

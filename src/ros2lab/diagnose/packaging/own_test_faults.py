@@ -142,14 +142,8 @@ def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str])
     required = test.args.args[: len(test.args.args) - len(test.args.defaults)]
     for name in (argument.arg for argument in required if argument.arg not in known):
         same = next((function for function in functions if function.name == name), None)
-        makes = next(
-            (
-                function
-                for function in functions
-                if function.name.endswith(f"_{name}") and not function.args.args
-            ),
-            None,
-        )
+        makers = (function for function in functions if function.name.endswith(f"_{name}"))
+        makes = next((function for function in makers if not function.args.args), None)
         if same:
             fix = f"write @pytest.fixture above `def {name}` on line {same.lineno}, and import pytest at the top"
         elif makes:

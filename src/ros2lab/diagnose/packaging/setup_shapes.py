@@ -79,13 +79,8 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
         if (package.folder / name).is_dir() and not (package.folder / given).is_dir():
             cause = f"package.xml names the package {given}, but its folder and setup.py name it {name}: colcon goes by package.xml."
             fix = f"write <name>{name}</name> in package.xml, then rm -r build install, build again, and source install/setup.bash in a new terminal"
-            yield Finding(
-                "package-name",
-                cause,
-                at(package.shown("package.xml"), manifest_line(package, given)),
-                fix,
-                (name,),
-            )
+            place = at(package.shown("package.xml"), manifest_line(package, given))
+            yield Finding("package-name", cause, place, fix, (name,))
             return
         line = line_with(setup.source.text, name) or setup.line("name")
         cause = f"setup.py names the package {name}, but package.xml names it {given}."
@@ -158,12 +153,9 @@ def _is_usual(keyword: str, value: Any) -> bool:
 def _refused(given: str) -> Mapping[str, tuple[str, Any]]:
     """Return the arguments that setuptools rejects, and why; see `setup_child.refusals`."""
     try:
+        # Isolated, so that no student's file shadows what it imports.
         said = subprocess.run(
-            [
-                sys.executable,
-                "-I",
-                setup_child.__file__,
-            ],  # isolated, so that no student file shadows what it imports
+            [sys.executable, "-I", setup_child.__file__],
             input=given,
             capture_output=True,
             text=True,

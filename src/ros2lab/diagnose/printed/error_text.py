@@ -169,24 +169,18 @@ def read_error(text: str) -> ErrorText:
         start = end
     said = _without_messages([*said, *lines[start:]])
     # The last report is the decisive one: not a warning, and not a traceback of colcon or launch themselves.
-    reports.sort(
-        key=lambda report: (
-            not _WRAPPED.match(report.kind),
-            not report.kind.endswith("Warning"),
-            bool(own_frames(report.frames)),
-        )
-    )
+    reports.sort(key=_decides)
     harmless = harmless_lines(steps)
     judged = [line for line in said if line not in harmless]
     decisive, is_clear = (reports[-1].line, True) if reports else _decisive(judged)
-    return ErrorText(
-        "\n".join(said),
-        tuple(reports),
-        decisive,
-        is_clear,
-        (last["verb"], last["package"], last["what"]) if last else None,
-        tuple(steps),
-    )
+    command = (last["verb"], last["package"], last["what"]) if last else None
+    return ErrorText("\n".join(said), tuple(reports), decisive, is_clear, command, tuple(steps))
+
+
+def _decides(report: ErrorReport) -> tuple[bool, bool, bool]:
+    """Return how much an exception tells: one that only passes on another tells least."""
+    is_own = bool(own_frames(report.frames))
+    return not _WRAPPED.match(report.kind), not report.kind.endswith("Warning"), is_own
 
 
 def _without_messages(lines: Sequence[str]) -> list[str]:
@@ -323,10 +317,8 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
     """Return a message with the lines on which it continues, as rclpy's messages do."""
     message = [first.strip()]
     for line in rest[:3]:
-        is_next = line.startswith((" ", "\t", "Traceback", "[", "---", "File ", "$")) or _EXCEPTION.match(
-            line
-        )
-        if not line.strip() or is_next or not first.rstrip().endswith((":", ",", "")):
+        is_other = line.startswith((" ", "\t", "Traceback", "[", "---", "File ", "$"))
+        if not line.strip() or is_other or _EXCEPTION.match(line):
             break
         if not first.rstrip().endswith((":", ".", ",")) and len(message) == 1 and not line[0].islower():
             break
@@ -338,16 +330,9 @@ def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
     """Return the line that best says what went wrong, and whether its words say so: a warning's do not."""
     lines = [line for line in lines if not (_OF_COURSE.match(line) or _OWN_LOG.match(line))]
     lines = [line for line in lines if not says_well(line)]
-    telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # as pytest marks it
-    telling = telling or next(
-        (
-            line
-            for line in lines
-            if is_telling(line) and not line.startswith("Failed ") and not LABELLED.match(line)
-        ),
-        None,
-    )
-    if telling is not None:
+    marked = [line for line in lines if re.match(r"\s*E  +\S", line)]  # as pytest marks it
+    plain = (line for line in lines if not line.startswith("Failed ") and not LABELLED.match(line))
+    if telling := next((line for line in (*marked, *plain) if line in marked or is_telling(line)), None):
         return telling.strip(), True
     if warning := next((line for line in lines if LABELLED.match(line)), None):
         return warning.strip(), False
