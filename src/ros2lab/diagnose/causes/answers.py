@@ -132,7 +132,7 @@ def _with(source: PythonSource, function: Function, kind: _Kind) -> Iterator[_An
 def _of_function(answering: _Answering) -> Finding | None:
     """Return what is wrong with all that a function returns; None if nothing is seen."""
     source, function, answer = answering.source, answering.function, answering.answer
-    needs = f"it must return {f'`{answer}`' if answer.isidentifier() else _class_of(answer)}"
+    needed = f"`{answer}`" if answer.isidentifier() else f"a {re.split(r'[.(]', answer)[0]}"
     returns = [node for node in own_nodes(function) if isinstance(node, ast.Return)]
     refused = [(node, given) for node in returns if (given := _refused(answering, node))]
     if any(given == f"`{answer}`" for _, given in refused):
@@ -145,7 +145,7 @@ def _of_function(answering: _Answering) -> Finding | None:
     does = f"returns {in_a_row([*dict.fromkeys(said)])}" if said else "ends without a return"
     place = source.at(refused[0][0] if refused else function)
     fix = answered(function, {node: given == "bool" for node, given in refused}, answer, is_open)
-    cause = f"{function.name}() {does}, but {needs}."
+    cause = f"{function.name}() {does}, but it must return {needed}."
     return Finding("made-wrong", cause, place, f"{fix}{answering.more}")
 
 
@@ -167,10 +167,6 @@ def _replaced(answering: _Answering) -> Finding | None:
                 fix = f"write {written} instead of line {node.lineno}"
                 return Finding("made-wrong", cause, answering.source.at(node), fix)
     return None
-
-
-def _class_of(answer: str) -> str:
-    return f"a {re.split(r'[.(]', answer)[0]}"
 
 
 def _refused(answering: _Answering, node: ast.Return) -> str:

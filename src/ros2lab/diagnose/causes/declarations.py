@@ -136,7 +136,7 @@ def _undeclared(use: _Use) -> Finding:
     )
     text, here = ast.unparse(use.named), use.spot.lines.start
     where = f"above line {here}"
-    if text == repr(name) and not _is_constructor(use):
+    if text == repr(name) and use.function and use.function.name not in ("__init__", "main"):
         where = "in the constructor, before it is read"
     if text != repr(name) and (use.is_in_callback or len(use.calls) > len(given)):
         where = f"above line {here}, and {written} below it, indented"
@@ -161,10 +161,6 @@ def _declaring(use: _Use, listed: list[str]) -> str:
         head = f"for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}:"
         lines = [f"{head} {line}" for line in lines]
     return ", and ".join(f"`{line}`" for line in lines)
-
-
-def _is_constructor(use: _Use) -> bool:
-    return use.function is None or use.function.name in ("__init__", "main")
 
 
 def _default(use: _Use, name: str) -> str:

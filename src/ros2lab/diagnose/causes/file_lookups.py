@@ -53,9 +53,8 @@ def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Findi
         cause = f"The package {package.name} has no file {inner}{f'; there is {near}' if near else ''}."
         fix = f"write {near} instead of {name}" if near else f"create the file {package.shown(inner)}"
         return Finding("data-file-missing", cause, package.shown(""), fix, (name,))
-    folders = {
-        to for to, files in setup.data_files if any(PurePosixPath(lies) in _and_above(f) for f in files)
-    }
+    rows = setup.data_files
+    folders = {to for to, files in rows if any(PurePosixPath(file).is_relative_to(lies) for file in files)}
     target = target.removesuffix("/.")
     if target in folders or f"{target}/{name}" in folders:
         cause = f"setup.py installs {lies} of the package {package.name}, but it has not been installed yet."
@@ -114,8 +113,3 @@ def _called(name: str, package: SourcePackage) -> Iterator[str]:
     return (
         path.relative_to(package.folder).as_posix() for path in package.folder.rglob("*") if path.name == name
     )
-
-
-def _and_above(file: str) -> list[PurePosixPath]:
-    """Return a file's path and those of the folders above it."""
-    return [PurePosixPath(file), *PurePosixPath(file).parents]

@@ -28,8 +28,9 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
     if not wrong:
         return _of_appended(said["kind"], said["name"], spot)
     texts = []
+    libraries = [home for home in interfaces.homes_of(said["kind"]) if not home.endswith(".msg")]
     for target, wanted, value in wrong:
-        if any("to_msg" in interfaces.members_of(home, said["kind"])[0] for home in _libraries(said["kind"])):
+        if any("to_msg" in interfaces.members_of(home, said["kind"])[0] for home in libraries):
             texts.append(f"write {ast.unparse(target)} = {ast.unparse(value)}.to_msg()")
         else:
             texts.append(set_field(target, wanted, value))
@@ -39,10 +40,6 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
     cause = f"{ast.unparse(target)} holds the message type {name}, but `{ast.unparse(value)}` is {given}; Python notices only in publish()."
     more = [f"on line {field[0].lineno} {text}" for field, text in zip(wrong[1:], texts[1:], strict=True)]
     return Finding("field-type", cause, spot.file.at(target), "; ".join([texts[0], *more]))
-
-
-def _libraries(kind: str) -> list[str]:
-    return [home for home in interfaces.homes_of(kind) if not home.endswith(".msg")]
 
 
 def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:

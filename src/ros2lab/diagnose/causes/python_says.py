@@ -279,11 +279,6 @@ _SAYINGS: tuple[_Saying, ...] = (
         "The parameter {name} has a type but no value.",
         "give declare_parameter a default, such as 0.5",
     ),
-    (
-        r"Executor is already spinning|generator already executing",
-        "`{text}` spins a node that is already being spun: a callback must not spin.",
-        "remove the spin; in a callback use call_async() and add_done_callback()",
-    ),
 )
 
 

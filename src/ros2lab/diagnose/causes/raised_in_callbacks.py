@@ -14,7 +14,7 @@ from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_fram
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import fields_of
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, contains, parameters, walk
+from ros2lab.diagnose.sources.python_source import Function, contains, last_name, parameters, walk
 from ros2lab.diagnose.sources.static_value import dotted
 
 # The kinds of callbacks, each by the call or the keyword that passes it to ROS.
@@ -138,7 +138,7 @@ def _taking(sources: NodeSources, shown: str, name: str) -> Iterator[tuple[str, 
             short = (dotted(call.func) or "").rpartition(".")[2]
             named = [(keyword.arg or "", keyword.value) for keyword in call.keywords]
             for word, value in [("", value) for value in call.args] + named:
-                if any(_mentions(node, name) for node in _handed(value)):
+                if name in map(last_name, _handed(value)):
                     is_action = short.endswith("ActionServer") and not word
                     kind = "execute_callback" if is_action else word if word in _KINDS else short
                     yield kind, call
@@ -153,12 +153,6 @@ def _handed(value: ast.expr) -> Iterator[ast.AST]:
             yield first
         case _:
             yield value
-
-
-def _mentions(node: ast.AST, name: str) -> bool:
-    return isinstance(node, (ast.Name, ast.Attribute)) and name == getattr(
-        node, "attr", getattr(node, "id", "")
-    )
 
 
 def _instead(callback: _Callback, raising: ast.Raise | ast.Assert) -> str:

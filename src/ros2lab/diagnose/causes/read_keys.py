@@ -65,11 +65,13 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
     names = [*dict.fromkeys(row[-1] for row in read.keys)]
     if _MARK + key in names and key not in names:
         return _marked(key, spot.file, read)
-    whole = next((name for name in names if key in _parts(name)), "") if key not in names else ""
-    if whole:
-        sign = next(
-            separator for separator in _SEPARATORS if key in [part.strip() for part in whole.split(separator)]
-        )
+    joined = [
+        (name, sign)
+        for name in (names if key not in names else ())
+        for sign in _SEPARATORS
+        if sign in name and key in [part.strip().lstrip(_MARK) for part in name.split(sign)]
+    ]
+    for whole, sign in joined:
         cause = f"{read.shown} separates its columns with {sign!r}, but is read as if it had only one column, {whole!r}."
         given = [keyword for keyword in read.call.keywords if keyword.arg == "delimiter"]
         call = ast.unparse(read.call)
@@ -86,15 +88,6 @@ def _other_name(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Find
         cause = f"{read.shown} has no key {key!r}; with the spaces around it, the key is {near!r}."
     fix = fix or f"write {key} instead of {near} in {read.shown}"
     return Finding("python-error", cause, spot.file.at(spot.line), fix)
-
-
-def _parts(name: str) -> list[str]:
-    return [
-        part.strip().lstrip(_MARK)
-        for separator in _SEPARATORS
-        if separator in name
-        for part in name.split(separator)
-    ]
 
 
 def _marked(key: str, source: PythonSource, read: _Read) -> Finding:

@@ -32,7 +32,7 @@ def of_list(field: str, what: str, value: ast.expr, spot: Spot) -> Finding | Non
     count = int(said["length"]) if is_fixed else None
     written, given = _as_list(value, kind, count, source)
     text = ast.unparse(value)
-    if not written or _plain(written) in (text, f"[one for one in {text}]"):
+    if not written or ast.unparse(ast.parse(written, mode="eval")) in (text, f"[one for one in {text}]"):
         return None  # also where it would only be the same items again
     several = f"{count} values" if count else "a list"
     holds = f"The field {field} holds {several} of type {kind}"
@@ -137,7 +137,3 @@ def _type_name(value: ast.expr, source: PythonSource) -> str:
     if re.match(r"(?:Literal|LiteralString)\b", kind):
         return "str" if "LiteralString" in kind or re.search(r"['\"]", kind) else "int"
     return "" if re.search(r"Unknown|Any\b| \| |None", kind) else re.sub(r"\[.*", "", kind).rpartition(".")[2]
-
-
-def _plain(text: str) -> str:
-    return ast.unparse(ast.parse(text, mode="eval"))

@@ -94,12 +94,16 @@ def _larger(name: str, field: str, least: int, most: int) -> str:
 
 def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> Finding:
     text = ast.unparse(value)
-    if (declared := _declared_as_int(source, value)) is not None:
-        name, default = declared
+    declared = [*_declarations(source, value)]
+    defaults = [(call, default) for call in declared for default in call.args[1:2]]
+    for call, default in defaults:
+        if not isinstance(default, ast.Constant) or type(default.value) is not int:
+            continue
+        name = _first_text(call)
         cause = f"The field {field} holds a float, but the parameter {name} is declared as {ast.unparse(default)}, an int. Line {line} fails because of this one."
         fix = f"write {ast.unparse(default)}.0 instead of {ast.unparse(default)}"
         return Finding("int-in-float", cause, source.at(default), fix)
-    if (empty := _declared_empty(source, value)) is not None:
+    for empty in (call for call in declared if len(call.args) == 1 and not call.keywords):
         name = _first_text(empty)
         cause = f"The field {field} holds a float, but the parameter {name} is declared without a value, so `{text}` is None."
         fix = f"write `{ast.unparse(empty)[:-1]}, 0.0)`, or another number as its default"
@@ -107,21 +111,6 @@ def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> F
     cause = f"The field {field} holds a float, but `{text}` is something else here: an int or a string."
     fix = f"write {text}.0" if text.lstrip("-").isdigit() else f"write float({text})"
     return Finding("int-in-float", cause, source.at(value), f"{fix} instead of {text}")
-
-
-def _declared_as_int(source: PythonSource, value: ast.expr) -> tuple[str, ast.expr] | None:
-    """Return the parameter that a value comes from, and its default, if that is an int; else None."""
-    for node in _declarations(source, value):
-        default = node.args[1] if len(node.args) > 1 else None
-        if isinstance(default, ast.Constant) and type(default.value) is int:
-            return _first_text(node), default
-    return None
-
-
-def _declared_empty(source: PythonSource, value: ast.expr) -> ast.Call | None:
-    """Return the declaration of the parameter that a value comes from, if it has no default; else None."""
-    declared = _declarations(source, value)
-    return next((node for node in declared if len(node.args) == 1 and not node.keywords), None)
 
 
 def _declarations(source: PythonSource, value: ast.expr) -> Iterator[ast.Call]:

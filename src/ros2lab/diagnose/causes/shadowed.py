@@ -103,7 +103,8 @@ def _hidden(module: str, file: Path, error: ErrorText, look: Look) -> Finding:
     fix = f"rename {shown.rpartition('/')[2]} to {new}{'.py' if what == 'file' else ''}"
     named, package, whole = _named(module, file, look)
     if package and file == package.folder / module / "__init__.py":
-        return Finding("name-shadowed", cause, shown, _renamed_package(module, new), (module,))
+        fix = f"give the package another name, such as {new}: the folders {module}, the file resource/{module}, and {module} in package.xml, setup.py, setup.cfg and all imports; then `rm -r build/{module} install/{module}` and build again"
+        return Finding("name-shadowed", cause, shown, fix, (module,))
     if named:
         written = f"{whole.removesuffix(module)}{new} instead of {whole}"
         fix += f", and write {written} in {' and '.join(named)}"
@@ -112,10 +113,6 @@ def _hidden(module: str, file: Path, error: ErrorText, look: Look) -> Finding:
     if started := _as_executable(error, look):
         fix += f"; or start it with `{started}`, where this {what} hides nothing"
     return Finding("name-shadowed", cause, shown, fix, (module,))
-
-
-def _renamed_package(old: str, new: str) -> str:
-    return f"give the package another name, such as {new}: the folders {old}, the file resource/{old}, and {old} in package.xml, setup.py, setup.cfg and all imports; then `rm -r build/{old} install/{old}` and build again"
 
 
 def _other_name(module: str, file: Path) -> str:

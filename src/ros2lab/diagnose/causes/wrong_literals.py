@@ -77,7 +77,8 @@ def _wrong(
 ) -> Iterator[Leaf]:
     """Yield the literals behind a value whose type is not the wanted one, but nearly."""
     leaves = [*Literals(sources).behind(source, value, path)]
-    if wanted == "float" and _has_float(leaves):
+    is_float = any(isinstance(_value(node), float) or isinstance(node, ast.BinOp) for _, node in leaves)
+    if wanted == "float" and is_float:
         # A sum with a float is a float: only strings are wrong then.
         leaves = [leaf for leaf in leaves if isinstance(_value(leaf[1]), str)]
     yield from (leaf for leaf in leaves if written_as(wanted, leaf[1]) or _is_swapped(leaf, wanted))
@@ -87,10 +88,6 @@ def _is_swapped(leaf: Leaf, wanted: str) -> bool:
     """Return whether a literal of quite another type has the place of its neighbour in a call."""
     is_text = isinstance(_value(leaf[1]), str)
     return is_text != (wanted == "str") and bool(_swapped([leaf]))
-
-
-def _has_float(leaves: Sequence[Leaf]) -> bool:
-    return any(isinstance(_value(node), float) or isinstance(node, ast.BinOp) for _, node in leaves)
 
 
 def _value(node: ast.expr) -> object:

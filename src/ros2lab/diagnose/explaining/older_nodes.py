@@ -27,14 +27,11 @@ def of_older_node(error: ErrorText, look: Look) -> Finding | None:
         is_launched = any(line.startswith("ros2 launch") for line in error.typed)
         if number > 1 and len(makers) == 1 and not is_launched and 0 < len(begun) < number:
             package, executable = begun[0]
-            cause = f"There are {number} nodes {name}, but it was started here only {_times(len(begun))}: an older one, with its old code, is still running in another terminal or in the background.{_not_in_the_sources(error, look)}"
+            times = "once" if len(begun) == 1 else f"{len(begun)} times"
+            cause = f"There are {number} nodes {name}, but it was started here only {times}: an older one, with its old code, is still running in another terminal or in the background.{_not_in_the_sources(error, look)}"
             fix = f"press Ctrl-C in the older one's terminal, or type `pkill -f lib/{package}/{executable}` to end them all; then start it once: ros2 run {package} {executable}"
             return Finding("name-twice", cause, "", fix)
     return None
-
-
-def _times(number: int) -> str:
-    return "once" if number == 1 else f"{number} times"
 
 
 def _makers(name: str, look: Look) -> Iterator[tuple[str, str]]:

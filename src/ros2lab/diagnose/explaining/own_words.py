@@ -94,19 +94,19 @@ def _logged(line: str, look: Look) -> Iterator[tuple[str, str]]:
                 if not (isinstance(call, ast.Call) and is_log(call) and call.args):
                     continue
                 is_of_level = getattr(call.func, "attr", "")[:4] == match["level"].lower()[:4]
-                if is_of_level and re.fullmatch(_pattern(call.args[0]), match["text"], re.DOTALL):
+                if is_of_level and re.fullmatch(text_pattern(call.args[0]), match["text"], re.DOTALL):
                     yield match["text"], source.at(call)
 
 
-def _pattern(written: ast.expr) -> str:
+def text_pattern(written: ast.expr) -> str:
     """Return a pattern of the texts that an expression may have: what is not written there may be anything."""
     match written:
         case ast.Constant(value=str(text)):
             return re.escape(text)
         case ast.JoinedStr(values=parts):
-            return "".join(map(_pattern, parts))
+            return "".join(map(text_pattern, parts))
         case ast.BinOp(left=left, op=ast.Add(), right=right):
-            return _pattern(left) + _pattern(right)
+            return text_pattern(left) + text_pattern(right)
         case ast.BinOp(left=ast.Constant(value=str(text)), op=ast.Mod()):
             return ".*".join(map(re.escape, _VALUE.split(text)))
         case ast.Call(func=ast.Attribute(attr="format", value=ast.Constant(value=str(text)))):

@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 
+from ros2lab.diagnose.explaining.own_words import text_pattern
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
@@ -33,17 +34,9 @@ def shown_values(error: ErrorText, look: Look) -> Iterator[Finding]:
 
 
 def _shows(call: ast.Call, line: str) -> bool:
-    """Return whether a line contains all fixed text of a logging call that also shows values."""
-    texts = [n.value for n in walk(call) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-    fixed = [part for text in texts for part in re.split(r"%[-+ #0]*[\d.]*[sdrfgeG]|\{[^{}]*\}", text)]
-    has_values = any(
-        isinstance(n, (ast.Name, ast.Attribute)) for argument in call.args for n in walk(argument)
-    )
-    # Format specifications are strings, too, but are not printed.
-    shown = [
-        part for part in fixed if len(part.strip()) > 1 and not re.fullmatch(r"[<>^+]?\d*\.?\d*[a-z%]?", part)
-    ]
-    return has_values and bool(shown) and all(part in line for part in shown)
+    """Return whether a line may be what a logging call shows: all of its fixed text is in it."""
+    pattern = ".*".join(map(text_pattern, call.args))
+    return re.search(r"\w", pattern) is not None and re.search(pattern, line) is not None
 
 
 def _made_of(source: PythonSource, function: Function, call: ast.Call) -> Iterator[Finding]:

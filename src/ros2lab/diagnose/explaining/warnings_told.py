@@ -102,7 +102,7 @@ def _fix(said: str, places: Sequence[str], look: Look) -> tuple[str, str]:
                 if others
                 else ""
             )
-            return f"write `{_replaced(old, new, text)}`{more}", first
+            return f"write `{_word(old).sub(lambda _: new, text, count=1)}`{more}", first
         return f"write {new} instead of {old}", place
     hint = _SENTENCE.search(_SEE.sub("", said))
     fix = hint["hint"].strip() if hint else ""
@@ -125,7 +125,3 @@ def _line_with(old: str, spot: Spot) -> tuple[str, str] | None:
 
 def _word(text: str) -> re.Pattern[str]:
     return re.compile(rf"(?<!\w){re.escape(text)}(?!\w)")
-
-
-def _replaced(old: str, new: str, line: str) -> str:
-    return _word(old).sub(lambda _: new, line, count=1)

@@ -93,16 +93,13 @@ def _test(test: ast.expr, early: Collection[str]) -> list[_Part] | None:
             inner = _test(operand, early)
             return [(False, "not "), *inner] if inner else None
         case ast.Compare(left=left, ops=[sign], comparators=[right]):
-            sides = [_side(side, early, is_text=not _is_number(left, right)) for side in (left, right)]
+            is_text = not any(type(getattr(side, "value", None)) in (int, float) for side in (left, right))
+            sides = [_side(side, early, is_text=is_text) for side in (left, right)]
             if None in sides:
                 return None
             between = ast.unparse(ast.Compare(ast.Name("a"), [sign], [ast.Name("b")]))[1:-1]
             return [*(sides[0] or ()), (False, between), *(sides[1] or ())]
     return None
-
-
-def _is_number(*sides: ast.expr) -> bool:
-    return any(isinstance(side, ast.Constant) and type(side.value) in (int, float) for side in sides)
 
 
 def _side(side: ast.expr, early: Collection[str], *, is_text: bool) -> list[_Part] | None:

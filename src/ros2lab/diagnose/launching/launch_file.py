@@ -34,6 +34,7 @@ from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
 _LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
 # Actions that may read or set any launch argument.
 _MAY_READ_ANY = ("Include", "OpaqueFunction", "SetLaunchConfiguration", "Push", "Group")
+_ACTIONS = ("launch_ros.actions", "launch.actions")
 _SHARE = "share:"  # stands for a package's share folder in a path
 
 
@@ -162,7 +163,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
     yield from misplaced_values(source)
     yield from joined_words(source)
     for node in source.nodes:
-        if not isinstance(node, ast.Call) or not _is_action(source.resolve(node.func) or ""):
+        if not isinstance(node, ast.Call) or not (source.resolve(node.func) or "").startswith(_ACTIONS):
             continue
         for keyword in node.keywords:
             if _lacks_brackets(source, node, keyword):
@@ -189,10 +190,6 @@ def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) 
     ]
     # Launch would take a text as a list of its letters.
     return any(heads_of(parameter.type) and heads_of(parameter.type) <= LISTS for parameter in places)
-
-
-def _is_action(target: str) -> bool:
-    return target.startswith(("launch_ros.actions", "launch.actions"))
 
 
 def _as_list(value: ast.expr) -> str:

@@ -25,7 +25,7 @@ from ros2lab.diagnose.nodes.parameter_faults import unread_file
 from ros2lab.diagnose.sources.interfaces import PACKAGES, launch_classes_below
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_other_yaml, read_parameter_file
-from ros2lab.diagnose.sources.python_source import read_source, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, with_article, write_instead
 from ros2lab.scratch import scratch_folder
 
@@ -138,19 +138,20 @@ def _joined(
 ) -> LaunchFile:
     if "lacks" in told:
         return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
+    source = read_source(path, path.stem, file.shown)
     if told["error"] or told["faults"]:
         refusal = (told["error"] or {}).get("message", "")
         if absent := re.match(r"\W*package '[^']+' not found, searching", refusal):
             lacking = {"lacks": absent[0], "line": told["error"]["line"]}
             return replace(file, lacks=tuple(_lacking(path, file, lacking, packages)))
-        source = read_source(path, path.stem, file.shown)
         paths = [other for package in packages for other in package.launch_files]
         lost = lost_argument(refusal, path, source, paths)
         faults = tuple(_refusals(path, file, told, packages) if lost is None else lost)
         return replace(file, faults=faults, refusal=refusal)
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
-    faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
-    faults += (*_from_here(path, file, told["nodes"], packages),)
+    given = [wanted for node in told["nodes"] for wanted in node["files"]]
+    faults = (*_never_added(source, told["lost"]), *_torn(source, given, packages))
+    faults += (*_from_here(source, given, packages),)
     for lacking in told["later"]:
         faults += (*_lacking(path, file, lacking, packages, is_later=True),)
     return LaunchFile(file.shown, nodes, faults, is_loaded=True, arguments=tuple(told["arguments"]))
@@ -183,33 +184,33 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
     )
 
 
-def _torn(
-    path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
-) -> Iterator[Finding]:
+def _texts(source: PythonSource) -> list[tuple[ast.Constant, str]]:
+    """Return the texts in a launch file, each with its node."""
+    constants = (node for node in source.nodes if isinstance(node, ast.Constant))
+    return [(node, node.value) for node in constants if isinstance(node.value, str) and node.value]
+
+
+def _torn(source: PythonSource, files: Sequence[str], packages: Sequence[SourcePackage]) -> Iterator[Finding]:
     """Yield paths of parameter files that would exist with a slash between two of their parts."""
-    source = read_source(path, path.stem, file.shown)
-    texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-    for given in (given for node in nodes for given in node["files"]):
+    for given in files:
         for package in packages:
             for lies in package.parameter_files:
                 rest = lies.relative_to(package.folder).as_posix()
                 is_meant = given.replace("/", "").endswith(f"share/{package.name}/{rest}".replace("/", ""))
-                for node, text in texts if is_meant else ():
-                    if text and given.endswith(text) and not given.endswith(f"/{text}") and text[0] != "/":
+                for node, text in _texts(source) if is_meant else ():
+                    if given.endswith(text) and not given.endswith(f"/{text}") and text[0] != "/":
                         cause = f"A / is missing in the parameter file's path {package.name}{text}, so it is not found and the nodes keep their defaults."
                         fix = f"write {'/' + text!r} instead of {text!r}"
                         yield Finding("parameter-file-missing", cause, source.at(node), fix)
 
 
 def _from_here(
-    path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
+    source: PythonSource, files: Sequence[str], packages: Sequence[SourcePackage]
 ) -> Iterator[Finding]:
     """Yield paths of parameter files that are looked for where launch is started, but are in a package."""
-    source = read_source(path, path.stem, file.shown)
-    texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-    given = {wanted for node in nodes for wanted in node["files"] if not Path(wanted).is_file()}
-    for node, text in texts:
-        is_given = text and text[0] != "/" and any(wanted.endswith(f"/{text}") for wanted in given)
+    given = {wanted for wanted in files if not Path(wanted).is_file()}
+    for node, text in _texts(source):
+        is_given = text[0] != "/" and any(wanted.endswith(f"/{text}") for wanted in given)
         home = next((package for package in packages if is_given and (package.folder / text).is_file()), None)
         if home:
             cause = f"The parameter file {text} is looked for in the folder where `ros2 launch` is typed, but it is in the package {home.name}, so the nodes keep their defaults."
@@ -218,12 +219,11 @@ def _from_here(
             yield Finding("parameter-file-missing", cause, source.at(node), fix)
 
 
-def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator[Finding]:
+def _never_added(source: PythonSource, lines: Sequence[int]) -> Iterator[Finding]:
     """Yield actions that a launch file makes but does not add to its description: nodes only if launch has not them.
 
     An argument that is declared in vain is told where something needs it.
     """
-    source = read_source(path, path.stem, file.shown)
     for action in unlisted(source):
         is_commented = re.search(rf"#.*\b{re.escape(action.name)}\b", source.text) if action.name else None
         what = f"The node {action.name}".rstrip()

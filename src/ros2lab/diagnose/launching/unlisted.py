@@ -118,10 +118,7 @@ def unlisted(source: PythonSource) -> Iterator[Unlisted]:
                 name, made = "", (value,)
             case _:
                 continue
-        calls = tuple(call for call in made if isinstance(call, ast.Call) and _is_action(source, call))
-        if calls and len(calls) == len(made):
+        calls = tuple(call for call in made if isinstance(call, ast.Call))
+        are_actions = all((source.resolve(call.func) or "").startswith(_ACTIONS) for call in calls)
+        if calls and len(calls) == len(made) and are_actions:
             yield Unlisted(source, node, name, calls)
-
-
-def _is_action(source: PythonSource, call: ast.Call) -> bool:
-    return (source.resolve(call.func) or "").startswith(_ACTIONS)

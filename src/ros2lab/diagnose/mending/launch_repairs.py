@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ros2lab.diagnose.checking.edits_told import edits_told
@@ -52,7 +52,8 @@ def loaded(
         for edit in edits_told(finding.fix, trial.statement, trial.expressions())
     ]
     is_guess = bool(ways)
-    ways += _changes(trials, f"{finding.cause} {passed_on.cause}")
+    said = f"{finding.cause} {passed_on.cause}"
+    ways += [_Way(trial, change) for trial in trials for change in changes_of(trial, said)]
     if finding in look.findings and finding.code != SAID:
         # What a rule says of the line is right: only a small change may replace its fix.
         ways = [way for way in ways if way.cost <= PLACE]
@@ -77,11 +78,6 @@ def _lines(source: PythonSource) -> list[int]:
         for statement in statements
         if statement.col_offset or isinstance(statement, ast.FunctionDef)
     ]
-
-
-def _changes(trials: Sequence[Trial], said: str) -> Iterator[_Way]:
-    for trial in trials:
-        yield from (_Way(trial, change) for change in changes_of(trial, said))
 
 
 def _best(ways: Sequence[_Way], source: PythonSource, look: Look) -> list[_Way]:

@@ -50,7 +50,7 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         points == []
         and not _has_scripts(package, setup)
         and (main := _first_main(package))
-        and not _is_named_beside(package, main)
+        and not any(f"{main}:" in read_text(path) for path in package.beside.rglob("setup.py"))
     ):
         named = re.sub(r"[^\w.]+", "_", main)
         shown = package.sources[main].shown
@@ -76,11 +76,6 @@ def _has_scripts(package: SourcePackage, setup: SetupScript) -> bool:
     is_open = not setup.are_data_files_known and "lib" in setup.source.text
     others = {"scripts"} & setup.keywords.keys() or {*(setup.groups or ())} - {"console_scripts"}
     return bool(others) or is_open or f"lib/{package.name}" in folders
-
-
-def _is_named_beside(package: SourcePackage, module: str) -> bool:
-    """Return whether the setup.py of another package has an entry point into a module."""
-    return any(f"{module}:" in read_text(path) for path in package.beside.rglob("setup.py"))
 
 
 def _first_main(package: SourcePackage) -> str | None:

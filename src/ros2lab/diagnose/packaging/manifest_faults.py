@@ -254,9 +254,11 @@ def _dependency_faults(
             cause = f"package.xml declares {name}, which is part of Python, not a package, so rosdep cannot find it."
             fix = f"remove the line with {name}"
             yield Finding("dependency-not-ros", cause, place, fix, (name,))
-        elif wanted := _of_ros_2(name) or next(
-            (candidate for candidate in sorted(known) if _is_slip(package, name, candidate)), None
-        ):
+            continue
+        # The name of a package of ROS 1 often gets a 2, as in rviz2.
+        slips = (candidate for candidate in sorted(known) if _is_slip(package, name, candidate))
+        of_ros_2 = ROS_1.get(name) or (f"{name}2" if f"{name}2" in PACKAGES else "")
+        if wanted := of_ros_2 or next(slips, None):
             cause = f"package.xml declares {name}, but there is no such package; the name is {wanted}."
             fix = (
                 f"remove this line: {wanted} is declared as well"
@@ -287,11 +289,6 @@ def _joined(
     fix = f"write `{rows}`" if new else f"remove this line: {' and '.join(names)} {are} declared as well"
     if names:
         yield Finding("dependency-joined", cause, place, fix, (*names,))
-
-
-def _of_ros_2(name: str) -> str:
-    """Return the package of ROS 2 for one of ROS 1, whose name often gets a 2, as in rviz2; empty if there is none."""
-    return ROS_1.get(name) or (f"{name}2" if f"{name}2" in PACKAGES else "")
 
 
 def _is_slip(package: SourcePackage, name: str, candidate: str) -> bool:
