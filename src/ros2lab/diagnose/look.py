@@ -30,8 +30,7 @@ from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.launching.launch_faults import launch_faults
 from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
-from ros2lab.diagnose.launching.launch_order import set_back
-from ros2lab.diagnose.launching.parameter_names import passed_over
+from ros2lab.diagnose.launching.parameter_names import passed_over, set_back
 from ros2lab.diagnose.launching.remapped_names import unknown_names
 from ros2lab.diagnose.launching.started_faults import Started, are_alone, started_faults, started_in
 from ros2lab.diagnose.net import guarded

@@ -63,7 +63,9 @@ def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
         return None
     for use in (candidate for candidate in _uses(spot) if re.search(_RAISED_BY[kind], candidate.text)):
         for values in _stand_ins(use, message, spot.file):
-            if not _is_alike(_said(use, use.text, values), f"{kind}: {message}"):
+            raised, printed = _said(use, use.text, values), f"{kind}: {message}"
+            # A later Python may say more.
+            if not raised or not (raised.startswith(printed) or printed.startswith(raised)):
                 continue
             for text, old, new in use.changes(use.text, values):
                 if not _said(use, text, values):
@@ -145,11 +147,6 @@ def _said(use: _Use, text: str, values: _Values) -> str:
     except (AttributeError, LookupError, ValueError, TypeError, OverflowError) as error:
         return f"{type(error).__name__}: {error}"
     return ""
-
-
-def _is_alike(raised: str, printed: str) -> bool:
-    """Return whether two errors are the same; a later Python may say more."""
-    return bool(raised) and (raised.startswith(printed) or printed.startswith(raised))
 
 
 def _stand_ins(use: _Use, message: str, source: PythonSource) -> Iterator[_Values]:

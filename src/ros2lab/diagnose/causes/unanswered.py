@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from typing import TypeGuard
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
@@ -49,7 +48,8 @@ def _asked(value: ast.expr, spot: Spot, depth: int = _DEEPEST) -> Iterator[_Requ
 
 def _waited(future: ast.expr, spot: Spot) -> Iterator[_Request]:
     """Yield the request that gave a future, with the calls that wait for it for a limited time."""
-    requests = [call for call in spot.assigned(ast.unparse(future)) if _is_request(call)]
+    made = [call for call in spot.assigned(ast.unparse(future)) if isinstance(call, ast.Call)]
+    requests = [call for call in made if getattr(call.func, "attr", "") in _ASKS]
     for call in own_nodes(spot.function) if spot.function else ():
         if isinstance(call, ast.Call) and requests and spot.source:
             names = [ast.unparse(argument) for argument in call.args]
@@ -57,10 +57,6 @@ def _waited(future: ast.expr, spot: Spot) -> Iterator[_Request]:
             is_wait = ast.unparse(call.func).endswith("spin_until_future_complete")
             if is_wait and is_limited and ast.unparse(future) in names[1:]:
                 yield requests[0], call, spot.file
-
-
-def _is_request(node: ast.expr) -> TypeGuard[ast.Call]:
-    return isinstance(node, ast.Call) and getattr(node.func, "attr", "") in _ASKS
 
 
 def _told(request: ast.Call, wait: ast.Call, source: PythonSource, value: str, look: Look) -> Finding | None:

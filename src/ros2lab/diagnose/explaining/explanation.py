@@ -32,17 +32,15 @@ from ros2lab.diagnose.explaining.launched_commands import of_launched_command
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
 from ros2lab.diagnose.explaining.needed import is_refuted, of_needed
-from ros2lab.diagnose.explaining.outdated import of_earlier
 from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.ros_variables import of_ros_variable
-from ros2lab.diagnose.explaining.said import launch_line, of_launch
-from ros2lab.diagnose.explaining.said_by_tools import lines_of, said_by_tools
+from ros2lab.diagnose.explaining.said import launch_line, lines_of, of_launch, said_by_tools
 from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
-from ros2lab.diagnose.explaining.unbuilt import failed_build
+from ros2lab.diagnose.explaining.unbuilt import failed_build, of_earlier
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.mending.repairs import tried, worth_typing

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.error_text import ErrorText
@@ -26,38 +25,33 @@ _WARNING = "[WARN]"
 _SET = r"(?:^|[;&] *)(?:export +)?{name}=(?P<value>\"[^\"]*\"|'[^']*'|[^\s;&]*)"
 
 
-@dataclass(frozen=True)
-class _Refused:
-    """A value that was refused: of which variable, which are allowed, and which is there."""
-
-    name: str
-    value: str
-    allowed: str
-    there: str
-
-
 def of_ros_variable(error: ErrorText) -> Finding | None:
     """Return the finding about a variable whose value ROS refuses; None if the text refuses none."""
     refused = _refused(error)
     if refused is None:
         return None
-    name, typed = refused.name, re.compile(_SET.format(name=refused.name))
+    name, there = refused["name"], refused.get("there", "")
+    typed = re.compile(_SET.format(name=name))
     found = ((line, match) for line in reversed(error.typed) if (match := typed.search(line)))
     line, match = next(found, ("", None))
-    value = refused.value or (match["value"].strip("\"'") if match else "")
-    near = nearest(value, [refused.there], 0.85) if value and refused.there else None
+    value = refused["value"] or (match["value"].strip("\"'") if match else "")
+    near = nearest(value, [there], 0.85) if value and there else None
     cause = f"The variable {name} is set to {value or 'a value'}{'' if value else ' that ROS refuses'}"
     if name == _MIDDLEWARE:
-        what = f"; {refused.there} is" if refused.there else ""
+        what = f"; {there} is" if there else ""
         cause = f"The variable {name} asks for the middleware {value}, which is not installed here{what}.{f' Did you mean {near}?' if near else ''}"
     else:
-        allowed = _ALLOWED.get(name) or (f"valid values are {refused.allowed}" if refused.allowed else "")
+        valid = refused.get("allowed", "")
+        allowed = _ALLOWED.get(name) or (f"valid values are {valid}" if valid else "")
         cause += f"{', which ROS refuses' if value else ''}{f': {allowed}' if allowed else ''}."
     return Finding("typed-wrong", cause, "", _fix(name, line, match, near))
 
 
-def _refused(error: ErrorText) -> _Refused | None:
-    """Return the value that was refused when the last command ran; None if none was, or only with a warning."""
+def _refused(error: ErrorText) -> dict[str, str] | None:
+    """Return which value of which variable was refused when the last command ran, and what is said of it.
+
+    None if none was, or only with a warning.
+    """
     for line in _last_output(error.steps):
         if error.reports and _WARNING in line:
             continue
@@ -65,7 +59,7 @@ def _refused(error: ErrorText) -> _Refused | None:
             if match := re.search(pattern, line):
                 said = {key: text or "" for key, text in match.groupdict().items()}
                 value = said.get("value") or said.get("other") or ""
-                return _Refused(about or said["name"], value, said.get("allowed", ""), said.get("there", ""))
+                return {**said, "name": about or said["name"], "value": value}
     return None
 
 

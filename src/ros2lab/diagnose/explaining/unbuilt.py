@@ -1,4 +1,4 @@
-"""Says why a package of the workspace is not built: by how it was asked for, and by who declares it."""
+"""Says why a package of the workspace is not built, or not since a file of it was changed."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from ros2lab.diagnose.explaining.commands import corrected
 from ros2lab.diagnose.explaining.needed import uses
 from ros2lab.diagnose.finding import Finding, stops_build
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.packaging.installed import prefix_of
+from ros2lab.diagnose.packaging.installed import changed_sources, prefix_of
 from ros2lab.diagnose.packaging.manifest_faults import mentions
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.spots import place_of
 from ros2lab.diagnose.printed.transcript import Step
 from ros2lab.diagnose.sources.package import SourcePackage
 
@@ -120,3 +121,31 @@ def _up_to(typed: str, names: Sequence[str]) -> str:
     """Return the command that builds packages with all that they need, with the other options as typed."""
     kept = re.sub(r" +--packages-\S+(?: +[\w.-]+)*", "", typed) if _BUILD.search(typed) else "colcon build"
     return f"{kept} --packages-up-to {' '.join(names)}"
+
+
+def of_earlier(error: ErrorText, look: Look) -> Finding | None:
+    """Say that an error comes from an installed copy of a file that has changed; None if it does not."""
+    own = error.own
+    frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
+    stale = (
+        next((finding for finding in look.findings if finding.code == "install-stale"), None)
+        if frames
+        else None
+    )
+    if stale is None:
+        return None
+    prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)
+    changed = {
+        source.shown: source
+        for package, prefix in prefixes
+        if prefix
+        for source, _ in changed_sources(prefix, package)
+    }
+    for place, frame in frames.items():
+        file = place.rpartition(":")[0]
+        if file in changed:
+            cause = f"{file} has changed since the last build, and the error comes from the older build."
+            if frame.text and frame.text not in map(str.strip, changed[file].text.splitlines()):
+                cause = f"{cause.rstrip('.')}: `{frame.text}` is no longer in it."
+            return Finding("install-stale", cause, place, f"{stale.fix}; then run the same command again")
+    return None

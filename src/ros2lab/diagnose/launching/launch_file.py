@@ -22,8 +22,7 @@ from ros2lab.diagnose.launching.entity_words import entity_repair
 from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
-from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values
-from ros2lab.diagnose.launching.older_keywords import older_keywords
+from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
 from ros2lab.diagnose.launching.plain_values import plain_value_faults
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text

@@ -127,10 +127,9 @@ def _as_installed(said: str, prefix: Path, packages: Sequence[SourcePackage]) ->
 
 def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourcePackage]) -> LaunchFile:
     """Return a file with what launch told of it; unchanged where that is nothing or malformed."""
-    try:
+    with contextlib.suppress(AttributeError, LookupError, TypeError, ValueError):
         return _joined(path, file, told, packages) if told else file
-    except (AttributeError, LookupError, TypeError, ValueError):
-        return file
+    return file
 
 
 def _joined(

@@ -1,4 +1,4 @@
-"""Values that a launch file gives a node by the wrong keyword, as their form shows."""
+"""Values that a launch file gives a node by the wrong keyword, as their form shows, or by one of older versions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.signatures import signature_by_name, signature_of
 from ros2lab.diagnose.sources.static_value import evaluate
 
 _WORDS = ("arguments", "ros_arguments", "cmd")  # what takes a list of words
@@ -132,3 +132,27 @@ def value_of(text: str) -> object:
     except (ValueError, SyntaxError):
         return text
     return value if isinstance(value, (int, float, str, list)) else text
+
+
+def older_keywords(source: PythonSource) -> Iterator[Finding]:
+    """Yield the calls of nodes in a launch file with keywords that older versions of ROS had."""
+    for call in source.nodes:
+        name = (source.resolve(call.func) or "") if isinstance(call, ast.Call) else ""
+        if not isinstance(call, ast.Call) or not name.startswith("launch_ros.actions."):
+            continue
+        signature = signature_by_name(name)
+        taken = {parameter.name for parameter in signature.parameters} if signature else set()
+        given = {keyword.arg for keyword in call.keywords}
+        renamed = {
+            keyword.arg: short
+            for keyword in call.keywords
+            if keyword.arg and keyword.arg not in taken
+            if (short := keyword.arg.removeprefix("node_")) in taken - given and short != keyword.arg
+        }
+        if renamed:
+            are = "are keywords" if len(renamed) > 1 else "is a keyword"
+            now = "they are called" if len(renamed) > 1 else "it is called"
+            cause = f"{' and '.join(renamed)} {are} of older versions of ROS; now {now} {' and '.join(renamed.values())}."
+            old = [keyword for keyword in call.keywords if keyword.arg in renamed]
+            fixes = [f"{renamed[k.arg]}= instead of {k.arg}= on line {k.value.lineno}" for k in old if k.arg]
+            yield Finding("launch-argument", cause, source.at(old[0].value), f"write {', and '.join(fixes)}")

@@ -1,4 +1,4 @@
-"""Parameters given to a node that does not declare them, which ROS silently ignores."""
+"""Parameters given to a node in vain: it does not declare them, or a file after them overrides them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import ast
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from ros2lab import every_node
@@ -13,7 +14,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Started, started_in
-from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.nodes.parameter_faults import declared_in, is_node
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import line_of
@@ -148,3 +149,29 @@ def _may_declare(files: NodeSources, name: str) -> bool:
                 ):
                     return True
     return False
+
+
+def set_back(started: list[Started]) -> Iterator[Finding]:
+    """Yield parameters of a node that a file after them sets to another value: the last value counts.
+
+    A file before another file, or before parameters, is the usual way to write defaults.
+    """
+    for node in started:
+        known: dict[str, Any] = {}
+        for given in node.launched.given:
+            if isinstance(given, Mapping):
+                known |= given
+                continue
+            for name, value in _given_by(Path(given), node):
+                if name in known and known[name] != value:
+                    shown = Path(given).name
+                    cause = f"{name} is {known[name]} here, but {shown}, which comes after it, sets it to {value}: the last value counts."
+                    fix = f"write {shown} first in parameters=[...], and the values that should win after it"
+                    yield Finding("launch-argument", cause, node.launched.place, fix, (name,))
+
+
+def _given_by(path: Path, node: Started) -> Iterator[tuple[str, Any]]:
+    """Yield the parameters that a file sets for a node; none if it cannot be read."""
+    for key, parameters in sections_in(read_text(path)):
+        if is_node(key, {node.name}):
+            yield from ((str(name), value) for name, value in parameters.items())

@@ -288,12 +288,12 @@ def _from_publishers(nodes: Sequence[Started], ends: Sequence[_End], asking: _En
     node, end, plain, name = asking
     for other, other_end, other_plain, other_name in ends:
         is_left = other_name and not _others(ends, other_name, is_publisher=False)
-        are_alike = other_plain == plain and (end.type or other_end.type) == (other_end.type or end.type)
-        if (
-            other is node
-            or not (is_left and are_alike and _is_publisher(ends, other, other_plain))
-            or _are_of_two_groups(nodes, node, other)
-        ):
+        are_alike = (
+            other_end.is_publisher
+            and other_plain == plain
+            and (end.type or other_end.type) == (other_end.type or end.type)
+        )
+        if other is node or not (is_left and are_alike) or _are_of_two_groups(nodes, node, other):
             continue
         moved = [one for one in (other, node) if one.namespace or one.launched.remappings]
         if moved:
@@ -349,7 +349,3 @@ def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Find
 
 def _others(ends: Sequence[_End], name: str, *, is_publisher: bool) -> bool:
     return any(end.is_publisher is is_publisher and topic == name for _, end, _, topic in ends)
-
-
-def _is_publisher(ends: Sequence[_End], node: Started, plain: str) -> bool:
-    return any(owner is node and end.is_publisher and topic == plain for owner, end, topic, _ in ends)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ros2lab.diagnose.checking.edits_told import edits_told
 from ros2lab.diagnose.checking.trials import Trial
@@ -18,21 +18,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 _TOLD = 0  # the cost of a change that is suggested already
 
 
-@dataclass(frozen=True)
-class _Way:
-    """A change, with the trial of the line that it changes."""
-
-    trial: Trial
-    change: Change
-
-    @property
-    def cost(self) -> int:
-        return self.change.cost
-
-    @property
-    def told(self) -> str:
-        """What to write."""
-        return self.trial.told(self.change.edit)
+_Way = tuple[Trial, Change]  # a change, with the trial of the line that it changes
 
 
 def loaded(
@@ -47,50 +33,48 @@ def loaded(
         return None
     trials = [Trial(source, Spot(source, number), look) for number in ([line] if line else _lines(source))]
     ways = [
-        _Way(trial, Change(edit, _TOLD))
+        (trial, Change(edit, _TOLD))
         for trial in trials
         for edit in edits_told(finding.fix, trial.statement, trial.expressions())
     ]
     is_guess = bool(ways)
     said = f"{finding.cause} {passed_on.cause}"
-    ways += [_Way(trial, change) for trial in trials for change in changes_of(trial, said)]
+    ways += [(trial, change) for trial in trials for change in changes_of(trial, said)]
     if finding in look.findings and finding.code != SAID:
         # What a rule says of the line is right: only a small change may replace its fix.
-        ways = [way for way in ways if way.cost <= PLACE]
-    good = _best(sorted(ways, key=lambda way: way.cost)[:MOST], source, look)
+        ways = [(trial, change) for trial, change in ways if change.cost <= PLACE]
+    good = _best(sorted(ways, key=lambda way: way[1].cost)[:MOST], source, look)
     if not good:
         return None
-    if good[0].cost == _TOLD:
+    best = good[0][1]
+    if best.cost == _TOLD:
         return finding
     texts = _told(good)
     if len(texts) > MOST_TOLD:
         return None
     known = passed_on if is_guess else finding  # the fix so far does not help
-    place = source.at(good[0].change.edit.node)
+    place = source.at(best.edit.node)
     return replace(known, place=place, fix=f"write {', or '.join(texts)}")
 
 
 def _lines(source: PythonSource) -> list[int]:
     """Return the lines of a file's functions and of the statements in them."""
-    statements = [node for node in source.nodes if isinstance(node, ast.stmt)]
-    return [
-        statement.lineno
-        for statement in statements
-        if statement.col_offset or isinstance(statement, ast.FunctionDef)
-    ]
+    statements = (node for node in source.nodes if isinstance(node, ast.stmt))
+    return [n.lineno for n in statements if n.col_offset or isinstance(n, ast.FunctionDef)]
 
 
 def _best(ways: Sequence[_Way], source: PythonSource, look: Look) -> list[_Way]:
     """Return the changes by which launch starts most; where it starts nothing, only the small ones."""
     assert source.path is not None
-    copies = [way.trial.copy_with(way.change.edit) for way in ways]
+    copies = [trial.copy_with(change.edit) for trial, change in ways]
     counts = load_copies(source.path, copies, look.packages)
     most = max((count for count in counts if count is not None), default=0)
     # Where something outside the file is missing, any other value gets launch further.
-    return [way for way, n in zip(ways, counts, strict=True) if n == most and (n or way.cost <= PLACE)]
+    return [way for way, n in zip(ways, counts, strict=True) if n == most and (n or way[1].cost <= PLACE)]
 
 
 def _told(good: Sequence[_Way]) -> list[str]:
     """Return what the cheapest changes write: only the first, unless nothing speaks for any of them."""
-    same = [way.told for way in good if way.cost == good[0].cost]
-    return [*dict.fromkeys(same if good[0].change.is_one_of_many else same[:1])]
+    best = good[0][1]
+    same = [trial.told(change.edit) for trial, change in good if change.cost == best.cost]
+    return [*dict.fromkeys(same if best.is_one_of_many else same[:1])]

@@ -150,7 +150,9 @@ def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
 def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
     """Yield a link of a build with --symlink-install that is broken or leads out of the workspace."""
     build = root / "build" / package.name
-    links = {path: path.readlink() for base in (prefix, build) for path in _all_links(base)}
+    walked = (entry for base in (prefix, build) for entry in os.walk(base))
+    paths = (Path(folder, name) for folder, names, files in walked for name in (*names, *files))
+    links = {path: path.readlink() for path in paths if path.is_symlink()}
     for folder in _site_packages(prefix):
         links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
     own, first = (root, root.resolve()), _built_in(root)
@@ -182,15 +184,6 @@ def _built_in(root: Path) -> Path | None:
         r"^_colcon_prefix_chain_sh_COLCON_CURRENT_PREFIX=[\"']?(/.+)/install[\"']?$", text, re.M
     )
     return Path(written[1]) if written else None
-
-
-def _all_links(base: Path) -> list[Path]:
-    return [
-        Path(folder, name)
-        for folder, names, files in os.walk(base)
-        for name in (*names, *files)
-        if Path(folder, name).is_symlink()
-    ]
 
 
 def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:

@@ -22,7 +22,8 @@ def layout_faults(
 ) -> Iterator[Finding]:
     """Yield what is where colcon or ROS does not look for it."""
     seen = {package.name for package in packages}
-    wanted = {name for package in packages for name in _needs(package)}
+    manifests = [package.manifest for package in packages if package.manifest]
+    wanted = {dependency.name for manifest in manifests for dependency in manifest.exec_depends}
     told: set[str] = set()
     for skipped in sorted(passed_over, key=lambda skipped: len(skipped.package.folder.parts)):
         # A package may be hidden on purpose, but not one that is needed, or the only one.
@@ -64,10 +65,6 @@ def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[
                 cause = f"install/{old} is left over from a package no longer in src, and `ros2 run {old}` still starts the old build; the package is now called {package.name}."
                 fix = f"rm -r build/{old} install/{old}, and type `ros2 run {package.name} ...`"
                 yield Finding("left-over", cause, f"install/{old}", fix)
-
-
-def _needs(package: SourcePackage) -> set[str]:
-    return {dependency.name for dependency in package.manifest.exec_depends} if package.manifest else set()
 
 
 def hidden(skipped: PassedOver, copies: Sequence[str] = ()) -> Finding:

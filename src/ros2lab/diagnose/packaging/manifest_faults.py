@@ -16,9 +16,8 @@ from typing import Any
 
 from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding, at
-from ros2lab.diagnose.packaging.build_types import build_type_written
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
-from ros2lab.diagnose.packaging.manifest_repairs import repaired
+from ros2lab.diagnose.packaging.manifest_repairs import build_type_written, repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
 from ros2lab.diagnose.sources.commented_out import without_comments, without_texts
 from ros2lab.diagnose.sources.interfaces import PACKAGES, meant

@@ -51,6 +51,7 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
 
 # Settings by which pytest looks for other names, and what gives tests arguments that are not seen here.
 _CHOSEN = re.compile(r"\bpython_(?:files|functions|classes)\b|collect_file")
+_COLLECTED = ("test", "generate_test")
 _GIVES_ANY = re.compile(r"\bpytest(?:[-_][a-z]|11|mark)|launch_pytest|import \*")
 
 
@@ -90,7 +91,10 @@ def _not_run(source: PythonSource, *, is_looked_into: bool) -> Iterator[Finding]
         and given.issuperset(argument.arg for argument in function.args.args)
         and (function.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(function)))
     ]
-    if not tests or (is_looked_into and any(map(_is_collected, source.nodes))):
+    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    defined = [node for node in source.nodes if isinstance(node, kinds)]
+    is_collected = any(isinstance(n, ast.ClassDef) or n.name.startswith(_COLLECTED) for n in defined)
+    if not tests or (is_looked_into and is_collected):
         return
     name, place = tests[0].name, source.at(tests[0])
     if is_looked_into:
@@ -104,12 +108,6 @@ def _not_run(source: PythonSource, *, is_looked_into: bool) -> Iterator[Finding]
         more = f", and begin the names of its functions with test_ ({', '.join(others)})" if others else ""
         fix = f"mv {quote(source.shown)} {quote(source.shown.rpartition('/')[0] + '/' + new)}{more}"
         yield Finding("never-called", cause, source.shown, fix)
-
-
-def _is_collected(node: ast.AST) -> bool:
-    return isinstance(node, ast.ClassDef) or (
-        isinstance(node, Function) and node.name.startswith(("test", "generate_test"))
-    )
 
 
 def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Function) -> Iterator[Finding]:
