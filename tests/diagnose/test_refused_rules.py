@@ -11,7 +11,7 @@ from rclpy.validate_node_name import validate_node_name
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_text
-from ros2lab.diagnose.causes.refused_rules import allowed
+from ros2lab.diagnose.causes.refused_names import allowed
 
 RUN = "ros2 run my_bot talker --ros-args"
 TYPED = [

@@ -70,10 +70,7 @@ class _Callback:
 
 
 def of_own_raise(error: ErrorText, look: Look) -> Finding | None:
-    """Say what an exception ends that the student's own `raise` or `assert` lets out of a callback.
-
-    None if something else raised it, or if rclpy did not call the function.
-    """
+    """Say what an exception ends that the student's own `raise` or `assert` lets out of a callback; None for others."""
     report = error.report
     if report is None or not report.frames or not own_frames(report.frames[-1:]):
         return None

@@ -14,8 +14,7 @@ from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
 from ros2lab.diagnose.causes.later_calls import of_later_call
 from ros2lab.diagnose.causes.parameters_given import of_parameters
 from ros2lab.diagnose.causes.raised_in_callbacks import of_own_raise
-from ros2lab.diagnose.causes.refused_names import of_refused_name
-from ros2lab.diagnose.causes.refused_rules import of_refused_rule
+from ros2lab.diagnose.causes.refused_names import of_refused_name, of_refused_rule
 from ros2lab.diagnose.causes.shadowed import of_shadow
 from ros2lab.diagnose.causes.taken import of_taken
 from ros2lab.diagnose.causes.unanswered import of_unanswered

@@ -20,10 +20,7 @@ _EXPANDED = {"$": "os.path.expandvars", "~": "os.path.expanduser"}
 
 
 def of_launched_command(error: ErrorText, look: Look) -> Finding | None:
-    """Say which word of a launch file's command is wrong, for a command that has ended with an error.
-
-    None if an exception was printed, or if the words of the command are right as far as is known.
-    """
+    """Say which word of a launch file's command that failed is wrong; None if none is, or for an exception."""
     died = [match["cmd"] for match in _DIED.finditer(error.text)] if not error.reports else []
     commands = [
         command

@@ -57,10 +57,7 @@ def _without_caught_imports(text: str, look: Look) -> str:
 
 
 def own_words(error: ErrorText, look: Look) -> Finding | None:
-    """Say where the student's own code contains the text of an error's line, or asks for what it says.
-
-    None if it does neither.
-    """
+    """Say where the student's code contains the text of an error's line, or asks for what it says; None if nowhere."""
     line = error.decisive
     logged = _LOG_LINE.search(line)
     spoken = logged["text"] if logged else line

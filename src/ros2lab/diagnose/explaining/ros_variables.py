@@ -48,10 +48,7 @@ def of_ros_variable(error: ErrorText) -> Finding | None:
 
 
 def _refused(error: ErrorText) -> dict[str, str] | None:
-    """Return which value of which variable was refused when the last command ran, and what is said of it.
-
-    None if none was, or only with a warning.
-    """
+    """Return what is said of a value that was refused when the last command ran; None if none was, or with a warning."""
     for line in _last_output(error.steps):
         if error.reports and _WARNING in line:
             continue

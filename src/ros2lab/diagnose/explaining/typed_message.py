@@ -68,10 +68,7 @@ def _misfit(owner: str, read: Mapping[Any, Any], fields: Mapping[str, str]) -> s
 
 
 def _nested(word: str, fields: Mapping[str, str]) -> str:
-    """Return a message whose inner fields were written on unindented lines, as `linear:` and then `x: 0.5`.
-
-    Empty if it was not written so.
-    """
+    """Return a message whose inner fields were written on lines without an indent, as `x: 0.5`; empty for others."""
     parts: dict[str, list[str]] = {}
     inner: Mapping[str, str] = {}
     current = ""

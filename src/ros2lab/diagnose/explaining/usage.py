@@ -14,14 +14,13 @@ from ros2lab.diagnose.printed.transcript import words_in
 from ros2lab.diagnose.sources.spelling import nearest
 
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
+# Versions of a command, each with what was wrong before.
+_Versions = Iterator[tuple[list[str], str]]
 _SHOWN_PLAIN = re.compile(r"[\w./:=@,+~-]+")
 
 
 def accepted_form(line: str) -> tuple[str, str] | None:
-    """Return a form of the command that the parser accepts, and a sentence that says what was wrong.
-
-    None if the command is accepted as it is, or if no change that is tried helps.
-    """
+    """Return a form of the command that the parser accepts, and what was wrong; None if it is right, or none helps."""
     words = words_in(line.rstrip("& "))
     if words[:1] != ["ros2"] or {"-h", "--help"} & set(words) or _is_accepted(words):
         return None
@@ -64,7 +63,7 @@ def _is_accepted(words: Sequence[str]) -> bool:
     return getattr(args, "verb_object", None) is not None
 
 
-def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
+def _repairs(words: list[str]) -> _Versions:
     """Yield versions of a command with one change each, the likeliest first, and why each is needed."""
     parser, depth = _parser(words)
     yield from _other_verb(words, parser, depth)
@@ -103,7 +102,7 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
             yield [*words[:number], joined], f"{joined!r} is one value, so it needs quotes."
 
 
-def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
+def _parted(words: list[str], depth: int) -> _Versions:
     for number in range(depth + 1, len(words)):
         name, sign, value = re.match(r"([\w./~]*)(:=|=|:|)(.*)", words[number]).groups()  # type: ignore[union-attr]
         if not sign:
@@ -114,7 +113,7 @@ def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
             yield parted, why
 
 
-def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
+def _in_another_order(words: list[str]) -> _Versions:
     if "--ros-args" in words[:-2]:
         start = words.index("--ros-args")
         end = start + 1
@@ -125,9 +124,7 @@ def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
         yield moved, why
 
 
-def _unknown_option(
-    words: list[str], number: int, actions: dict[str, argparse.Action]
-) -> Iterator[tuple[list[str], str]]:
+def _unknown_option(words: list[str], number: int, actions: dict[str, argparse.Action]) -> _Versions:
     """Yield versions with an unknown option replaced by a similar one or a launch argument, or removed."""
     name, sign, given = words[number].partition("=")
     before, after = words[:number], words[number + 1 :]
@@ -141,9 +138,7 @@ def _unknown_option(
     yield [*before, *after], f"There is no option {name} here."
 
 
-def _other_verb(
-    words: list[str], parser: argparse.ArgumentParser, depth: int
-) -> Iterator[tuple[list[str], str]]:
+def _other_verb(words: list[str], parser: argparse.ArgumentParser, depth: int) -> _Versions:
     for action in parser._actions:
         wrong = words[depth + 1] if len(words) > depth + 1 else ""
         if isinstance(action, argparse._SubParsersAction) and wrong not in action.choices:

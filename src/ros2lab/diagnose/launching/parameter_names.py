@@ -13,15 +13,13 @@ from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import LaunchFile
-from ros2lab.diagnose.launching.started_faults import Started, started_in
+from ros2lab.diagnose.launching.started_faults import Packages, Started, started_in
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, is_node
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import line_of
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, write_instead
 
-Packages = Mapping[str, tuple[SourcePackage, NodeSources]]
 # The sources of a package, and the module in which a node is made.
 _Home = tuple[NodeSources, str]
 

@@ -20,6 +20,8 @@ from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import is_for, line_of
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
+Packages = Mapping[str, tuple[SourcePackage, NodeSources]]  # those of a workspace, each with its files
+
 
 @dataclass(frozen=True)
 class Started:
@@ -115,7 +117,7 @@ class Started:
         return f"/{name_in(self.full_name.lstrip('/'), topic)}"
 
 
-def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]) -> list[Started]:
+def started_in(file: LaunchFile, packages: Packages) -> list[Started]:
     """List the nodes of the workspace that a launch file starts."""
     found = []
     for node in file.nodes:
@@ -129,7 +131,7 @@ def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, Nod
     return found
 
 
-def are_alone(files: Iterable[LaunchFile], packages: Mapping[str, tuple[SourcePackage, NodeSources]]) -> bool:
+def are_alone(files: Iterable[LaunchFile], packages: Packages) -> bool:
     """Return whether the nodes of a workspace work without any other program, such as a simulator.
 
     Texts are typed at a terminal, but other messages come from a program.
@@ -150,9 +152,7 @@ def are_alone(files: Iterable[LaunchFile], packages: Mapping[str, tuple[SourcePa
     return not from_outside and "clock" not in sent and "" not in sent
 
 
-def started_faults(
-    file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]], *, is_alone: bool
-) -> Iterator[Finding]:
+def started_faults(file: LaunchFile, packages: Packages, *, is_alone: bool) -> Iterator[Finding]:
     """Yield what keeps the nodes of a launch file from their parameters or from each other.
 
     They are alone if nothing but the workspace's own nodes is ever started with them.

@@ -23,10 +23,7 @@ _WORDS = Vocabulary(
 
 
 def repaired(text: str, keywords: Mapping[str, Any]) -> tuple[int, str] | None:
-    """Return the number of a line and how to repair it; None if no small change makes the manifest better.
-
-    The keywords are the arguments of setup(), which say some of the same.
-    """
+    """Return a line and how to repair it, also from the arguments of setup(); None if no small change helps."""
     if len(text) > _MOST or "<!DOCTYPE" in text:
         return None
     slip = xml_repair(text, _WORDS, _is_read) or likeliest(
