@@ -25,11 +25,9 @@ def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
                 cause = f"{text} is {kind_in_words(kind)}, whose fields are accessed with a dot, not with brackets."
                 return cause, f"write {text}.{name} instead of {ast.unparse(node)}"
     cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has no elements."
-    fix = (
-        "use its field that is a list or a string, such as msg.data"
-        if fields
-        else "turn it into a list or a dict first"
-    )
+    fix = "turn it into a list or a dict first"
+    if fields:
+        fix = "use its field that is a list or a string, such as msg.data"
     return cause, fix
 
 

@@ -38,6 +38,12 @@ _FIELD = re.compile(r"\{([^{}]*)\}")
 _PERCENT = re.compile(r"%(?:\((?P<name>[^)]*)\))?(?P<form>[-+ #0]*\d*(?:\.\d*)?)(?P<letter>.?)", re.DOTALL)
 _WIDEST = 999  # characters or digits of a field; nobody writes more by hand
 _Values = tuple[list[object], dict[str, object]]
+# How each kind of format string is filled.
+_WAYS: Mapping[str, Callable[[str, _Values], object]] = {
+    "format": lambda text, values: text.format(*values[0], **values[1]),
+    "percent": lambda text, values: text % (values[1] or tuple(values[0])),
+    "f-string": lambda text, values: format(values[0][0], text),
+}
 
 
 @dataclass(frozen=True)
@@ -94,14 +100,14 @@ def _uses(spot: Spot) -> Iterator[_Use]:
                 values = [("", argument) for argument in args] + [
                     (keyword.arg or "", keyword.value) for keyword in keywords
                 ]
-                filling, changes = _filled, _changed_fields
+                way, changes = "format", _changed_fields
             case ast.BinOp(left=named, op=ast.Mod(), right=right):
                 values = _right_values(right)
-                filling, changes = _percent, _changed_percents
+                way, changes = "percent", _changed_percents
             case ast.FormattedValue(
                 value=value, format_spec=ast.JoinedStr(values=[ast.Constant(value=str() as form)])
             ):
-                yield _Use(node, source, form, [("", value)], _formatted, _changed_form)
+                yield _Use(node, source, form, [("", value)], _WAYS["f-string"], _changed_form)
                 continue
             case _:
                 continue
@@ -110,7 +116,7 @@ def _uses(spot: Spot) -> Iterator[_Use]:
             if isinstance(constant.value, str) and not any(
                 isinstance(given, ast.Starred) for _, given in values
             ):
-                yield _Use(constant, home, constant.value, values, filling, changes)
+                yield _Use(constant, home, constant.value, values, _WAYS[way], changes)
 
 
 def _right_values(right: ast.expr) -> list[tuple[str, ast.expr]]:
@@ -124,18 +130,6 @@ def _right_values(right: ast.expr) -> list[tuple[str, ast.expr]]:
             if isinstance(key, ast.Constant) and isinstance(key.value, str)
         ]
     return [("", right)]
-
-
-def _filled(text: str, values: _Values) -> object:
-    return text.format(*values[0], **values[1])
-
-
-def _percent(text: str, values: _Values) -> object:
-    return text % (values[1] or tuple(values[0]))
-
-
-def _formatted(text: str, values: _Values) -> object:
-    return format(values[0][0], text)
 
 
 def _said(use: _Use, text: str, values: _Values) -> str:

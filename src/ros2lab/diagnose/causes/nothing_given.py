@@ -222,11 +222,9 @@ def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told:
         fix = f"add another return at its end for all other cases, as in `{ast.unparse(values[0])}`"
         return cause, place, fix
     is_value = isinstance(last, ast.Expr) and not isinstance(last.value, ast.Call)
-    fix = (
-        f"write return {ast.unparse(last)}"
-        if is_value
-        else "end it with return and the value it should return"
-    )
+    fix = "end it with return and the value it should return"
+    if is_value:
+        fix = f"write return {ast.unparse(last)}"
     return f"{function.name}() returns nothing, because it has no return statement.", place, fix
 
 

@@ -64,11 +64,9 @@ def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         cause = f"`{spot.text}` repeats a list or a string, which needs a whole number, but the number is {right}."
         return cause, "write int(...) around the number"
     is_text = "a string" in (left, right)
-    fix = (
-        "write str(...) around what is not a string, or float(...) around the string if a number was meant"
-        if is_text
-        else "convert both to the same type; a message's number is in one of its fields, such as msg.data"
-    )
+    fix = "convert both to the same type; a message's number is in one of its fields, such as msg.data"
+    if is_text:
+        fix = "write str(...) around what is not a string, or float(...) around the string if a number was meant"
     for kind in (match["left"], match["right"]):
         if members := interfaces.methods_of(kind):
             fix = f"use a number from the {kind}, which has {members}"

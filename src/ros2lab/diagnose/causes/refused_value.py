@@ -63,11 +63,9 @@ def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[s
     sent = next((name for name in made if _range_of(name, field) == (least, most)), "")
     larger = _larger(sent, field, least, most)
     keep = f"keep it in that range, for example with min(max({ast.unparse(value)}, {least}), {most})"
-    fix = (
-        f"write {larger} instead of {sent.rpartition('.')[2]} everywhere, including where it is received; or {keep}"
-        if larger
-        else keep
-    )
+    fix = keep
+    if larger:
+        fix = f"write {larger} instead of {sent.rpartition('.')[2]} everywhere, including where it is received; or {keep}"
     return Finding("field-type", cause, source.at(value), fix)
 
 

@@ -136,11 +136,9 @@ def _told(found: Sequence[Leaf], wanted: str, what: str, spot: Spot) -> Finding 
         f"on line {row[0][1].lineno} {text}"
         for row, text in zip([*lines.values()][1:], texts[1:], strict=True)
     ]
-    kind = (
-        kind_in_words(type(node.value).__name__)
-        if isinstance(node, ast.Constant)
-        else "the result of /, a float"
-    )
+    kind = "the result of /, a float"
+    if isinstance(node, ast.Constant):
+        kind = kind_in_words(type(node.value).__name__)
     kind = "a float" if kind == "a number" else kind
     is_here = (source.shown, node.lineno) == (spot.file.shown, spot.line)
     cause = f"{what}, but `{ast.unparse(node)}` is {kind}."

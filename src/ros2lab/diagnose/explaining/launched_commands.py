@@ -52,7 +52,8 @@ def _fault(command: LaunchCommand, words: list[str], error: ErrorText, look: Loo
         return None
     why = meant.why if meant else ""
     if bare != words:
-        why = f"No shell reads cmd, so the quotes inside {_changed(words, bare)[0]!r} are passed on as part of the text."
+        quoted = next(word for word, other in zip(words, bare, strict=True) if word != other)
+        why = f"No shell reads cmd, so the quotes inside {quoted!r} are passed on as part of the text."
     return Finding("launch-argument", why, *_written(command, words, right))
 
 
@@ -64,10 +65,6 @@ def _bare(word: str, error: ErrorText) -> str:
     others = [line for line in error.text.splitlines() if not _DIED.search(line)]
     is_named = any(word in line for line in others)
     return match["inner"] if is_named or _OF_YAML.search(match["inner"]) else word
-
-
-def _changed(words: Sequence[str], right: Sequence[str]) -> list[str]:
-    return [word for word, other in zip(words, right, strict=True) if word != other]
 
 
 def _written(command: LaunchCommand, words: Sequence[str], right: Sequence[str]) -> tuple[str, str]:

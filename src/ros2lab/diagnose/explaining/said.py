@@ -182,11 +182,9 @@ def _of_system(said: re.Match[str], look: Look) -> Finding | None:
         sources = [s for p in look.packages for s in p.sources.values() if s.path]
         shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
         cause = f"The first line of the file has a Windows line ending, so the system looks for a program {path!r}."
-        fix = (
-            rf"sed -i 's/\r$//' {shown}"
-            if shown
-            else r"remove the Windows line endings: sed -i 's/\r$//' followed by the file"
-        )
+        fix = r"remove the Windows line endings: sed -i 's/\r$//' followed by the file"
+        if shown:
+            fix = rf"sed -i 's/\r$//' {shown}"
         return Finding(SAID, cause, shown, fix)
     if number == errno.ENOENT:
         return _missing(path, look)
@@ -223,11 +221,9 @@ def _missing(path: str, look: Look) -> Finding:
         return found
     near = sorted(_alike(path, look)) if look else []
     where = f"; there is {near[0]}" if near else ""
-    fix = (
-        f"write {near[0]}, from the workspace folder"
-        if near
-        else "compare the path with what ls and pwd show"
-    )
+    fix = "compare the path with what ls and pwd show"
+    if near:
+        fix = f"write {near[0]}, from the workspace folder"
     return Finding(SAID, f"There is no file or folder {path}{where}.", "", fix)
 
 
@@ -238,11 +234,9 @@ def _denied(path: str, *, is_run: bool) -> Finding:
     home = next((folder for folder in (Path(path), *Path(path).parents) if folder.exists()), Path(path))
     is_roots = home.exists() and home.stat().st_uid == 0 and path.startswith(str(Path.home()))
     cause = f"You have no permission to use {path}{', because it belongs to root' if is_roots else ''}."
-    fix = (
-        f'sudo chown -R "$USER" {quote(str(home))}, and never build with sudo'
-        if is_roots
-        else "use a file or folder of your own"
-    )
+    fix = "use a file or folder of your own"
+    if is_roots:
+        fix = f'sudo chown -R "$USER" {quote(str(home))}, and never build with sudo'
     return Finding(SAID, cause, "", fix)
 
 

@@ -25,14 +25,19 @@ def _loaded(word: str, loader: Any) -> Any:
     return bounded_yaml.load(re.sub(r":(?=[^\s:/])", ": ", word), loader)
 
 
-def read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
-    """Return the text of a string field that YAML reads as another type, and that value; else None."""
+def _read(word: str) -> tuple[Any, Any] | None:
+    """Return a word as YAML reads it, and with each scalar as the text that was written; None if it is invalid."""
     import yaml
 
     try:
-        read, written = _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
+        return _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
     except (yaml.YAMLError, RecursionError):
         return None
+
+
+def read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
+    """Return the text of a string field that YAML reads as another type, and that value; else None."""
+    read, written = _read(word) or ({}, {})
     for name, value in read.items() if isinstance(read, dict) else ():
         if fields.get(str(name)) == "string" and not isinstance(value, (str, dict, list)):
             return written[name], value
@@ -41,12 +46,7 @@ def read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
 
 def misfit(word: str, fields: Mapping[str, str]) -> str:
     """Return which fields a type does not have, or hold a value where a message belongs, as a sentence; else empty."""
-    import yaml
-
-    try:
-        read = _loaded(word, yaml.SafeLoader)
-    except (yaml.YAMLError, RecursionError):
-        return ""
+    read, _ = _read(word) or ("", "")
     return _misfit("The message", read, fields) if isinstance(read, dict) else ""
 
 
@@ -147,15 +147,13 @@ def _in_braces(written: Any) -> str:
 
 def _flowing(word: str, fields: Mapping[str, str]) -> str:
     """Return a message on one line, in braces."""
-    import yaml
-
-    try:
-        value, written = _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
-    except (yaml.YAMLError, RecursionError):
+    both = _read(word)
+    if both is None:
         if whole := _quoted(word, fields):
             return whole
         closed = word + "}" * (word.count("{") - word.count("}"))
         return word if closed == word else _flowing(closed, fields)
+    value, written = both
     if isinstance(value, dict) and any("." in str(name) for name in value):
         return _in_braces(_without_dots(written))
     first = next(iter(fields))
@@ -179,10 +177,5 @@ def _is_spaced(word: str) -> bool:
 
 def _reads_alike(text: str, other_text: str) -> bool:
     """Return whether YAML reads two texts alike, as typed values or as text; True if one is invalid."""
-    import yaml
-
-    with contextlib.suppress(yaml.YAMLError):
-        return any(
-            _loaded(text, kind) == _loaded(other_text, kind) for kind in (yaml.SafeLoader, yaml.BaseLoader)
-        )
-    return True
+    both, others = _read(text), _read(other_text)
+    return both is None or others is None or both[0] == others[0] or both[1] == others[1]

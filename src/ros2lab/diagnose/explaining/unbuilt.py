@@ -127,11 +127,9 @@ def of_earlier(error: ErrorText, look: Look) -> Finding | None:
     """Say that an error comes from an installed copy of a file that has changed; None if it does not."""
     own = error.own
     frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
-    stale = (
-        next((finding for finding in look.findings if finding.code == "install-stale"), None)
-        if frames
-        else None
-    )
+    stale = None
+    if frames:
+        stale = next((finding for finding in look.findings if finding.code == "install-stale"), None)
     if stale is None:
         return None
     prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)

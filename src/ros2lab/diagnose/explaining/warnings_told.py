@@ -97,11 +97,9 @@ def _fix(said: str, places: Sequence[str], look: Look) -> tuple[str, str]:
                 {int(place_and_text[0].rpartition(":")[2]) for place_and_text in lines[1:]}
                 - {int(first.rpartition(":")[2])}
             )
-            more = (
-                f"; and likewise on line{'s' * (len(others) > 1)} {', '.join(map(str, others))}"
-                if others
-                else ""
-            )
+            more = ""
+            if others:
+                more = f"; and likewise on line{'s' * (len(others) > 1)} {', '.join(map(str, others))}"
             return f"write `{_word(old).sub(lambda _: new, text, count=1)}`{more}", first
         return f"write {new} instead of {old}", place
     hint = _SENTENCE.search(_SEE.sub("", said))

@@ -53,11 +53,9 @@ def _noting(refused: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
     def hook(event: str, given: tuple[Any, ...]) -> None:
         if event == "open":
             path, mode, flags = given
-            writes = (
-                flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
-                if isinstance(flags, int)
-                else mode
-            )
+            writes = mode
+            if isinstance(flags, int):
+                writes = flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
             if not writes or isinstance(path, int) or path == os.devnull:
                 return
         elif not _CHANGES.match(event):

@@ -76,11 +76,9 @@ def _executable_fault(
         near = meant[0].name if meant else nearest(executable, there, 0.6)
         said = "" if meant else did_you_mean(executable, there)
         cause = f"The launch file starts {executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}"
-        fix = (
-            f"write {near} instead of {executable}"
-            if near
-            else "write the executable's name as it is in entry_points in setup.py"
-        )
+        fix = "write the executable's name as it is in entry_points in setup.py"
+        if near:
+            fix = f"write {near} instead of {executable}"
         yield Finding("launch-executable", cause, node.place, fix)
 
 
@@ -139,11 +137,9 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
                 f"The launch file uses the parameter file {path} of {package}, but there is no such file"
                 + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults.")
             )
-            fix = (
-                f"write {wanted} instead of {path.rpartition('/')[2]} in the launch file"
-                if wanted
-                else f"create the file {path}, and add it to data_files in setup.py"
-            )
+            fix = f"create the file {path}, and add it to data_files in setup.py"
+            if wanted:
+                fix = f"write {wanted} instead of {path.rpartition('/')[2]} in the launch file"
             yield Finding("parameter-file-missing", cause, node.place, fix)
 
 

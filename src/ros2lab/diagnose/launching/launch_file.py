@@ -128,11 +128,9 @@ def _without_return(source: PythonSource) -> Iterator[Finding]:
                 if isinstance(statement, ast.Assign) and "LaunchDescription" in ast.unparse(statement.value)
             ]
             is_made = isinstance(last, ast.Expr) and "LaunchDescription" in ast.unparse(last)
-            fix = (
-                "write return in front of LaunchDescription(...)"
-                if is_made
-                else "end it by returning the LaunchDescription"
-            )
+            fix = "end it by returning the LaunchDescription"
+            if is_made:
+                fix = "write return in front of LaunchDescription(...)"
             fix = f"write return {ast.unparse(made[-1].targets[0])} as its last line" if made else fix
             cause = "generate_launch_description() makes a description but returns nothing, so launch has nothing to start."
             yield Finding("launch-function", cause, source.at(last), fix)

@@ -124,11 +124,9 @@ def _fault(
         declare = f"self.declare_parameter({name!r}, {value!r})"
         others = {other for other, _ in _flat(among)}
         close = nearest(name, [*declared], 0.7) or nearest(name, {*declared} - others, 0.5)
-        fix = (
-            f"{write_instead(close, name, others)}, or declare it: {declare}"
-            if close
-            else f"declare it: {declare}"
-        )
+        fix = f"declare it: {declare}"
+        if close:
+            fix = f"{write_instead(close, name, others)}, or declare it: {declare}"
         yield Finding("parameter-name", cause, place, fix)
 
 

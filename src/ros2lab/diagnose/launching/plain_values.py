@@ -44,11 +44,9 @@ def _truths(source: PythonSource) -> Iterator[Finding]:
                 written = ast.unparse(text)
                 sign = "!=" if is_negated else "=="
                 right = "1" if defaults[name] in "01" else "true"
-                always = (
-                    "equals neither True nor False"
-                    if isinstance(tested, ast.Compare)
-                    else "counts as true, as every text that is not empty does"
-                )
+                always = "counts as true, as every text that is not empty does"
+                if isinstance(tested, ast.Compare):
+                    always = "equals neither True nor False"
                 cause = f"{written} is a text, such as 'false', which {always}."
                 fix = f"write {written}.lower() {sign} {right!r} instead of {ast.unparse(tested)}"
                 yield Finding("text-as-condition", cause, source.at(tested), fix)
@@ -141,11 +139,9 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
                     if len(free) > 1:
                         free = [call for call in free if _may_take(source, call, value)]
                     lines = " or ".join(str(call.lineno) for call in free)
-                    where = (
-                        f"remove it, or give {name} to the Node that reads it"
-                        if keyword == "arguments" or not 0 < len(free) <= _MOST_NODES
-                        else f"add {written} to the Node on line {lines}"
-                    )
+                    where = f"add {written} to the Node on line {lines}"
+                    if keyword == "arguments" or not 0 < len(free) <= _MOST_NODES:
+                        where = f"remove it, or give {name} to the Node that reads it"
                     cause = f"{name} is worked out here, but never used, so it changes nothing."
                     yield Finding("launch-unused", cause, source.at(node), where)
 

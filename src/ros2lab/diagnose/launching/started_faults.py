@@ -333,16 +333,12 @@ def _by_slash(sender: tuple[Started, End], reader: tuple[Started, End], meet: st
 def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Finding:
     """Return a finding about a node that a launch file separates from another one."""
     why = f"in the namespace {moved.namespace}" if moved.namespace else "with a topic remapped"
-    way = (
-        f"write {plain[1:]!r}, without a slash, in both"
-        if are_together
-        else f"start both in the namespace {moved.namespace}"
-    )
-    fix = (
-        f"{way}, or name the topic {plain!r}, with a slash, in both"
-        if moved.namespace
-        else f"give both the same remapping: remappings=[({plain!r}, ...)]"
-    )
+    way = f"start both in the namespace {moved.namespace}"
+    if are_together:
+        way = f"write {plain[1:]!r}, without a slash, in both"
+    fix = f"give both the same remapping: remappings=[({plain!r}, ...)]"
+    if moved.namespace:
+        fix = f"{way}, or name the topic {plain!r}, with a slash, in both"
     cause = f"The launch file starts {moved.launched.executable} {why}: {meet}."
     return Finding("launch-apart", cause, moved.launched.place, fix)
 

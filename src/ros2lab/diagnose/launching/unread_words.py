@@ -22,11 +22,9 @@ _NAMES = {"__node": "name", "__name": "name", "__ns": "namespace"}
 def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
     """Yield `arguments` given to a program of the workspace that never reads its command line."""
     package = packages.get(node.package) if isinstance(node.package, str) else None
-    words = (
-        node.arguments[: node.arguments.index("--ros-args")]
-        if "--ros-args" in node.arguments
-        else node.arguments
-    )
+    words = node.arguments
+    if "--ros-args" in node.arguments:
+        words = node.arguments[: node.arguments.index("--ros-args")]
     points = package.points if package else ()
     module = next((point.module for point in points if point.name == node.executable), None)
     if package is None or not words or module is None or module not in package.sources:

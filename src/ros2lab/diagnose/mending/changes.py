@@ -309,17 +309,13 @@ def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
     if kind.endswith("| None"):
         empty = _EMPTY.get(kind.removesuffix(" | None"), "...")
         yield Change(Edit(node, f"({text} or {empty})"), _VALUE)
-    literal = _literal(node) if isinstance(node, (ast.Constant, ast.List, ast.Tuple)) else None
+    value = evaluate(node, {}, {}) if isinstance(node, (ast.Constant, ast.List, ast.Tuple)) else None
+    literal = value if is_known(value) else None
     for made in _made_of(kind):
         if literal is None or made == "range({})":
             yield Change(Edit(node, made.format(text)), _VALUE)
     for converted in _as_others(literal) if literal is not None else ():
         yield Change(Edit(node, repr(converted)), _VALUE if isinstance(converted, str) else _FORM)
-
-
-def _literal(node: ast.expr) -> object:
-    value = evaluate(node, {}, {})
-    return value if is_known(value) else None
 
 
 def _as_others(literal: object) -> Iterator[object]:

@@ -22,6 +22,7 @@ from ros2lab.diagnose.packaging.entry_point_forms import (
     put_in_order,
     wrong_form,
 )
+from ros2lab.diagnose.packaging.for_ros import first_program
 from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.made_modules import is_made
@@ -49,7 +50,7 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
     elif (
         points == []
         and not _has_scripts(package, setup)
-        and (main := _first_main(package))
+        and (main := first_program(package))
         and not any(f"{main}:" in read_text(path) for path in package.beside.rglob("setup.py"))
     ):
         named = re.sub(r"[^\w.]+", "_", main)
@@ -78,23 +79,12 @@ def _has_scripts(package: SourcePackage, setup: SetupScript) -> bool:
     return bool(others) or is_open or f"lib/{package.name}" in folders
 
 
-def _first_main(package: SourcePackage) -> str | None:
-    for name, source in package.sources.items():
-        if "rclpy" in source.names and any(
-            isinstance(n, ast.FunctionDef) and n.name == "main" for n in source.tree.body
-        ):
-            return name
-    return None
-
-
 def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Finding:
     is_same = (point.module, point.function) == (first.module, first.function)
     cause = f"The executable {point.name} is listed twice in entry_points, so setuptools rejects setup.py."
-    fix = (
-        f"remove this line: line {first.line} says the same"
-        if is_same
-        else "give one of the two another name"
-    )
+    fix = "give one of the two another name"
+    if is_same:
+        fix = f"remove this line: line {first.line} says the same"
     return Finding("entry-point-twice", cause, at(setup.source.shown, point.line), fix)
 
 

@@ -24,7 +24,9 @@ def is_for_ros(package: SourcePackage, started: Collection[str] = ()) -> bool:
     if package.kind == "cmake":
         return False
     has_marker = package.has(f"resource/{package.name}")
-    return has_marker or bool(package.launch_files) or _installs_for_ros(package) or _has_program(package)
+    return (
+        has_marker or bool(package.launch_files) or _installs_for_ros(package) or bool(first_program(package))
+    )
 
 
 def renamed_manifest(package: SourcePackage) -> str:
@@ -49,9 +51,7 @@ def _installs_for_ros(package: SourcePackage) -> bool:
     return any(isinstance(text, str) and _OF_THE_INDEX.search(text) for text in texts)
 
 
-def _has_program(package: SourcePackage) -> bool:
-    """Return whether a file of a package is a program with a node: it uses rclpy and has a main()."""
-    return any(
-        "rclpy" in source.names and any(getattr(node, "name", "") == "main" for node in source.tree.body)
-        for source in package.sources.values()
-    )
+def first_program(package: SourcePackage) -> str:
+    """Return the first module that is a program with a node, as it uses rclpy and has a main(); empty if none is."""
+    users = ((name, source) for name, source in package.sources.items() if "rclpy" in source.names)
+    return next((name for name, source in users if f"{name}.main" == source.names.get("main")), "")

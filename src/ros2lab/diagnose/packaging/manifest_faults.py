@@ -84,11 +84,9 @@ def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
         wanted, user = next((edge for edge in edges if not mentions(by_name[edge[1]], edge[0])), edges[0])
         package = by_name[user]
         cause = f"colcon cannot decide which package to build first, because each of these depends on the next: {' -> '.join(circle[::-1])}."
-        fix = (
-            f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
-            if not mentions(package, wanted)
-            else f"move what {user} uses from {wanted} into a separate package that both depend on, and remove this dependency"
-        )
+        fix = f"move what {user} uses from {wanted} into a separate package that both depend on, and remove this dependency"
+        if not mentions(package, wanted):
+            fix = f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
         yield Finding(
             "dependency-circle", cause, at(package.shown("package.xml"), manifest_line(package, wanted)), fix
         )
@@ -236,11 +234,9 @@ def _dependency_faults(
         element = f"<{export.tagname}>{name}</{export.tagname}>"
         cause = f"`{element}` is inside <export>, where neither colcon nor rosdep looks for dependencies."
         place = at(shown, manifest_line(package, name, after="export"))
-        fix = (
-            "remove this line: it is above <export> as well"
-            if name in declared
-            else "move this line above <export>"
-        )
+        fix = "move this line above <export>"
+        if name in declared:
+            fix = "remove this line: it is above <export> as well"
         yield Finding("dependency-joined", cause, place, fix, (name,))
     for name in declared:
         place = at(shown, manifest_line(package, name))
@@ -259,11 +255,9 @@ def _dependency_faults(
         of_ros_2 = ROS_1.get(name) or (f"{name}2" if f"{name}2" in PACKAGES else "")
         if wanted := of_ros_2 or next(slips, None):
             cause = f"package.xml declares {name}, but there is no such package; the name is {wanted}."
-            fix = (
-                f"remove this line: {wanted} is declared as well"
-                if wanted in declared
-                else f"write {wanted} instead of {name}"
-            )
+            fix = f"write {wanted} instead of {name}"
+            if wanted in declared:
+                fix = f"remove this line: {wanted} is declared as well"
             yield Finding("dependency-unknown", cause, place, fix, (name,))
     yield from _undeclared(
         package, {*declared} | package.conditional, known - {*plain}, set(workspace_names) - {*plain}
