@@ -109,21 +109,15 @@ def of_item(message: str, spot: Spot) -> Finding | None:
     """Return which functions a dictionary or list calls instead of storing them; None if there are none."""
     if "'NoneType' object is not callable" not in message:
         return None
-    held = [
-        ast.unparse(node.func.value)
-        for node in spot.nodes
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Subscript)
-    ]
+    items = (call.func for call in spot.calls if isinstance(call.func, ast.Subscript))
+    held = [ast.unparse(item.value) for item in items]
     for node in spot.file.nodes:
         match node:
             case ast.Assign(targets=[target], value=ast.Dict(values=values) | ast.List(elts=values)) if (
                 ast.unparse(target) in held
             ):
-                called = [
-                    item
-                    for item in values
-                    if isinstance(item, ast.Call) and kind_of_call(spot.file, item) == "NoneType"
-                ]
+                calls = (item for item in values if isinstance(item, ast.Call))
+                called = [call for call in calls if kind_of_call(spot.file, call) == "NoneType"]
                 if called:
                     texts = [f"{ast.unparse(call.func)} instead of {ast.unparse(call)}" for call in called]
                     first = ast.unparse(called[0])

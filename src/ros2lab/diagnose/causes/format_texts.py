@@ -124,11 +124,8 @@ def _right_values(right: ast.expr) -> list[tuple[str, ast.expr]]:
         return [("", element) for element in right.elts]
     if isinstance(right, ast.Dict):
         pairs = zip(right.keys, right.values, strict=True)
-        return [
-            (key.value, value)
-            for key, value in pairs
-            if isinstance(key, ast.Constant) and isinstance(key.value, str)
-        ]
+        named = ((key.value, value) for key, value in pairs if isinstance(key, ast.Constant))
+        return [(name, value) for name, value in named if isinstance(name, str)]
     return [("", right)]
 
 

@@ -41,12 +41,7 @@ def of_part(kind: str, spot: Spot) -> Finding | None:
 def _parts_meant(call: ast.Call, name: str, parts: tuple[str, ...], spot: Spot) -> Iterator[str]:
     """Yield the parts that have the given fields, then those that fit how the object is used."""
     source = spot.file
-    targets = {
-        ast.unparse(target)
-        for node in source.nodes
-        if isinstance(node, ast.Assign) and node.value is call
-        for target in node.targets
-    }
+    targets = {target for target, made in source.made if made is call}
     fields = {keyword.arg for keyword in call.keywords if keyword.arg} | {
         node.attr
         for node in source.nodes

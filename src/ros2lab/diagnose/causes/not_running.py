@@ -64,11 +64,9 @@ def _with_own_signals(spot: Spot, line: int) -> str:
         "`from rclpy.signals import SignalHandlerOptions` at the top: then rclpy runs until it is shut down below"
     )
     has_timer = any(isinstance(n, ast.Attribute) and n.attr == "create_timer" for n in nodes)
-    return (
-        fix
-        if has_timer
-        else f"{fix}; and give the node a timer, because only a callback lets it notice Ctrl-C"
-    )
+    if has_timer:
+        return fix
+    return f"{fix}; and give the node a timer, because only a callback lets it notice Ctrl-C"
 
 
 def _lines(nodes: Iterable[ast.AST], names: tuple[str, ...]) -> list[int]:

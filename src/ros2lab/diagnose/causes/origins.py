@@ -343,11 +343,9 @@ def of_parameter(message: str, spot: Spot) -> Finding | None:
         is_whole = not _asks_for_field(spot, ast.unparse(node))
         if {origin.kind for origin in origins} == {"ParameterValue"} and is_whole:
             call = origins[0].value
-            return (
-                Finding("made-wrong", *_of_parameter(origins[0], call, spot))
-                if isinstance(call, ast.Call)
-                else None
-            )
+            if isinstance(call, ast.Call):
+                return Finding("made-wrong", *_of_parameter(origins[0], call, spot))
+            return None
     return None
 
 

@@ -357,12 +357,8 @@ def _alike_type(word: str) -> str:
     """Return the type that a word means apart from case or its middle part; empty if there is none."""
     package, *middle, name = word.split("/") if "/" in word else ("", "")
     for kind in middle or ("msg", "srv", "action"):
-        known = interfaces.names_in(f"{package}.{kind}") or ()
-        same = [
-            known_name
-            for known_name in known
-            if known_name.lower() == name.lower() and known_name[:1].isupper()
-        ]
+        classes = (known for known in interfaces.names_in(f"{package}.{kind}") or () if known[:1].isupper())
+        same = [known for known in classes if known.lower() == name.lower()]
         if same and (same[0] != name or not middle):
             return f"{package}/{kind}/{same[0]}"
     return ""

@@ -122,11 +122,8 @@ def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
         kind = f"{home[0]}.{wanted[1]}".lstrip(".") if wanted else ""
         if kind and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
             return set_field(target, kind, node.value)  # type: ignore[attr-defined]
-        fields = [
-            element
-            for element in getattr(target, "elts", ())
-            if getattr(element, "attr", "") == groups["name"]
-        ]
+        elements = getattr(target, "elts", ())
+        fields = [element for element in elements if getattr(element, "attr", "") == groups["name"]]
         if kind and fields:
             new = set_field(fields[0], kind, ast.Constant(0)).partition(" = ")[0]
             return f"{new} instead of {ast.unparse(fields[0])}, and likewise for what it is combined with"

@@ -22,11 +22,8 @@ _EXPANDED = {"$": "os.path.expandvars", "~": "os.path.expanduser"}
 def of_launched_command(error: ErrorText, look: Look) -> Finding | None:
     """Say which word of a launch file's command that failed is wrong; None if none is, or for an exception."""
     died = [match["cmd"] for match in _DIED.finditer(error.text)] if not error.reports else []
-    commands = [
-        command
-        for file, path in look.launches
-        for command in (launch_commands(path, file.shown) if died else ())
-    ]
+    files = look.launches if died else []
+    commands = [command for file, path in files for command in launch_commands(path, file.shown)]
     for shown in died:
         for command in commands:
             words = command.told_as(shown)
@@ -72,11 +69,8 @@ def _written(command: LaunchCommand, words: Sequence[str], right: Sequence[str])
     if not command.is_python:
         line = " ".join(map(in_shell, right))
         return command.place, f"""write {line if '"' in line else f'"{line}"'} as its cmd"""
-    pairs = [
-        (word, new)
-        for word, old, new in zip(command.words, words, right, strict=False)
-        if old != new and len(words) == len(right)
-    ]
+    rows = zip(command.words, words, right, strict=False) if len(words) == len(right) else ()
+    pairs = [(word, new) for word, old, new in rows if old != new]
     if not pairs:
         return command.place, f"write `cmd={[*right]!r}`"
     fixes = [f"`{new!r}` instead of `{word.written}`" for word, new in pairs]

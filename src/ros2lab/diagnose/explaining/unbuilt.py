@@ -54,11 +54,8 @@ def not_yet_built(package: SourcePackage, look: Look, error: ErrorText) -> Findi
     asked = {
         word for pattern in (_SELECTED, _UP_TO) for match in pattern.findall(typed) for word in match.split()
     }
-    users = [
-        user
-        for user in look.packages
-        if user.name in asked and (name in uses(user, look) or mentions(user, name))
-    ]
+    built = (user for user in look.packages if user.name in asked)
+    users = [user for user in built if name in uses(user, look) or mentions(user, name)]
     for user in users if name not in asked else ():
         if name not in _declared(user):
             cause = f"{user.name} uses {name}, but its package.xml does not declare it, so colcon does not build {name} with it."
@@ -133,12 +130,8 @@ def of_earlier(error: ErrorText, look: Look) -> Finding | None:
     if stale is None:
         return None
     prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)
-    changed = {
-        source.shown: source
-        for package, prefix in prefixes
-        if prefix
-        for source, _ in changed_sources(prefix, package)
-    }
+    pairs = (pair for package, prefix in prefixes if prefix for pair in changed_sources(prefix, package))
+    changed = {source.shown: source for source, _ in pairs}
     for place, frame in frames.items():
         file = place.rpartition(":")[0]
         if file in changed:

@@ -151,12 +151,8 @@ def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
     )
     calls = [call for call in (source.nodes if source else ()) if isinstance(call, ast.Call)]
     # Output to another file, such as sys.stderr, is shown or hidden for other reasons.
-    prints = [
-        call
-        for call in calls
-        if getattr(call.func, "id", "") == "print"
-        and "file" not in {keyword.arg for keyword in call.keywords}
-    ]
+    printing = (call for call in calls if getattr(call.func, "id", "") == "print")
+    prints = [call for call in printing if "file" not in {keyword.arg for keyword in call.keywords}]
     if source and prints and not any(getattr(call.func, "attr", "") == "get_logger" for call in calls):
         logged = as_logged(prints[0], source)
         whole = f"write `{logged}` instead of `{ast.unparse(prints[0])}`" if logged else ""

@@ -122,11 +122,8 @@ def _without_return(source: PythonSource) -> Iterator[Finding]:
             if returned:
                 return
             last = node.body[-1]
-            made = [
-                statement
-                for statement in node.body
-                if isinstance(statement, ast.Assign) and "LaunchDescription" in ast.unparse(statement.value)
-            ]
+            assigned = (statement for statement in node.body if isinstance(statement, ast.Assign))
+            made = [n for n in assigned if "LaunchDescription" in ast.unparse(n.value)]
             is_made = isinstance(last, ast.Expr) and "LaunchDescription" in ast.unparse(last)
             fix = "end it by returning the LaunchDescription"
             if is_made:
@@ -180,11 +177,8 @@ def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) 
         getattr(keyword.value, "value", None), str
     )
     signature = signature_of(source, call) if is_text else None
-    places = [
-        parameter
-        for parameter in (signature.parameters if signature else ())
-        if parameter.name == keyword.arg
-    ]
+    parameters = signature.parameters if signature else ()
+    places = [parameter for parameter in parameters if parameter.name == keyword.arg]
     # Launch would take a text as a list of its letters.
     return any(heads_of(parameter.type) and heads_of(parameter.type) <= LISTS for parameter in places)
 

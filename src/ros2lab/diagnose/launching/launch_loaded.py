@@ -157,11 +157,8 @@ def _joined(
 
 
 def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
-    read = [
-        launched
-        for launched in file.nodes
-        if (launched.package, launched.executable) == (node["package"], node["executable"])
-    ]
+    started = (node["package"], node["executable"])
+    read = [known for known in file.nodes if (known.package, known.executable) == started]
     files = [
         (package.name, str(path.relative_to(package.folder.resolve())))
         for path in map(Path, node["files"])
@@ -315,12 +312,8 @@ def _refusal(file: LaunchFile, error: Mapping[str, Any]) -> Finding:
         if match := re.search(rf"{refused['given']} must be (?P<wanted>[^,]+)$", said):
             said += f", but {refused['to']} gets {with_article(refused['type'])}"
             names = re.findall(r"'(\w+)'", match["wanted"])
-            derived = [
-                class_name
-                for name in names
-                for class_name in launch_classes_below(name)
-                if class_name not in names
-            ]
+            below = (class_name for name in names for class_name in launch_classes_below(name))
+            derived = [class_name for class_name in below if class_name not in names]
             example = f" (such as {', '.join(map(with_article, derived[-1:]))})" if derived else ""
             fix = f"give {refused['given']} {match['wanted']}{example}"
     fails = "an action fails that launch runs later" if error["is_later"] else "launch cannot load this file"

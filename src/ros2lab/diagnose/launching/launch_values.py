@@ -78,12 +78,8 @@ def _when_it_runs(
         case ast.Compare(ops=[ast.Eq() | ast.NotEq() as sign], comparators=[_]):
             kind = "EqualsSubstitution" if isinstance(sign, ast.Eq) else "NotEqualsSubstitution"
             made = f"{kind}({', '.join(map(ast.unparse, used))})"
-            is_condition = any(
-                isinstance(n, ast.Call)
-                and node in n.args
-                and source.resolve(n.func) == "launch.conditions.IfCondition"
-                for n in source.nodes
-            )
+            takers = (n for n in source.nodes if isinstance(n, ast.Call) and node in n.args)
+            is_condition = any(source.resolve(n.func) == "launch.conditions.IfCondition" for n in takers)
             do = f"write {made} here" if is_condition else f"{_WITHOUT_IF} condition=IfCondition({made})"
             more = "" if is_condition else "from launch.conditions import IfCondition; "
             return f"{do}, with `{more}from launch.substitutions import {kind}`"
@@ -108,16 +104,8 @@ _WITHOUT_IF = "remove the if, always put the action into the list, and give it"
 
 def _calculation(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> ast.expr | None:
     """Return the largest expression around a value that computes with numbers only; None if there is none."""
-    around = (
-        expression
-        for expression in source.nodes
-        if isinstance(expression, ast.expr) and node in ast.walk(expression)
-    )
-    able = [
-        expression
-        for expression in around
-        if _is_of_numbers(expression, early) and any(map(_counts, ast.walk(expression)))
-    ]
+    around = (n for n in source.nodes if isinstance(n, ast.expr) and node in ast.walk(n))
+    able = [n for n in around if _is_of_numbers(n, early) and any(map(_counts, ast.walk(n)))]
     return max(able, key=lambda expression: sum(1 for _ in ast.walk(expression)), default=None)
 
 

@@ -24,11 +24,8 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
         if not isinstance(call, ast.Call) or not (source.resolve(call.func) or "").startswith("launch_ros."):
             continue
         signature = signature_of(source, call)
-        known = (
-            {parameter.name for parameter in signature.parameters}
-            if signature and not signature.is_open
-            else set()
-        )
+        parameters = signature.parameters if signature and not signature.is_open else ()
+        known = {parameter.name for parameter in parameters}
         given = {keyword.arg for keyword in call.keywords}
         if not {"parameters", "remappings", "arguments"} <= known:
             continue

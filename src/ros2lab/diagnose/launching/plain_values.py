@@ -197,9 +197,6 @@ def _only_read_once(source: PythonSource) -> set[str]:
 
 
 def _node_calls(source: PythonSource) -> list[ast.Call]:
-    return [
-        n
-        for n in source.nodes
-        if isinstance(n, ast.Call)
-        and (source.resolve(n.func) or "") in ("launch_ros.actions.Node", "launch_ros.actions.LifecycleNode")
-    ]
+    calls = (node for node in source.nodes if isinstance(node, ast.Call))
+    kinds = ("launch_ros.actions.Node", "launch_ros.actions.LifecycleNode")
+    return [call for call in calls if source.resolve(call.func) in kinds]

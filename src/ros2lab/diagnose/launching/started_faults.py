@@ -84,11 +84,8 @@ class Started:
     def _named(self) -> set[str] | None:
         """The node classes that its function names, with their bases; None if the file has only one."""
         source = self.sources.sources[self.module]
-        nodes = {
-            name: node_class
-            for name, node_class in self.sources.classes.items()
-            if self.sources.lineage(node_class)[1]
-        }
+        classes = self.sources.classes.items()
+        nodes = {name: node_class for name, node_class in classes if self.sources.lineage(node_class)[1]}
         if sum(node_class.source is source for node_class in nodes.values()) < 2:
             return None
         defined = [

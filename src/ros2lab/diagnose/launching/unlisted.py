@@ -85,11 +85,8 @@ class Unlisted:
         """Yield the lists that a description is given, as they are written."""
         for given in (*description.args, *(keyword.value for keyword in description.keywords)):
             names = {n.id for n in walk(given) if isinstance(n, ast.Name)}
-            kept = [
-                n.value
-                for n in own_nodes(home)
-                if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) in names
-            ]
+            assigned = (n for n in own_nodes(home) if isinstance(n, ast.Assign))
+            kept = [n.value for n in assigned if ast.unparse(n.targets[0]) in names]
             for value in (given, *kept):
                 if isinstance(value, ast.List) or value is given:
                     yield from [n for n in walk(value) if isinstance(n, ast.List)][:1]
@@ -97,11 +94,8 @@ class Unlisted:
     def _made_at(self, home: ast.AST, item: ast.expr) -> int:
         """Return the line where an item of the description is made."""
         name = ast.unparse(item)
-        made = [
-            n.lineno
-            for n in own_nodes(home)
-            if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) == name
-        ]
+        assigned = (n for n in own_nodes(home) if isinstance(n, ast.Assign))
+        made = [n.lineno for n in assigned if ast.unparse(n.targets[0]) == name]
         return made[0] if made else item.lineno
 
 

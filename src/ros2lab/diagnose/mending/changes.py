@@ -371,11 +371,8 @@ def origins_of(expressions: Iterable[ast.expr], trial: Trial) -> dict[str, ast.e
         is_own = text.startswith("self.") and trial.owner
         scope = trial.owner.definition if is_own and trial.owner else trial.spot.function or trial.source.tree
         values[text] = assigned_to(ast.walk(scope), text)
-    return {
-        text: found[0]
-        for text, found in values.items()
-        if len(found) == 1 and found[0].lineno not in trial.spot.lines
-    }
+    once = {text: found[0] for text, found in values.items() if len(found) == 1}
+    return {text: value for text, value in once.items() if value.lineno not in trial.spot.lines}
 
 
 def _keyword(keyword: ast.keyword) -> str:

@@ -217,11 +217,8 @@ def _meant_module(
     able = [name for name in uncalled if _has(sources[name], point.function)]
     if own := next((name for name in able if name.rpartition(".")[2] == point.name), ""):
         return own
-    alike = [
-        candidate
-        for candidate in points
-        if (candidate.module, candidate.function) == (point.module, point.function)
-    ]
+    target = (point.module, point.function)
+    alike = [candidate for candidate in points if (candidate.module, candidate.function) == target]
     if len(alike) < 2 or len(able) != 1:
         return ""
 

@@ -246,11 +246,8 @@ def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
     installed = installed_entry_points(prefix, package)
     if points is None or installed is None:
         return []
-    return [
-        point.name
-        for point in points
-        if point.function and installed.get(point.name) != f"{point.module}:{point.function}"
-    ]
+    targets = {point.name: f"{point.module}:{point.function}" for point in points if point.function}
+    return [name for name, target in targets.items() if installed.get(name) != target]
 
 
 def environment_faults(root: Path, names: Collection[str], environ: Mapping[str, str]) -> Iterator[Finding]:

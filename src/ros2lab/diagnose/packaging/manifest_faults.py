@@ -186,11 +186,8 @@ def _not_installed_by_cmake(package: SourcePackage, shown: str, file: str) -> Fi
 
 def _python_alone(package: SourcePackage) -> str:
     """Return a Python file that a CMake package, with nothing to compile, does not install; empty if none."""
-    compiled = [
-        path
-        for ending in ("cpp", "c", "cc", "msg", "srv", "action")
-        for path in package.folder.rglob(f"*.{ending}")
-    ]
+    endings = ("cpp", "c", "cc", "msg", "srv", "action")
+    compiled = [path for ending in endings for path in package.folder.rglob(f"*.{ending}")]
     folders = (
         package.folder / "src",
         package.folder / "scripts",

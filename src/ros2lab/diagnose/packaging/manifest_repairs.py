@@ -71,11 +71,9 @@ def _instead(match: re.Match[str], bare: str, line: int, element: str) -> str:
         if whole.endswith("/>"):
             return f"write `<export>{element}</export>` instead of `{whole}`"
         is_alone = not around.strip()
-        return (
-            f"add `{element}` below <export>"
-            if is_alone
-            else f"write `{whole}{element}` instead of `{whole}`"
-        )
+        if is_alone:
+            return f"add `{element}` below <export>"
+        return f"write `{whole}{element}` instead of `{whole}`"
     if "\n" in whole:
         return f"write `{element}` instead of lines {line} to {line + whole.count(chr(10))}"
     return f"write `{element}` instead of `{whole}`" if around.strip() else f"write `{element}`"

@@ -123,11 +123,8 @@ def as_meant(package: SourcePackage, setup: SetupScript) -> tuple[SourcePackage,
     """Return a package as if the misspelt keywords of its setup() were spelt correctly."""
     asked = _asked(setup)
     refused = _refused(repr(asked)) if asked else {}
-    known = {
-        key: nearest(key, better, 0.6)
-        for key, (said, better) in refused.items()
-        if not said and key not in _FORMER
-    }
+    unknown = ((key, better) for key, (said, better) in refused.items() if not said and key not in _FORMER)
+    known = {key: nearest(key, better, 0.6) for key, better in unknown}
     names = {keyword: name for keyword, name in known.items() if name and name not in setup.keywords}
     keywords = {name: setup.keywords[keyword] for keyword, name in names.items()}
     lines = {name: setup.lines[keyword] for keyword, name in names.items()}

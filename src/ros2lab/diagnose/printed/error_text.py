@@ -341,11 +341,8 @@ def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
 
 def own_frames(frames: Sequence[Frame]) -> list[Frame]:
     """Return the frames outside Python and the installed packages, the innermost first."""
-    return [
-        frame
-        for frame in reversed(frames)
-        if not _INSTALLED.search(frame.file) and not _is_foreign(frame.file)
-    ]
+    others = (frame for frame in reversed(frames) if not _INSTALLED.search(frame.file))
+    return [frame for frame in others if not _is_foreign(frame.file)]
 
 
 def _is_foreign(file: str) -> bool:
