@@ -67,6 +67,27 @@ def of_refused_name(error: ErrorText, look: Look) -> Finding | None:
     return Finding(code, cause, place, _at_use(spots[0], said["kind"], name, what))
 
 
+def of_refused_rule(error: ErrorText, look: Look) -> Finding | None:
+    """Return which name of a command line or a launch file ROS refuses; None if the error is about something else."""
+    if said := _BY_LAUNCH.search(error.text):
+        return _in_launch(said["name"], said["what"], look)
+    if error.report is None or not error.report.kind.endswith("RCLError"):
+        return None
+    for rule, name, what in _names("\n".join((error.text, *error.typed))):  # first that which rcl names
+        better = allowed(name, what)
+        typed = next((line for line in error.typed if rule in line), "")
+        if better == name or not better:
+            continue
+        if not typed:
+            return _in_launch(name, what, look)
+        old, _, new = rule.partition(":=")
+        right = typed.replace(
+            rule, f"{old}:={better}" if new == name else f"{old.replace(name, better)}:={new}"
+        )
+        return Finding("typed-wrong", _cause(name, what), "", f"type `{right}`")
+    return None
+
+
 def _first_wrong(name: str, what: str) -> int:
     found = re.search(r"[^A-Za-z0-9_]|^\d", name) if what == "node name" else _WRONG.search(name)
     return found.start() if found else 0
@@ -128,27 +149,6 @@ def _at_use(spot: Spot, kind: str, name: str, what: str) -> str:
             return f"write `{better}` instead of `{text}`: the name then begins with a letter"
         return f"write `{text}.replace({wrong!r}, '_')` instead of `{text}`"
     return f"write {better_name(name, what)!r} where this name comes from"
-
-
-def of_refused_rule(error: ErrorText, look: Look) -> Finding | None:
-    """Return which name of a command line or a launch file ROS refuses; None if the error is about something else."""
-    if said := _BY_LAUNCH.search(error.text):
-        return _in_launch(said["name"], said["what"], look)
-    if error.report is None or not error.report.kind.endswith("RCLError"):
-        return None
-    for rule, name, what in _names("\n".join((error.text, *error.typed))):  # first that which rcl names
-        better = allowed(name, what)
-        typed = next((line for line in error.typed if rule in line), "")
-        if better == name or not better:
-            continue
-        if not typed:
-            return _in_launch(name, what, look)
-        old, _, new = rule.partition(":=")
-        right = typed.replace(
-            rule, f"{old}:={better}" if new == name else f"{old.replace(name, better)}:={new}"
-        )
-        return Finding("typed-wrong", _cause(name, what), "", f"type `{right}`")
-    return None
 
 
 def _names(text: str) -> Iterator[tuple[str, str, str]]:

@@ -182,4 +182,4 @@ def _submodule(owner: str, name: str, spot: Spot, look: Look) -> str:
 
 def _imports(owner: str, spot: Spot) -> list[Import]:
     """Return the imports of a package in the file of a line, under any name."""
-    return [imported for imported in (spot.file.imports) if owner in (imported.local, imported.target)]
+    return [imported for imported in spot.file.imports if owner in (imported.local, imported.target)]

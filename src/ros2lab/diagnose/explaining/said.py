@@ -59,7 +59,35 @@ _ROS_1 = {
     **{"rosmsg": "ros2 interface", "rossrv": "ros2 interface", "roscore": "nothing (ROS 2 needs no master)"},
     **{"catkin_make": "colcon build", "roscd": "cd", "catkin": "colcon"},
 }
+_SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
+
+
+def said_by_tools(error: ErrorText, look: Look) -> list[Finding]:
+    """Return the message of an exception or a tool; empty if there is none to pass on."""
+    reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
+    harmless = harmless_lines(error.steps)
+    said = (
+        [_of_report(report, error, look) for report in reports]
+        if reports
+        else [passed_on(line, error, look) for line in lines_of(error) if line not in harmless]
+    )
+    found = [finding for finding in said if finding is not None][:1]
+    if not found and look and "Caught exception in launch" in error.text:
+        found = [finding for finding in [of_launch(error, look)] if finding]
+    if found and "Warning: " in error.decisive and step_with(error.decisive, error.steps).ended_well:
+        only = "The command succeeded; this is only a warning."
+        return [replace(finding, cause=f"{only} {finding.cause}") for finding in found]
+    return found
+
+
+def lines_of(error: ErrorText) -> list[str]:
+    """Return the lines that may name the error: the exceptions, the last first, then all other lines."""
+    exceptions = [report.line for report in reversed(error.reports) if report.kind not in _SAY_NOTHING]
+    return [
+        *exceptions,
+        *(line for line in error.text.splitlines() if line.strip() and line not in exceptions),
+    ]
 
 
 def passed_on(line: str, error: ErrorText, look: Look) -> Finding | None:
@@ -179,7 +207,7 @@ def _of_system(said: re.Match[str], look: Look) -> Finding | None:
         return None
     number = SYSTEM[said["said"]]
     if path.endswith(("\\r", "\r", "^M")):
-        sources = [s for p in look.packages for s in p.sources.values() if s.path]
+        sources = [source for source in look.files if source.path]
         shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
         cause = f"The first line of the file has a Windows line ending, so the system looks for a program {path!r}."
         fix = r"remove the Windows line endings: sed -i 's/\r$//' followed by the file"
@@ -347,9 +375,8 @@ def of_python(report: ErrorReport, place: str, look: Look) -> Finding | None:
             return found
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
-    return of_error(report.kind, report.message, place, spot_of(report, look)) or _argument(
-        report, place, look
-    )
+    told = of_error(report.kind, report.message, place, spot_of(report, look))
+    return told or _argument(report, place, look)
 
 
 def _argument(report: ErrorReport, place: str, look: Look) -> Finding | None:
@@ -383,27 +410,6 @@ def _in_launch(look: Look, keyword_name: str) -> str:
     return files[0].shown if len(files) == 1 else ""
 
 
-_SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
-
-
-def said_by_tools(error: ErrorText, look: Look) -> list[Finding]:
-    """Return the message of an exception or a tool; empty if there is none to pass on."""
-    reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
-    harmless = harmless_lines(error.steps)
-    said = (
-        [_of_report(report, error, look) for report in reports]
-        if reports
-        else [passed_on(line, error, look) for line in lines_of(error) if line not in harmless]
-    )
-    found = [finding for finding in said if finding is not None][:1]
-    if not found and look and "Caught exception in launch" in error.text:
-        found = [finding for finding in [of_launch(error, look)] if finding]
-    if found and "Warning: " in error.decisive and step_with(error.decisive, error.steps).ended_well:
-        only = "The command succeeded; this is only a warning."
-        return [replace(finding, cause=f"{only} {finding.cause}") for finding in found]
-    return found
-
-
 def _of_report(report: ErrorReport, error: ErrorText, look: Look) -> Finding | None:
     """Return what an exception says about a line of the student's, or a warning that is printed like one."""
     place = place_of(own_frames(report.frames), look)
@@ -413,12 +419,3 @@ def _of_report(report: ErrorReport, error: ErrorText, look: Look) -> Finding | N
         said = of_warning(f"{frame.file}:{frame.line}: {report.line}", error.text, look) if frame else None
         return said or Finding(SAID, f"Python warns: {report.message.rstrip('.')}.", place)
     return of_python(report, place, look)
-
-
-def lines_of(error: ErrorText) -> list[str]:
-    """Return the lines that may name the error: the exceptions, the last first, then all other lines."""
-    exceptions = [report.line for report in reversed(error.reports) if report.kind not in _SAY_NOTHING]
-    return [
-        *exceptions,
-        *(line for line in error.text.splitlines() if line.strip() and line not in exceptions),
-    ]

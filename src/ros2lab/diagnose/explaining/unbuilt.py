@@ -89,6 +89,28 @@ def no_prerequisite(error: ErrorText, look: Look) -> Finding | None:
     return next(stops, None) or _left_out(user, failed, [by_name[name] for name in names], error, look)
 
 
+def of_earlier(error: ErrorText, look: Look) -> Finding | None:
+    """Say that an error comes from an installed copy of a file that has changed; None if it does not."""
+    own = error.own
+    frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
+    stale = None
+    if frames:
+        stale = next((finding for finding in look.findings if finding.code == "install-stale"), None)
+    if stale is None:
+        return None
+    prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)
+    pairs = (pair for package, prefix in prefixes if prefix for pair in changed_sources(prefix, package))
+    changed = {source.shown: source for source, _ in pairs}
+    for place, frame in frames.items():
+        file = place.rpartition(":")[0]
+        if file in changed:
+            cause = f"{file} has changed since the last build, and the error comes from the older build."
+            if frame.text and frame.text not in map(str.strip, changed[file].text.splitlines()):
+                cause = f"{cause.rstrip('.')}: `{frame.text}` is no longer in it."
+            return Finding("install-stale", cause, place, f"{stale.fix}; then run the same command again")
+    return None
+
+
 def _left_out(
     user: str, failed: Sequence[str], missing: Sequence[SourcePackage], error: ErrorText, look: Look
 ) -> Finding:
@@ -118,25 +140,3 @@ def _up_to(typed: str, names: Sequence[str]) -> str:
     """Return the command that builds packages with all that they need, with the other options as typed."""
     kept = re.sub(r" +--packages-\S+(?: +[\w.-]+)*", "", typed) if _BUILD.search(typed) else "colcon build"
     return f"{kept} --packages-up-to {' '.join(names)}"
-
-
-def of_earlier(error: ErrorText, look: Look) -> Finding | None:
-    """Say that an error comes from an installed copy of a file that has changed; None if it does not."""
-    own = error.own
-    frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
-    stale = None
-    if frames:
-        stale = next((finding for finding in look.findings if finding.code == "install-stale"), None)
-    if stale is None:
-        return None
-    prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)
-    pairs = (pair for package, prefix in prefixes if prefix for pair in changed_sources(prefix, package))
-    changed = {source.shown: source for source, _ in pairs}
-    for place, frame in frames.items():
-        file = place.rpartition(":")[0]
-        if file in changed:
-            cause = f"{file} has changed since the last build, and the error comes from the older build."
-            if frame.text and frame.text not in map(str.strip, changed[file].text.splitlines()):
-                cause = f"{cause.rstrip('.')}: `{frame.text}` is no longer in it."
-            return Finding("install-stale", cause, place, f"{stale.fix}; then run the same command again")
-    return None

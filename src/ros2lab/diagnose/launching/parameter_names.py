@@ -42,6 +42,25 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
         yield from _of_launch_file(file, packages)
 
 
+def set_back(started: list[Started]) -> Iterator[Finding]:
+    """Yield parameters of a node that a file after them sets to another value: the last value counts.
+
+    A file before another file, or before parameters, is the usual way to write defaults.
+    """
+    for node in started:
+        known: dict[str, Any] = {}
+        for given in node.launched.given:
+            if isinstance(given, Mapping):
+                known |= given
+                continue
+            for name, value in _given_by(Path(given), node):
+                if name in known and known[name] != value:
+                    shown = Path(given).name
+                    cause = f"{name} is {known[name]} here, but {shown}, which comes after it, sets it to {value}: the last value counts."
+                    fix = f"write {shown} first in parameters=[...], and the values that should win after it"
+                    yield Finding("launch-argument", cause, node.launched.place, fix, (name,))
+
+
 def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
     """Yield parameters that a launch file gives only to nodes that do not declare them."""
     takers: dict[str, list[Started]] = {}
@@ -145,25 +164,6 @@ def _may_declare(files: NodeSources, name: str) -> bool:
                 ):
                     return True
     return False
-
-
-def set_back(started: list[Started]) -> Iterator[Finding]:
-    """Yield parameters of a node that a file after them sets to another value: the last value counts.
-
-    A file before another file, or before parameters, is the usual way to write defaults.
-    """
-    for node in started:
-        known: dict[str, Any] = {}
-        for given in node.launched.given:
-            if isinstance(given, Mapping):
-                known |= given
-                continue
-            for name, value in _given_by(Path(given), node):
-                if name in known and known[name] != value:
-                    shown = Path(given).name
-                    cause = f"{name} is {known[name]} here, but {shown}, which comes after it, sets it to {value}: the last value counts."
-                    fix = f"write {shown} first in parameters=[...], and the values that should win after it"
-                    yield Finding("launch-argument", cause, node.launched.place, fix, (name,))
 
 
 def _given_by(path: Path, node: Started) -> Iterator[tuple[str, Any]]:

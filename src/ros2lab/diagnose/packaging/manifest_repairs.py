@@ -32,6 +32,18 @@ def repaired(text: str, keywords: Mapping[str, Any]) -> tuple[int, str] | None:
     return (slip.line, slip.told) if slip else None
 
 
+def build_type_written(text: str, kind: str) -> tuple[int | None, str]:
+    """Return the line at which a manifest gets a build type, and how; None for a manifest without an end."""
+    bare, element = without_comments(text), f"<build_type>{kind}</build_type>"
+    for pattern in (_ELEMENT, _EXPORT):
+        if match := pattern.search(bare):
+            line = bare.count("\n", 0, match.start()) + 1
+            return line, _instead(match, bare, line, element)
+    end = bare.rfind("</package")
+    line_of_end = bare.count("\n", 0, end) + 1 if end >= 0 else None
+    return line_of_end, f"add `<export>{element}</export>` above </package>"
+
+
 def _is_read(text: str) -> bool:
     """Return whether catkin_pkg accepts a manifest."""
     # A late import, as in `package`: few manifests need a repair.
@@ -47,18 +59,6 @@ def _is_read(text: str) -> bool:
 
 _ELEMENT = re.compile(r"<build_type\b[^<>]*(?:/>|>[^<>]*</build_type\s*>)")
 _EXPORT = re.compile(r"<export\b[^<>]*>")
-
-
-def build_type_written(text: str, kind: str) -> tuple[int | None, str]:
-    """Return the line at which a manifest gets a build type, and how; None for a manifest without an end."""
-    bare, element = without_comments(text), f"<build_type>{kind}</build_type>"
-    for pattern in (_ELEMENT, _EXPORT):
-        if match := pattern.search(bare):
-            line = bare.count("\n", 0, match.start()) + 1
-            return line, _instead(match, bare, line, element)
-    end = bare.rfind("</package")
-    line_of_end = bare.count("\n", 0, end) + 1 if end >= 0 else None
-    return line_of_end, f"add `<export>{element}</export>` above </package>"
 
 
 def _instead(match: re.Match[str], bare: str, line: int, element: str) -> str:
