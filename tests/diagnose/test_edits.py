@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ros2lab.diagnose.checking.trials import Edit
+from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 TEXT = """\

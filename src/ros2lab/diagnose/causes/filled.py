@@ -11,7 +11,8 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.message_faults import set_field
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.kinds import Kinds, Scope, field_kind
+from ros2lab.diagnose.sources.interfaces import field_kind
+from ros2lab.diagnose.sources.kinds import Kinds, Scope
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource, assignments
 from ros2lab.diagnose.sources.spelling import with_article

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.causes.guards import left_out
 from ros2lab.diagnose.checking.checked_copies import checked
-from ros2lab.diagnose.checking.trials import Edit, type_of
+from ros2lab.diagnose.checking.edits import Edit
+from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function, returned

@@ -6,7 +6,7 @@ import ast
 import re
 from collections.abc import Iterator, Sequence
 
-from ros2lab.diagnose.checking.trials import Edit
+from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words

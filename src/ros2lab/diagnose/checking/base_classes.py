@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterable, Iterator
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _OF_METHODS = frozenset(
     ("missing-argument", "too-many-positional-arguments", "unknown-argument", "invalid-argument-type")
@@ -19,14 +20,7 @@ _SETS_BY_NAME = ("setattr", "__getattr__", "__dict__")
 
 
 def asked_of(rule: str, said: str, owner: str, name: str) -> tuple[str, str]:
-    """Return the class whose member the type checker misses, and the member; empty if it is of another kind.
-
-    Args:
-        rule: its rule.
-        said: what it says.
-        owner: the class that it names, or a method of it.
-        name: the attribute that the class lacks.
-    """
+    """Return the class whose member the type checker misses, and the member; empty if it is of another kind."""
     kind, _, method = owner.rpartition(".")
     if rule == "missing-attribute" and said.startswith("Object of type") and owner.isidentifier():
         return owner, name
@@ -41,12 +35,6 @@ def may_be_of_subclass(kind: str, name: str, spot: Spot, sources: Iterable[Pytho
 
     A hint, a handler, an `isinstance` and the result of a function tell only a base class. It is the class itself
     where the file makes the object, and where no class below it is known to have what it lacks.
-
-    Args:
-        kind: the class that it names.
-        name: the member that it misses in it.
-        spot: the line.
-        sources: the files of the workspace.
     """
     values = [n.value for n in spot.nodes if isinstance(n, ast.Attribute) and n.attr == name]
     classes = [node for source in sources for node in source.nodes if isinstance(node, ast.ClassDef)]
@@ -67,7 +55,8 @@ def _is_made(spot: Spot, value: ast.expr, kinds: Collection[str]) -> bool:
     made = [value] if isinstance(value, ast.Call) else spot.assigned(text)
     bound = [node for node in (spot.source.nodes if spot.source else ()) if _binds(node, text)]
     is_all = isinstance(value, ast.Call) or len(bound) == len(made)
-    return bool(made) and is_all and all(_called(node) in kinds for node in made)
+    called = [ast.unparse(node.func).rpartition(".")[2] for node in calls_in(made)]
+    return bool(made) and is_all and len(called) == len(made) and {*called} <= {*kinds}
 
 
 def _binds(node: ast.AST, text: str) -> bool:
@@ -76,10 +65,6 @@ def _binds(node: ast.AST, text: str) -> bool:
         case ast.arg(arg=name) | ast.ExceptHandler(name=name):
             return name == text
     return isinstance(getattr(node, "ctx", None), ast.Store) and ast.unparse(node) == text
-
-
-def _called(node: ast.expr) -> str:
-    return ast.unparse(node.func).rpartition(".")[2] if isinstance(node, ast.Call) else ""
 
 
 def _is_given_below(kind: str, name: str, classes: Collection[ast.ClassDef]) -> bool:
@@ -99,12 +84,9 @@ def _bases(definition: ast.ClassDef) -> set[str]:
 
 def _gives(definition: ast.ClassDef, name: str) -> bool:
     names = {found for node in walk(definition) for found in _names(node)}
-    is_there = any(map(_is_operator, names)) if name == _OPERATORS else name in names
+    operators = [found for found in names if found.startswith(_OPERATORS) and found != "__init__"]
+    is_there = bool(operators) if name == _OPERATORS else name in names
     return is_there or any(word in ast.dump(definition) for word in _SETS_BY_NAME)
-
-
-def _is_operator(name: str) -> bool:
-    return name.startswith(_OPERATORS) and name != "__init__"
 
 
 def _names(node: ast.AST) -> Iterator[str]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from ros2lab.diagnose.checking.call_forms import call_with
 from ros2lab.diagnose.checking.checked_copies import Row, checked, first_that_stands
-from ros2lab.diagnose.checking.trials import Edit
+from ros2lab.diagnose.checking.edits import Edit, all_applied
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.interfaces import is_interface
@@ -68,7 +68,7 @@ def swapped_functions(look: Look) -> Iterator[Finding]:
 
 def _swapped(source: PythonSource, line: int) -> Iterator[Finding]:
     """Yield the call on a line that the type checker accepts with two arguments swapped."""
-    for call in (node for node in source.nodes if isinstance(node, ast.Call) and node.lineno == line):
+    for call in (node for node in source.calls if node.lineno == line):
         texts = [*map(ast.unparse, call.args)]
         named = [ast.unparse(keyword) for keyword in call.keywords]
         ways = []
@@ -115,16 +115,10 @@ def _is_class(sources: NodeSources, source: PythonSource, call: ast.Call) -> boo
 
 
 def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
-    lines = source.text.encode().splitlines(keepends=True)
-    revealing = lines
-    for call in sorted(
-        (given_call.call for given_call in given), key=lambda call: (-call.lineno, -call.col_offset)
-    ):
-        written = source.segment(call)
-        revealing = Edit(call, f"reveal_type({written})").applied(revealing)
-    (revealed,) = checked(source, [b"".join(revealing)])
+    asked = [Edit(argument.call, f"reveal_type({source.segment(argument.call)})") for argument in given]
+    (revealed,) = checked(source, [b"".join(all_applied(source.lines, asked))])
     void = [g for g in given if g.is_void or _has(revealed, "revealed-type", g.call, _NOTHING)]
-    others = [b"".join(Edit(given_call.call, "object()").applied(lines)) for given_call in void]
+    others = [Edit(given_call.call, "object()").of(source) for given_call in void]
     for given_call, rows in zip(void, checked(source, others) if others else (), strict=True):
         is_refused = _has(rows, "invalid-argument-type", given_call.call, _FUNCTION)
         if is_refused or _is_callback(source, given_call):

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.stubs import write_stubs
-from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.scratch import scratch_folder
 
@@ -115,14 +115,8 @@ def first_that_stands(
             narrow.
         settled: the only objection to the call that a form must remove; empty if it must remove all.
     """
-    lines = source.text.encode().splitlines(keepends=True)
     last = call.end_lineno or call.lineno
-    before, after = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
-    texts = []
-    for written in ways:
-        changed = [*lines[: call.lineno - 1], before + written.encode() + after, *lines[last:]]
-        changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
-        texts.append(b"".join(changed))
+    texts = [Edit(call, written).with_imports(source, source.lines) for written in ways]
     now, *rows_of = checked(source, [source.text.encode(), *texts]) if texts else [[]]
     left = {row.said for row in now if settled and call.lineno <= row.line <= last} - {settled}
     for written, rows in zip(ways, rows_of, strict=True):
@@ -147,12 +141,7 @@ class Row:
 
 
 def checked(source: PythonSource, texts: Sequence[bytes]) -> list[list[Row]]:
-    """Return the messages of the type checker about each copy of a file, in the order of the lines.
-
-    Args:
-        source: the file; the copies import modules as it does.
-        texts: the contents of the copies.
-    """
+    """Return the messages of the type checker about each copy of a file, in the order of the lines."""
     parts = source.name.count(".") + source.is_package
     # A test also imports from the folder above its own.
     home = [str(parent) for parent in [*source.path.parents][parts : parts + 2]] if source.path else []

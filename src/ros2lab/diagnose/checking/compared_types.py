@@ -11,8 +11,9 @@ import yaml
 
 from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted
+from ros2lab.diagnose.checking.edits import Edit, all_applied, copied
 from ros2lab.diagnose.checking.parameter_types import parameter_casts
-from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Edit, message_annotations
+from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, message_annotations
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -53,12 +54,7 @@ class _Compared:
 
 
 def compared_types(look: Look, known: Collection[str]) -> Iterator[Finding]:
-    """Yield comparisons that are always false, or always true, because of the types.
-
-    Args:
-        look: the workspace.
-        known: the places that already have a finding.
-    """
+    """Yield comparisons that are always false, or always true, because of the types, at places without a finding."""
     for package in look.packages:
         sources = look.sources(package)
         for source in sources.sources.values():
@@ -121,10 +117,7 @@ def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
 
 def _edited(source: PythonSource, edits: Sequence[Edit]) -> PythonSource:
     """Return a copy of a file with some edits, none of which is inside another."""
-    lines = source.text.encode().splitlines(keepends=True)
-    for edit in sorted(edits, key=lambda edit: (edit.node.lineno, edit.node.col_offset), reverse=True):
-        lines = edit.applied(lines)
-    return PythonSource(source.name, source.shown, b"".join(lines).decode(), source.is_package)
+    return copied(source, b"".join(all_applied(source.lines, edits)))
 
 
 def _told(

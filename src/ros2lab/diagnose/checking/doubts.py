@@ -9,25 +9,20 @@ from collections.abc import Collection, Iterable
 
 from ros2lab.diagnose.checking.call_forms import argument_at, call_at
 from ros2lab.diagnose.checking.checked_copies import RULES, checked
-from ros2lab.diagnose.checking.trials import Edit, revealed_by, type_of
+from ros2lab.diagnose.checking.edits import Edit
+from ros2lab.diagnose.checking.trials import revealed_by, type_of
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_parameters, parameters
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, stores_in
 
 _OF_CALLS = (*RULES, "no-matching-overload")  # what fails when it runs, too
 _CONTRADICTS = re.compile(r"Object of type `(?!None`).+` is not assignable to ")
 
 
 def is_doubtful(row: re.Match[str], said: re.Match[str], source: PythonSource, own: NodeSources) -> bool:
-    """Return whether a line may be right although the type checker objects to it.
-
-    Args:
-        row: the line of the type checker's output.
-        said: what it says, as the pattern of its rule reads it.
-        source: the file.
-        own: the files of its package.
-    """
+    """Return whether a line may be right although the type checker objects to it."""
     line, column = int(row["line"]), int(row["column"]) - 1
     if _is_told_by_member(row, source):
         return True
@@ -35,7 +30,7 @@ def is_doubtful(row: re.Match[str], said: re.Match[str], source: PythonSource, o
         case "missing-attribute" if said[0].startswith("Module"):
             return _is_of_others(said["owner"], own)
         case "not-callable":
-            calls = [n for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
+            calls = [n for n in source.calls if n.lineno == line]
             called = [call.func for call in calls if call.col_offset == column]
             # Of a union it names only the type that cannot be called.
             is_whole = any(type_of(source, function) == said["owner"] for function in called)
@@ -95,17 +90,13 @@ def _is_only_annotated(row: re.Match[str], said: re.Match[str], spot: Spot, own:
     home, function = _own_function(said["owner"], own)
     if call is None or value is None or function is None or home is None:
         return home is not None
-    names = [parameter.arg for parameter in own_parameters(function)]
-    by_name = {keyword.value: keyword.arg for keyword in call.keywords}
-    number = call.args.index(value) if value in call.args else len(names)
-    name = by_name.get(value) or (names[number] if number < len(names) else "")
-    every = [*parameters(function), *function.args.kwonlyargs]
-    written = next((p.annotation for p in every if p.arg == name and p.annotation), None)
+    given = by_parameter(call, [parameter.arg for parameter in own_parameters(function)])
+    name = next((name for name, argument in given.items() if argument is value), "")
+    written = next((p.annotation for p in all_parameters(function) if p.arg == name and p.annotation), None)
     kind = type_name(said["given"])
     if written is None or not kind or home.path is None:
         return True
-    lines = Edit(written, kind).applied(home.text.encode().splitlines(keepends=True))
-    before, after = checked(home, [home.text.encode(), b"".join(lines)])
+    before, after = checked(home, [home.text.encode(), Edit(written, kind).of(home)])
     objections = {(row.line, row.said) for row in after if row.rule in _OF_CALLS} - {
         (row.line, row.said) for row in before
     }
@@ -137,19 +128,9 @@ def type_name(kind: str) -> str:
 
 
 def contradicted(source: PythonSource, said: Iterable[tuple[int, str]]) -> set[tuple[str, str]]:
-    """Return the names whose annotations the code itself contradicts, each with the function in which it does.
-
-    Args:
-        source: the file.
-        said: lines, and what the type checker says about them.
-    """
+    """Return the names whose annotations the code contradicts on some lines, by what is said of them, each with its function."""
     lines = {line for line, text in said if _CONTRADICTS.match(text)}
-    return {
-        _placed(source, node)
-        for node in source.nodes
-        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
-        if node.lineno in lines
-    }
+    return {_placed(source, node) for node in stores_in(source.nodes) if node.lineno in lines}
 
 
 def is_contradicted(source: PythonSource, line: int, names: Collection[tuple[str, str]]) -> bool:

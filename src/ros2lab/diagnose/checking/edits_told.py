@@ -7,7 +7,7 @@ import difflib
 import re
 from collections.abc import Iterable, Iterator
 
-from ros2lab.diagnose.checking.trials import Edit
+from ros2lab.diagnose.checking.edits import Edit
 
 _ALIKE = 0.6  # the least similarity of two texts, as difflib measures it
 _IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? instead of `?(?P<old>.+?)`?(?:, with .*)?$", re.DOTALL)
@@ -15,13 +15,7 @@ _WRITTEN = re.compile(r"write (?P<sign>`?)(?P<new>.+?)(?P=sign)(?:, with .*)?$")
 
 
 def edits_told(fix: str, statement: ast.stmt | None, expressions: Iterable[ast.expr]) -> Iterator[Edit]:
-    """Yield the edits that a student may make who applies a fix literally.
-
-    Args:
-        fix: the fix.
-        statement: the statement that it is about.
-        expressions: the expressions in the statement.
-    """
+    """Yield the edits that a student may make who applies the fix of a statement, or of its expressions, literally."""
     if match := _IN_PLACE.match(fix):
         for node in expressions:
             if ast.unparse(node) == _plain(match["old"]):

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.checking.checked_copies import checked
 from ros2lab.diagnose.checking.doubts import type_name
-from ros2lab.diagnose.checking.trials import Edit, type_of
+from ros2lab.diagnose.checking.edits import Edit
+from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import (
@@ -18,6 +19,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_parameters,
     parameters,
 )
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter
 
 _ANYTHING = "'_anything_'"  # a type that no file defines is one about which nothing is known
 _DEEPEST = 3  # calls through which a value is followed
@@ -28,16 +30,9 @@ def is_misled(source: PythonSource, line: int, rule: str, own: NodeSources) -> b
 
     Python does not check hints, so what a parameter gets counts. Where that is not seen, a hint is trusted: all of
     them if nothing here calls the function, and otherwise only that of a message, which is seldom wrong.
-
-    Args:
-        source: the file.
-        line: the number of the line.
-        rule: the rule of the type checker by which it objects to it.
-        own: the files of its package.
     """
-    lines = source.text.encode().splitlines(keepends=True)
     for function in _around(source, line):
-        for parameter in (*parameters(function), *function.args.kwonlyargs):
+        for parameter in all_parameters(function):
             if parameter.annotation is None:
                 continue
             given = [*_given(source, function, parameter.arg, own)]
@@ -45,10 +40,9 @@ def is_misled(source: PythonSource, line: int, rule: str, own: NodeSources) -> b
             kinds = [f"'{kind}'" for kind in given if kind]
             if not kinds and (not given or is_message):
                 continue
-            texts = [
-                b"".join(Edit(parameter.annotation, kind).applied(lines)) for kind in kinds or [_ANYTHING]
-            ]
-            copies = checked(source, texts)
+            copies = checked(
+                source, [Edit(parameter.annotation, kind).of(source) for kind in kinds or [_ANYTHING]]
+            )
             if any(all((row.line, row.rule) != (line, rule) for row in rows) for rows in copies):
                 return True
     return False
@@ -77,8 +71,7 @@ def _given(
         for call in home.nodes:
             if isinstance(call, ast.Call) and last_name(call.func) == function.name:
                 direct.add(id(call.func))
-                by_name = {keyword.arg: keyword.value for keyword in call.keywords}
-                value = by_name.get(name) or dict(zip(names, call.args, strict=False)).get(name)
+                value = by_parameter(call, names).get(name)
                 yield from _kinds(home, value, source, own, depth) if value is not None else ()
         # Whatever it is passed to may call it with anything.
         yield from ("" for node in home.nodes if last_name(node) == function.name and id(node) not in direct)
@@ -89,14 +82,10 @@ def _kinds(
 ) -> Iterator[str]:
     """Yield the types of an argument, where it is a parameter itself those that it gets."""
     around = _around(home, value.lineno)
-    handed = [f for f in around if isinstance(value, ast.Name) and value.id in map(_name, parameters(f))]
+    handed = [f for f in around if ast.unparse(value) in [parameter.arg for parameter in parameters(f)]]
     found = [kind for f in handed for kind in _given(home, f, ast.unparse(value), own, depth + 1)]
     if any(found):
         yield from (kind if kind.partition(".")[0] in source.names else "" for kind in found)
         return
     kind = type_name(type_of(home, value))
     yield kind if kind in dir(builtins) or kind in source.names else ""
-
-
-def _name(parameter: ast.arg) -> str:
-    return parameter.arg

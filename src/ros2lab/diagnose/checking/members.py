@@ -13,9 +13,10 @@ from ros2lab.diagnose.checking.checked_copies import first_that_stands
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.kinds import field_kind
+from ros2lab.diagnose.sources.interfaces import field_kind
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import may_mean, nearest
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
 def members(owner: str, look: Look | None) -> set[str]:
@@ -56,7 +57,7 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
     meant = [*dict.fromkeys(filter(None, meant))]
     uses = [n for n in spot.nodes if isinstance(n, ast.Attribute) and n.attr == name]
     if len(uses) == 1 and meant and said and spot.source:
-        calls = (n for n in spot.nodes if isinstance(n, ast.Call) and n.func is uses[0])
+        calls = (n for n in calls_in(spot.nodes) if n.func is uses[0])
         whole = next(calls, uses[0])
         rest = ast.unparse(whole).removeprefix(ast.unparse(uses[0]))
         ways = {f"{ast.unparse(uses[0].value)}.{member}{rest}": member for member in meant}
@@ -81,7 +82,7 @@ def _of_type(name: str, owner: str) -> str:
 def _with_option(name: str, known: set[str], owner: str, spot: Spot) -> str:
     """Return a call of the method whose name is a prefix of this name, with an option for the rest."""
     methods = [member for member in known if name.startswith(f"{member}_")]
-    calls = [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]
+    calls = [n for n in calls_in(spot.nodes) if getattr(n.func, "attr", "") == name]
     if not methods or len(calls) != 1:
         return ""
     method, call = max(methods, key=len), calls[0]

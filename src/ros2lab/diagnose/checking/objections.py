@@ -80,13 +80,7 @@ def objections_of(look: Look, message: str) -> list[Objection]:
 
 
 class Doubts:
-    """Whether an objection of the type checker is a fault, and no other rule's.
-
-    Args:
-        look: the workspace.
-        known: the findings so far.
-        objections: all that the type checker says.
-    """
+    """Whether an objection of the type checker is a fault, and no other rule's."""
 
     def __init__(self, look: Look, known: Sequence[Finding], objections: Iterable[Objection]) -> None:
         self._known = known
@@ -197,7 +191,7 @@ def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:
     """Return whether a line instantiates a class in a variable, which may take other arguments."""
     given = {node.arg for node in source.nodes if isinstance(node, ast.arg)}
     given |= names_bound(source.nodes)
-    called = [n.func for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
+    called = [n.func for n in source.calls if n.lineno == line]
     return owner.endswith(".__init__") and any(
         isinstance(function, ast.Subscript)
         or is_self_attribute(function)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Mapping
 
 from ros2lab.diagnose.code.at_hand import holders
@@ -13,7 +12,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import CREATORS
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import signature_by_name
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import nearest, snake_case
 
 _MAKERS: Mapping[str, tuple[str, ...]] = {**CREATORS, "create_rate": ("frequency",)}
 _SUFFIXES = {"msg_type": ".msg.", "srv_type": ".srv."}
@@ -27,12 +26,7 @@ _LEAST_ALIKE = 0.6
 
 
 def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
-    """Return the cause and the fix for a name that rclpy lacks, but a node offers; None if none does.
-
-    Args:
-        name: what the line uses of rclpy.
-        spot: the line.
-    """
+    """Return the cause and the fix for a name that rclpy lacks, but a node offers; None if none does."""
     source = spot.source
     for used in spot.nodes:
         match used:
@@ -64,7 +58,7 @@ def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
 
 def _made(name: str, node: str, call: ast.Call, source: PythonSource) -> str:
     """Return the call with which the node makes an object of a class; empty if the arguments fit none."""
-    kind = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+    kind = snake_case(name)
     found = {
         maker: given
         for maker in _MAKERS

@@ -19,13 +19,7 @@ _NUMBER = re.compile(r"(?:int|float)\b|Literal\[[-\d]")  # as Python and as the 
 
 
 def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
-    """Say how to join or compare two values if one of them holds the intended number; else empty.
-
-    Args:
-        spot: the line with the operator.
-        kinds: the types of the two values.
-        sign: the operator; empty for any.
-    """
+    """Say how to join or compare two values of some types by a sign, any if empty, if one holds the intended number; else empty."""
     for node in spot.nodes:
         match node:
             case ast.BinOp(left=left, op=operator, right=right):
@@ -40,10 +34,11 @@ def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
         between += "=" * isinstance(node, ast.AugAssign)
         if sign not in ("", between):
             continue
-        if "Time" in kinds and sign in ("+", "-") and (number := _number_of(kinds, (left, right))):
+        numbers = [side for kind, side in zip(kinds, (left, right), strict=True) if _NUMBER.match(kind)]
+        if "Time" in kinds and sign in ("+", "-") and numbers:
             # Only a duration can be added to a point in time.
-            made = f"Duration(seconds={ast.unparse(number)})"
-            texts = [made if side is number else ast.unparse(side) for side in (left, right)]
+            made = f"Duration(seconds={ast.unparse(numbers[0])})"
+            texts = [made if side is numbers[0] else ast.unparse(side) for side in (left, right)]
             return (
                 f"write `{f' {between} '.join(texts)}`, with `from rclpy.duration import Duration` at the top"
             )
@@ -62,11 +57,6 @@ def _as_number(side: ast.expr, kinds: Sequence[str]) -> str:
     return text if is_beside_number and re.fullmatch(r"[-+]?\d+(\.\d*)?", text) else ""
 
 
-def _number_of(kinds: Sequence[str], sides: Sequence[ast.expr]) -> ast.expr | None:
-    numbers = (side for kind, side in zip(kinds, sides, strict=True) if _NUMBER.match(kind))
-    return next(numbers, None)
-
-
 def _held(value: ast.expr, kind: str) -> str:
     """Return the expression for the value inside a parameter, a message or a time; others unchanged."""
     text = ast.unparse(value)
@@ -75,22 +65,14 @@ def _held(value: ast.expr, kind: str) -> str:
 
 
 def held_in(text: str, kind: str) -> str:
-    """Return the expression for the value inside a parameter, a one-field message or a time; else empty.
-
-    Args:
-        text: the expression.
-        kind: the name of its class.
-    """
+    """Return the expression for the value inside a parameter, a one-field message or a time; else empty."""
     if kind == "Parameter":
         return f"{text}.value"
     if field := interfaces.only_field(kind):
         return f"{text}.{field}"
-    is_time = any("nanoseconds" in interfaces.members_of(home, kind)[0] for home in _times(kind))
+    times = [home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")]
+    is_time = any("nanoseconds" in interfaces.members_of(home, kind)[0] for home in times)
     return f"{text}.nanoseconds / 1e9" if is_time else ""
-
-
-def _times(kind: str) -> list[str]:
-    return [home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")]
 
 
 def as_template(spot: Spot) -> str:

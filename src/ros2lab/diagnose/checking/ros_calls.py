@@ -7,8 +7,10 @@ import ast
 from ros2lab.diagnose.checking.type_words import made_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.one_run import in_loops
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _GIVEN = {"create_subscription": "each message", "create_service": "each request"}
 _DESTROYED = ("publisher", "subscription", "client", "service", "timer")
@@ -24,8 +26,13 @@ def of_callback(call: ast.Call, missing: str, spot: Spot, look: Look) -> tuple[s
         if function.name == name and creation.method in _GIVEN
     )
     creation, _ = next(found, (None, None))
-    statement = _statement(call, spot)
-    if creation is None or statement is None or not isinstance(call.func, ast.Attribute) or call.args:
+    statement = spot.source.above(call) if spot.source else None
+    if (
+        creation is None
+        or not isinstance(statement, ast.Expr)
+        or not isinstance(call.func, ast.Attribute)
+        or call.args
+    ):
         return None
     when, owner = _GIVEN[creation.method], ast.unparse(call.func.value)
     cause = f"{name} is a callback, which ROS calls with {when} while the node spins; here it is called without {missing}."
@@ -35,8 +42,7 @@ def of_callback(call: ast.Call, missing: str, spot: Spot, look: Look) -> tuple[s
 def _instead(spot: Spot, statement: ast.Expr, node: str) -> str:
     """Return what to write instead of a statement that calls a callback; `node` is empty for self."""
     text = ast.unparse(statement)
-    around = [n for n in walk(spot.function) if isinstance(n, (ast.While, ast.For))] if spot.function else []
-    is_repeated = any(statement in walk(loop) for loop in around)
+    is_repeated = spot.function is not None and id(statement) in in_loops(spot.function)
     spins = _spins(spot.source, spot.function, statement)
     if node and (is_repeated or not spins):
         turn = "spin_once" if is_repeated else "spin"
@@ -45,16 +51,8 @@ def _instead(spot: Spot, statement: ast.Expr, node: str) -> str:
 
 
 def _spins(source: PythonSource | None, function: Function | None, statement: ast.stmt) -> bool:
-    calls = [n for n in walk(function) if isinstance(n, ast.Call)] if source and function else []
-    return any(
-        source.resolve(n.func) == "rclpy.spin" and n.lineno > statement.lineno for n in calls if source
-    )
-
-
-def _statement(call: ast.Call, spot: Spot) -> ast.Expr | None:
-    """Return the statement that is only a call; None if it is a part of another."""
-    nodes = spot.source.nodes if spot.source else ()
-    return next((n for n in nodes if isinstance(n, ast.Expr) and n.value is call), None)
+    later = [call for call in calls_in(walk(function)) if call.lineno > statement.lineno] if function else []
+    return source is not None and any(source.resolve(call.func) == "rclpy.spin" for call in later)
 
 
 def of_class_method(call: ast.Call, spot: Spot) -> tuple[str, str] | None:

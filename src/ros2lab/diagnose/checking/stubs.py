@@ -14,12 +14,7 @@ _HEAD = "import typing\n\ndef __getattr__(name: str) -> typing.Any: ...\n"
 
 
 def write_stubs(names: Iterable[str], folder: Path) -> None:
-    """Write the stubs of messages, and of the messages in their fields, into a folder on the search path.
-
-    Args:
-        names: full names, such as `std_msgs.msg.String`; those that are not messages are ignored.
-        folder: the folder, which is created.
-    """
+    """Write the stubs of those of some names that are messages, and of the messages in their fields, into a folder to search."""
     folder.mkdir(parents=True, exist_ok=True)
     modules: dict[str, list[str]] = {}
     for name in _held(names):

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import ast
-import copy
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 from ros2lab.diagnose.checking.checked_copies import Row, checked
+from ros2lab.diagnose.checking.edits import Edit, all_applied, copied
 from ros2lab.diagnose.finding import stops_node
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.calls import missing_imports
-from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
+from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -24,82 +22,10 @@ from ros2lab.diagnose.sources.python_source import (
     own_parameters,
     parameters,
 )
+from ros2lab.diagnose.sources.uses import own_stores
 
 _LONGEST = 110  # characters of a statement that is shown in full
 UNKNOWN_TYPE = re.compile(r"\b(?:Unknown|Any|Never)\b|^object$")
-
-
-@dataclass(frozen=True)
-class Edit:
-    """A replacement for an expression or a statement."""
-
-    node: ast.expr | ast.stmt
-    text: str
-
-    def applied(self, lines: Sequence[bytes]) -> list[bytes]:
-        """Return the lines of a file with the edit applied."""
-        node = self.node
-        first, last = node.lineno - 1, (node.end_lineno or node.lineno) - 1
-        before, after = lines[first][: node.col_offset], lines[last][node.end_col_offset :]
-        return [*lines[:first], before + self.text.encode() + after, *lines[last + 1 :]]
-
-    def is_idle(self, source: PythonSource) -> bool:
-        """Return whether the new text means the same as the old one, as `str('a')` and `'a'` do."""
-        try:
-            new = ast.parse(self.text.strip()).body
-        except (SyntaxError, ValueError):
-            return False
-        old = [self.node if isinstance(self.node, ast.stmt) else ast.Expr(self.node)]
-        return [ast.unparse(_Bare(source).visit(copy.deepcopy(statement))) for statement in new] == [
-            ast.unparse(_Bare(source).visit(ast.parse(ast.unparse(statement)).body[0])) for statement in old
-        ]
-
-    def keeps_names(self, source: PythonSource) -> bool:
-        """Return whether the edit keeps every name that is assigned only here and used elsewhere."""
-        try:
-            new = ast.parse(self.text.strip())
-        except (SyntaxError, ValueError):
-            return True
-        lost = _stored(self.node) - _stored(new)
-        if not lost:
-            return True
-        inside = {id(node) for node in ast.walk(self.node)}
-        others = [node for node in source.nodes if id(node) not in inside]
-        lost -= {name for node in others for name in _stored(node, is_deep=False)}
-        return not any(
-            isinstance(node, (ast.Name, ast.Attribute)) and ast.unparse(node) in lost for node in others
-        )
-
-
-class _Bare(ast.NodeTransformer):
-    """Removes conversions of plain values to the type that they already have."""
-
-    def __init__(self, source: PythonSource) -> None:
-        self.source = source
-
-    def visit_Call(self, node: ast.Call) -> ast.AST:
-        self.generic_visit(node)
-        match node:
-            case ast.Call(
-                func=ast.Name(id="str" | "int" | "float" | "bool" as kind), args=[value], keywords=[]
-            ):
-                made = Spot(self.source, 0).assigned(ast.unparse(value))
-                known = made[0] if len(made) == 1 else value
-                is_text = isinstance(known, ast.JoinedStr) and kind == "str"
-                is_of_kind = isinstance(known, ast.Constant) and type(known.value).__name__ == kind
-                return value if is_text or is_of_kind else node
-        return node
-
-
-def _stored(node: ast.AST, *, is_deep: bool = True) -> set[str]:
-    """Return the names and attributes that are assigned in a node."""
-    nodes = ast.walk(node) if is_deep else [node]
-    kinds = (ast.Name, ast.Attribute)
-    return {
-        ast.unparse(target)
-        for target in nodes
-        if isinstance(target, kinds) and isinstance(target.ctx, ast.Store)
-    }
 
 
 class Trial:
@@ -107,11 +33,7 @@ class Trial:
 
     def __init__(self, source: PythonSource, spot: Spot, look: Look) -> None:
         self.source, self.spot, self.look = source, spot, look
-        self.lines = source.text.encode().splitlines(keepends=True)
-        for edit in sorted(
-            message_annotations(source, look), key=lambda edit: edit.node.col_offset, reverse=True
-        ):
-            self.lines = edit.applied(self.lines)
+        self.lines = all_applied(source.lines, message_annotations(source, look))
         self.statement = statement_of(spot)
         self._before, self._kinds = self._first_look()
 
@@ -145,7 +67,7 @@ class Trial:
 
         An edit that changes nothing or loses names is not accepted.
         """
-        texts = [self._with_imports(edit, self.lines) for edit in edits]
+        texts = [edit.with_imports(self.source, self.lines) for edit in edits]
         known = Counter((row.rule, row.said) for row in self._before if row.line not in self.spot.lines)
         found = []
         for edit, rows in zip(edits, checked(self.source, texts), strict=True):
@@ -176,15 +98,10 @@ class Trial:
 
     def copy_with(self, edit: Edit) -> bytes:
         """Return the file with an edit and the imports that it needs."""
-        return self._with_imports(edit, self.source.text.encode().splitlines(keepends=True))
-
-    def _with_imports(self, edit: Edit, lines: Sequence[bytes]) -> bytes:
-        added = [f"\n{line}".encode() for line in missing_imports(self.source, edit.text)]
-        return b"".join([*edit.applied(lines), *added])
+        return edit.with_imports(self.source, self.source.lines)
 
     def _copied(self, edit: Edit) -> PythonSource:
-        text = b"".join(edit.applied(self.source.text.encode().splitlines(keepends=True))).decode()
-        return PythonSource(self.source.name, self.source.shown, text, self.source.is_package)
+        return copied(self.source, edit.of(self.source))
 
     def _first_look(self) -> tuple[list[Row], dict[str, str]]:
         """Return the messages about the unchanged file, and the types of what is on the line or in scope."""
@@ -228,7 +145,7 @@ class Trial:
     def names(self) -> list[str]:
         """The names in scope on the line: the attributes of self, and parameters and variables."""
         owner, function = self.owner, self.spot.function
-        found = [f"self.{name}" for name in sorted(_assigned_to_self(owner.definition))] if owner else []
+        found = [f"self.{name}" for name in sorted(own_stores(owner.definition))] if owner else []
         if isinstance(function, Function):
             found += [parameter.arg for parameter in parameters(function) if parameter.arg != "self"]
             found += [
@@ -254,8 +171,7 @@ def type_of(source: PythonSource, expression: ast.expr) -> str:
 
 def revealed_by(source: PythonSource, edit: Edit) -> str:
     """Return the type that an edit with `reveal_type` asks for; empty if it is not known."""
-    lines = source.text.encode().splitlines(keepends=True)
-    (rows,) = checked(source, [b"".join(edit.applied(lines))])
+    (rows,) = checked(source, [edit.of(source)])
     there = [row for row in rows if row.rule == "revealed-type" and row.line == edit.node.lineno]
     return _revealed([""], there[:1]).get("", "")
 
@@ -285,19 +201,10 @@ def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
                     yield Edit(here, f"{names[0].arg}: {ast.unparse(given)!r}")
 
 
-def _statements(source: PythonSource) -> list[ast.stmt]:
-    """Return the statements of a file, the innermost first."""
-    found = [node for node in source.nodes if isinstance(node, ast.stmt)]
-    return sorted(found, key=lambda node: -node.lineno)
-
-
 def statement_of(spot: Spot) -> ast.stmt | None:
     """Return the statement that begins in the lines of a spot; None if none does."""
-    return (
-        next((n for n in _statements(spot.source) if n.lineno == spot.lines.start), None)
-        if spot.source
-        else None
-    )
+    nodes = spot.source.nodes if spot.source else ()
+    return next((n for n in nodes if isinstance(n, ast.stmt) and n.lineno == spot.lines.start), None)
 
 
 def _anchor(statement: ast.stmt | None) -> ast.expr | None:
@@ -311,7 +218,3 @@ def _anchor(statement: ast.stmt | None) -> ast.expr | None:
         if isinstance(found := getattr(statement, name, None), ast.expr):
             return found
     return None
-
-
-def _assigned_to_self(definition: ast.ClassDef) -> set[str]:
-    return {n.attr for n in ast.walk(definition) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}

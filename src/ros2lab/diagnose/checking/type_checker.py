@@ -28,8 +28,8 @@ from ros2lab.diagnose.nodes.unset_attributes import unset
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, parameters
-from ros2lab.diagnose.sources.spelling import nearest, write_instead
+from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, own_nodes, parameters
+from ros2lab.diagnose.sources.spelling import nearest, snake_case, write_instead
 
 
 def type_faults(
@@ -88,7 +88,8 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     elif rule == "missing-argument":
         fix = _to_add(short, name.split(", "), spot)
     made = ast.unparse(call.func)
-    if code == "argument-missing" and made in _classes(spot.source) and made != short:
+    own = {node.name for node in spot.source.nodes if isinstance(node, ast.ClassDef)}
+    if code == "argument-missing" and made in own and made != short:
         cause, fix = _without_constructor(made, short, name)
     is_short = rule == "invalid-argument-type" and _lacks_one(spot.source, call)
     if is_short:
@@ -137,13 +138,9 @@ def _to_add(short: str, names: list[str], spot: Spot) -> str:
     source, function = spot.source, spot.function
     assert source is not None
     own = own_nodes(function) if function else ()
-    stored = [
-        n.id
-        for n in (*own, *own_nodes(source.tree))
-        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-    ]
-    known = {*stored, *(argument.arg for argument in (parameters(function) if function else ()))}
-    is_method = function is not None and [a.arg for a in parameters(function)][:1] == ["self"]
+    given = [parameter.arg for parameter in parameters(function)] if function else []
+    known = {*names_bound((*own, *own_nodes(source.tree))), *given}
+    is_method = given[:1] == ["self"]
     own_name = {name: f"self.{name}" for name in names if is_method and f"self.{name}" in source.stored}
     found = [name if name in known else own_name.get(name, "") for name in names]
     if all(found):
@@ -156,8 +153,7 @@ def _to_add(short: str, names: list[str], spot: Spot) -> str:
 def _without_constructor(made: str, base: str, name: str) -> tuple[str, str]:
     """Return cause and fix of a class without a constructor that is called without what its base class needs."""
     cause = f"{made} has no __init__ of its own, so {made}() takes the same arguments as {base}(), but is called without {name}."
-    words = re.sub(r"(?<!^)(?=[A-Z])", "_", made).lower()
-    example = f"'{words}'" if name == "node_name" else f"{name}=..."
+    example = f"'{snake_case(made)}'" if name == "node_name" else f"{name}=..."
     return (
         cause,
         f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})",
@@ -171,10 +167,6 @@ def _lacks_one(source: PythonSource, call: ast.Call) -> bool:
     return any(row.rule == "missing-argument" and row.line in ends for row in rows)
 
 
-def _classes(source: PythonSource) -> set[str]:
-    return {node.name for node in source.nodes if isinstance(node, ast.ClassDef)}
-
-
 def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Finding:
     """Return the finding of a member or an operation that a value lacks, with what was meant."""
     assert spot.source is not None
@@ -185,8 +177,8 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
         told = (of_a_node(name, spot) if owner == "rclpy" else None) or of_another_owner(owner, name, spot)
     if told:
         cause, fix = told
-    else:
-        fix = _unwrapped(said, spot) or fix
+    elif said.get("name") and said.get("given"):
+        fix = unwrapped(spot, [said["owner"], said["given"]], said["name"]) or fix
     return Finding(code, cause, spot.source.at(spot.line), fix)
 
 
@@ -209,13 +201,6 @@ _OF_VALUES = frozenset(
         "unsupported-operator",
     )
 )
-
-
-def _unwrapped(said: dict[str, str], spot: Spot) -> str:
-    """Say how to get the value out of a parameter or a message that is used as an operand; else empty."""
-    if not said.get("name") or not said.get("given"):
-        return ""
-    return unwrapped(spot, [said.get(key, "") for key in ("owner", "given")], said["name"])
 
 
 def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[str, str, str]:

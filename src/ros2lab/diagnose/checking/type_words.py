@@ -11,6 +11,7 @@ from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import own_nodes
 from ros2lab.diagnose.sources.signatures import heads_of
 from ros2lab.diagnose.sources.spelling import same_letters, with_article
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _NODE = "rclpy.node.Node"
 
@@ -34,7 +35,7 @@ def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
 
 def _class_used(name: str, spot: Spot) -> ast.Name | None:
     """Return where a line uses a class; if its name is not known, the only class that it uses without calling it."""
-    called = {id(node.func) for node in spot.nodes if isinstance(node, ast.Call)}
+    called = {id(node.func) for node in calls_in(spot.nodes)}
     known = spot.source.names if spot.source else {}
     names = [n for n in spot.nodes if isinstance(n, ast.Name) and n.id in known and id(n) not in called]
     found = [n for n in names if n.id == name or (not name and n.id[:1].isupper())]
@@ -68,14 +69,7 @@ def types_named(said: str, message: str) -> int:
 
 
 def not_taken(function: str, value: str, wanted: str, given: str) -> tuple[str, str]:
-    """Return cause and fix of an argument of the wrong type.
-
-    Args:
-        function: its name.
-        value: the argument as it is written; empty if that is not known.
-        wanted: the type that the parameter accepts, as the type checker writes it.
-        given: the type of the value.
-    """
+    """Return cause and fix of an argument of the wrong type; its value is empty if that is not known."""
     takes, is_given = plain(wanted), plain(given)
     if is_given in takes.split(" or "):  # the same words say nothing
         called, has = (re.search(r"\(([^()]*)\) ->", kind) for kind in (wanted, given))
@@ -100,13 +94,7 @@ def _with_article(words: str) -> str:
 
 def _counted(names: str) -> int:
     """Count the parameters, without self, in the list that the type checker writes between parentheses."""
-    return len(
-        [
-            parameter
-            for parameter in names.split(",")
-            if parameter.strip() and parameter.strip() not in ("/", "*", "self")
-        ]
-    )
+    return sum(name.strip() not in ("", "/", "*", "self") for name in names.split(","))
 
 
 def plain(kind: str) -> str:  # noqa: PLR0911 -- a table

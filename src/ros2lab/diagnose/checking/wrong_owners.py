@@ -15,20 +15,15 @@ from ros2lab.diagnose.code.unknown_names import Unknown
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _MOST = 3  # variables whose types are asked for
 _KNOWN = interfaces.PACKAGES | sys.stdlib_module_names  # modules whose functions say what they take
 
 
 def of_another_owner(owner: str, name: str, spot: Spot) -> tuple[str, str] | None:
-    """Return cause and fix of a call such as `rclpy.destroy_node(node)` or `node.spin()`; None if no owner is at hand.
-
-    Args:
-        owner: what lacks the function, as the type checker names it.
-        name: the function.
-        spot: the line.
-    """
-    source, calls = spot.source, [n for n in spot.nodes if isinstance(n, ast.Call)]
+    """Return cause and fix of a call such as `rclpy.destroy_node(node)` or `node.spin()`; None if no owner is at hand."""
+    source, calls = spot.source, calls_in(spot.nodes)
     calls = [call for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == name]
     if source is None or len(calls) != 1:
         return None

@@ -79,13 +79,7 @@ def is_own_node(unknown: Unknown, name: str) -> bool:
 
 
 def holders(unknown: Unknown, wanted: set[str], *, is_node: bool = False) -> list[str]:
-    """Return the variables and attributes of `self` of the innermost scope that surely have some members.
-
-    Args:
-        unknown: what stands where one of them is meant.
-        wanted: the members.
-        is_node: whether it must be a node.
-    """
+    """Return the variables and attributes of `self` of the innermost scope that surely have the wanted members."""
     found = ([*dict.fromkeys(_held(unknown, scope, wanted, is_node=is_node))] for scope in unknown.scopes)
     return next(filter(None, found), [])
 

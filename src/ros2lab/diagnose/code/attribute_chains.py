@@ -10,17 +10,11 @@ from ros2lab.diagnose.sources.node_source import NodeClass
 
 
 def chain_fault(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> Finding | None:
-    """Return the finding of `self.get.logger()` for `get_logger`, or of `self.cancel.timer()` for `timer.cancel`.
-
-    Args:
-        owner: the class.
-        node: the attribute of self that it lacks.
-        members: those that it has.
-    """
-    asked = next((n for n in owner.source.nodes if getattr(n, "value", None) is node), None)
+    """Return the finding of `self.get.logger()` for `get_logger`, or of `self.cancel.timer()` for `timer.cancel`."""
+    asked = owner.source.above(node)
     if not isinstance(asked, ast.Attribute):
         return None
-    is_called = any(isinstance(n, ast.Call) and n.func is asked for n in owner.source.nodes)
+    is_called = owner.source.is_called(asked)
     made = {text for text, _ in owner.source.made}
     written, joined = ast.unparse(asked), f"{node.attr}_{asked.attr}"
     if joined in members:

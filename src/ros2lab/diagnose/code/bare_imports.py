@@ -79,13 +79,7 @@ def bare_import(whole: str, name: str, place: str) -> Finding:
 
 
 def by_folders(source: PythonSource, line: int, modules: Mapping[str, PythonSource]) -> Finding | None:
-    """Return the finding about an import that begins with folders above a package of the workspace; else None.
-
-    Args:
-        source: the file.
-        line: a line of the import.
-        modules: the files of the workspace, by the names of their modules.
-    """
+    """Return the finding about an import that begins with folders above a package of the workspace; else None."""
     for node in source.nodes:
         if not isinstance(node, (ast.Import, ast.ImportFrom)) or not node.lineno <= line <= (
             node.end_lineno or 0

@@ -18,14 +18,7 @@ def depth_of(line: str) -> int:
 
 
 def moves_of(lines: Sequence[str], place: int, above: int, said: str) -> Iterator[Repair]:
-    """Yield the line at which Python stops, or the one above, moved to each depth around it, alone or with its block.
-
-    Args:
-        lines: the lines of the file.
-        place: the number of the line at which Python stops.
-        above: the number of the line of code above it; 0 if none.
-        said: what Python says.
-    """
+    """Yield the line at which Python stops, or the one above, moved to each depth around it, alone or with its block."""
     if not re.search(r"indent|tab|expected '", said, re.IGNORECASE):
         return
     if above and re.search("expected an indented block", said):

@@ -10,6 +10,7 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.one_run import blocks, may_leave
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import stores_in
 
 _TAKES_OUT = frozenset(("remove", "pop", "popleft", "discard", "popitem", "clear"))
 _ADDS = frozenset(("append", "appendleft", "insert", "extend", "add"))
@@ -59,12 +60,7 @@ def _changes(
     if walked is None:
         return
     name, places = walked
-    bound = [
-        node
-        for statement in loop.body
-        for node in walk(statement)
-        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
-    ]
+    bound = [node for statement in loop.body for node in stores_in(walk(statement))]
     if any(f"{name}.".startswith(f"{dotted(node)}.") for node in bound):
         return  # the name may refer to another collection by then
     for path in _paths(loop.body, []):
@@ -73,7 +69,7 @@ def _changes(
         by, changed = _change(sources, owner, statement, name)
         if not by or _is_last(path):
             continue
-        if places and not any(_reads(node, places) for node in walk(changed)):
+        if places and not any(isinstance(n, ast.Name) and n.id == places for n in walk(changed)):
             continue
         if by in _ADDS and (len(path) > 1 or may_leave(loop.body)):
             continue  # a conditional addition, as to a list of pending work, comes to an end
@@ -165,7 +161,3 @@ def _is_last(path: _Path) -> bool:
                 break
         is_left = is_left and not is_loop
     return False
-
-
-def _reads(node: ast.AST, name: str) -> bool:
-    return isinstance(node, ast.Name) and node.id == name

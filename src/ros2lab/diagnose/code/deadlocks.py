@@ -21,6 +21,7 @@ from ros2lab.diagnose.sources.python_source import (
     returns_value,
 )
 from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import own_stores
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
@@ -44,10 +45,7 @@ class _Wait:
     @property
     def client(self) -> ast.expr | None:
         """The client that sends the request; None if the statement does not name it."""
-        call = self.node if self.future is None else self.future
-        return (
-            call.func.value if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) else None
-        )
+        return _client_of(self.node if self.future is None else self.future)
 
     @property
     def asked(self) -> ast.expr:
@@ -205,7 +203,7 @@ def _calls_in(statement: ast.stmt) -> list[ast.Call]:
     if not isinstance(statement, ast.If) and hasattr(statement, "body"):
         return []
     whole = statement.test if isinstance(statement, ast.If) else statement
-    return [n for n in ast.walk(whole) if isinstance(n, ast.Call)]
+    return calls_in(ast.walk(whole))
 
 
 def _clients(source: PythonSource) -> dict[str, ast.Assign]:
@@ -259,13 +257,7 @@ def _unspun(callback: _Callback, wait: _Wait) -> str:
 def set_elsewhere(
     owner: NodeClass | None, functions: Sequence[Function], loop: ast.While
 ) -> Iterator[tuple[str, list[Function]]]:
-    """Yield the attributes that a loop waits for, each with the other methods that set it.
-
-    Args:
-        owner: the class of the loop.
-        functions: the methods that run while the loop does.
-        loop: the loop.
-    """
+    """Yield the attributes that a loop waits for, each with the methods that set it, except those that run while the loop does."""
     asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
     for name in sorted(asked - own_stores(loop)):
         methods = owner.methods.values() if owner else ()
@@ -338,7 +330,7 @@ def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSource
         callback.source,
         *(source for source in sources.sources.values() if source is not callback.source),
     ]
-    calls = ((home, n) for home in homes for n in home.nodes if isinstance(n, ast.Call) and n.args)
+    calls = ((home, n) for home in homes for n in home.calls if n.args)
     for home, spin in [pair for pair in calls if pair[0].resolve(pair[1].func) == "rclpy.spin"][:1]:
         node, where = ast.unparse(spin.args[0]), "" if home is callback.source else f" of {home.shown}"
         edits.append(
@@ -371,5 +363,5 @@ def _made_by(callback: _Callback, wait: _Wait) -> ast.Assign | None:
     return _clients(callback.source).get(ast.unparse(client)) if client else None
 
 
-def _client_of(call: ast.expr | None) -> ast.expr | None:
+def _client_of(call: ast.AST | None) -> ast.expr | None:
     return call.func.value if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) else None

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, defaults_of, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import defaults_of
 
 # Standard modules whose functions return a new value each time; capitalised names are classes.
 _CHANGING = frozenset(("time", "random", "secrets", "uuid"))
@@ -136,7 +137,7 @@ def _is_made_often(sources: NodeSources, source: PythonSource, definition: ast.C
     calls = [
         node
         for caller in sources.sources.values()
-        for node in caller.nodes
-        if isinstance(node, ast.Call) and sources.resolve(caller, node.func) == wanted
+        for node in caller.calls
+        if sources.resolve(caller, node.func) == wanted
     ]
     return len(calls) > 1

@@ -63,12 +63,7 @@ def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
 
 
 def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterator[Finding]:
-    """Yield trailing commas that turn a value into a tuple, and missing commas, which Python warns about.
-
-    Args:
-        source: the file.
-        missing: the finding's code for a missing comma, which may keep the file from running at all.
-    """
+    """Yield trailing commas that turn a value into a tuple, and missing commas, which Python warns about."""
     lines = {line for line, said in source.warned if "missed a comma" in said}
     for node in source.nodes:
         before = node.func if isinstance(node, ast.Call) else getattr(node, "value", None)
@@ -137,14 +132,12 @@ def _is_taken_apart(source: PythonSource, node: ast.AST) -> bool:
         names = set(map(ast.unparse, node.targets))
     else:
         around = [n for n in source.nodes if isinstance(n, ast.FunctionDef) and node in own_nodes(n)]
-        calls = [n for n in source.nodes if isinstance(n, ast.Call)]
+        calls = source.calls
         last = {function.name for function in around}
         names = {ast.unparse(n) for n in calls if last_name(n.func) in last}
         if not names and not any(isinstance(n, ast.Call) for n in children(node)):
             return True  # a library may call it and expect a tuple
-    passed = (
-        node.args for node in source.nodes if isinstance(node, ast.Call) and _is_of_library(source, node)
-    )
+    passed = (node.args for node in source.calls if _is_of_library(source, node))
     taken = (*map(_apart, source.nodes), *passed)
     return any(not names.isdisjoint(map(ast.unparse, values)) for values in taken)
 

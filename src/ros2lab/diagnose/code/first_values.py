@@ -6,14 +6,13 @@ import ast
 from collections.abc import Sequence
 
 from ros2lab.diagnose.code.unknown_names import as_code
-from ros2lab.diagnose.sources.python_source import PythonSource, children, walk
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
 
 
 def first_value(source: PythonSource, uses: Sequence[ast.AST]) -> str:
     """Return the value with which a variable begins: None, a number, a list or a dictionary; empty if unknown."""
-    above = {id(child): node for node in source.nodes for child in children(node)}
     for use in uses:
-        match above.get(id(use)):
+        match source.above(use):
             case ast.Compare(ops=[ast.Is() | ast.IsNot()], comparators=[ast.Constant(value=None)]):
                 return "None"
             case ast.AugAssign(op=ast.Add() | ast.Sub(), value=ast.Constant(value=int() | float() as step)):

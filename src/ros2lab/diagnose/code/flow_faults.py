@@ -29,6 +29,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
 _FREQUENCIES = frozenset(("hz", "rate", "freq", "frequency"))
@@ -62,7 +63,7 @@ def _bound_late(source: PythonSource) -> Iterator[Finding]:
         if not isinstance(loop, ast.For) or _ends_or_spins(loop):
             continue
         names = {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
-        calls = (n for n in own_nodes(loop) if isinstance(n, ast.Call))
+        calls = calls_in(own_nodes(loop))
         made = [n for n in calls if getattr(n.func, "attr", "") in CREATORS]
         for given in (argument for call in made for argument in given_to(call)):
             if not isinstance(given, ast.Lambda):
@@ -286,7 +287,7 @@ def _ends_what_spins(
     owner, _, method = ast.unparse(call.func).rpartition(".")
     inner = [node for statement in between for node in walk(statement)]
     if source.resolve(call.func) in ("rclpy.shutdown", "rclpy.try_shutdown"):
-        made = {source.resolve(node.func) or "" for node in inner if isinstance(node, ast.Call)}
+        made = {source.resolve(node.func) or "" for node in calls_in(inner)}
         is_other = bool(call.args or call.keywords)  # another context
         return (
             not is_other and "rclpy.init" not in made and not any(name in sources.functions for name in made)
@@ -296,11 +297,7 @@ def _ends_what_spins(
     given = [spin, *(c for c in before if ast.unparse(c.func) == f"{executor}.add_node")]
     nodes = {ast.unparse(inner.args[0]) for inner in given if inner.args}
     ended = {"destroy_node": nodes, "shutdown": {executor}}.get(method, set())
-    stored = {
-        ast.unparse(node)
-        for node in inner
-        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
-    }
+    stored = {ast.unparse(node) for node in stores_in(inner)}
     return owner in ended and owner not in stored
 
 
@@ -335,7 +332,8 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
 def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     """Yield what the constructor creates and stops again, and timers that are never started."""
     constructor, source = owner.methods.get("__init__"), owner.source
-    if constructor is None or _names(sources, "reset"):
+    words = {getattr(node, "attr", "") for file in sources.sources.values() for node in file.nodes}
+    if constructor is None or "reset" in words:
         return
     made: set[str] = set()
     for statement in constructor.body:
@@ -374,9 +372,3 @@ def _is_own_or_spins(function: ast.expr) -> bool:
     name = getattr(function, "attr", "")
     is_nodes = name.startswith(("create_", "declare_", "get_", "destroy"))
     return "spin" in name or (is_self_attribute(function) and not is_nodes)
-
-
-def _names(sources: NodeSources, name: str) -> bool:
-    return any(
-        getattr(node, "attr", "") == name for source in sources.sources.values() for node in source.nodes
-    )

@@ -11,9 +11,10 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import own_function
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, is_property, parameters
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, is_property
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 _SHIFTS = (ast.LShift, ast.RShift)  # objects of libraries use them to put one after the other
 
@@ -101,8 +102,7 @@ def _called(source: PythonSource, function: ast.expr) -> str:
 def _needed(source: PythonSource, function: ast.expr) -> list[str]:
     """Return the parameters without defaults of a function, as far as it is known."""
     if (own := own_function(source, function)) is not None:
-        names = [parameter.arg for parameter in parameters(own[1])]
-        return names[is_self_attribute(function) : len(names) - len(own[1].args.defaults)]
+        return needed_by(own[1])
     if known := signature_of(source, ast.Call(function, [], [])):
         return [parameter.name for parameter in known.parameters if not parameter.default]
     module, _, name = (source.resolve(function) or "").rpartition(".")

@@ -81,13 +81,7 @@ def _short(text: str) -> str:
 
 
 def edits_of(number: int, text: str, known: Collection[str]) -> Iterator[Repair]:
-    """Yield a line with one slip undone, wherever it may be.
-
-    Args:
-        number: of the line.
-        text: the line.
-        known: the names that its file uses.
-    """
+    """Yield a line with one slip undone, wherever it may be."""
     line = _Line(number, text)
     if 0 < len(line.tokens) <= _MOST_TOKENS:
         yield from ends_of(number, text)

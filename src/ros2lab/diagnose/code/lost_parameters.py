@@ -9,9 +9,17 @@ from dataclasses import dataclass
 
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, parameters, walk
+from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    is_property,
+    last_name,
+    parameters,
+    walk,
+)
 from ros2lab.diagnose.sources.spelling import snake_case
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, calls_in
 
 CODE = "callback-arguments"
 _OF_CLASSES = frozenset(("__new__", "__init_subclass__", "__class_getitem__"))
@@ -38,11 +46,12 @@ class Definition:
     def lacks_self(self) -> bool:
         """Whether it is a method whose first parameter, self, is missing for certain."""
         function = self.function
-        if self.owner is None or function.name in _OF_CLASSES or _is_static(function):
+        is_static = bool(function.decorator_list) and not is_property(function)
+        if self.owner is None or function.name in _OF_CLASSES or is_static:
             return False
         arguments = function.args
         if not parameters(function) and not arguments.vararg:
-            uses = {n.attr for n in walk(self.owner) if isinstance(n, ast.Attribute) and _is_self(n.value)}
+            uses = {n.attr for n in walk(self.owner) if is_self_attribute(n)}
             return function.name.startswith("__") or function.name in uses or _uses_self(self)
         return _uses_self(self) or (function.name.startswith("__") and self._begins_with_a_value)
 
@@ -63,12 +72,7 @@ class Definition:
         return not is_object and any(names and names[0].arg == "self" for names in others)
 
     def with_more(self, names: Sequence[str], stars: tuple[str, str] = ("", "")) -> str:
-        """Return the line of its def with more parameters.
-
-        Args:
-            names: what to add after the parameters that it has.
-            stars: what to add as `*args` and as `**kwargs`; empty adds none.
-        """
+        """Return the line of its def with more parameters, and with `*args` and `**kwargs` of some names unless they are empty."""
         function, arguments = self.function, copy.deepcopy(self.function.args)
         if self.lacks_self:
             arguments.args.insert(0, ast.arg("self"))
@@ -162,9 +166,7 @@ def _of_self(definition: Definition) -> set[str]:
     """Return the names that a method only calls: they lack self and a dot, or a definition, rather than a parameter."""
     is_method = [parameter.arg for parameter in parameters(definition.function)[:1]] == ["self"]
     nodes = [*walk(definition.function)] if is_method else []
-    called = {
-        id(n.func): n.func.id for n in nodes if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)
-    }
+    called = {id(n.func): n.func.id for n in calls_in(nodes) if isinstance(n.func, ast.Name)}
     others = {n.id for n in nodes if isinstance(n, ast.Name) and id(n) not in called}
     return {*called.values()} - others
 
@@ -181,7 +183,7 @@ def _passes(
     """Return whether a call passes what a def lacks: so many more values, or keywords of these names."""
     if any(isinstance(argument, ast.Starred) for argument in call.args):
         return False
-    known = {p.arg for p in (*parameters(definition.function), *definition.function.args.kwonlyargs)}
+    known = {parameter.arg for parameter in all_parameters(definition.function)}
     keywords = [keyword.arg for keyword in call.keywords if keyword.arg and keyword.arg not in known]
     more = surplus(call, definition) if lacking == 0 else lacking
     by_name = sum(keyword in names for keyword in keywords)
@@ -231,19 +233,6 @@ def _double_starred(function: Function, names: Sequence[str]) -> str:
     given = [n.value for n in walk(function) if isinstance(n, ast.keyword) and n.arg is None]
     by_use = next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
     return by_use or ("kwargs" if "kwargs" in names else "")
-
-
-def _is_static(function: Function) -> bool:
-    return any(not _keeps_self(decorator) for decorator in function.decorator_list)
-
-
-def _keeps_self(decorator: ast.expr) -> bool:
-    """Return whether a method with a decorator has self all the same, as a property does."""
-    return "property" in ast.unparse(decorator) or getattr(decorator, "attr", "") in ("setter", "getter")
-
-
-def _is_self(node: ast.expr) -> bool:
-    return isinstance(node, ast.Name) and node.id == "self"
 
 
 def _uses_self(definition: Definition) -> bool:

@@ -10,6 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.diagnose.sources.spelling import same_letters
 from ros2lab.diagnose.sources.static_value import holds
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 RUN, SPAWNED = (
     "__main__",
@@ -67,5 +68,5 @@ def indented_guard(guard: ast.If, source: PythonSource) -> Finding:
 
 def _called(guard: ast.If) -> list[str]:
     """Return the names of the functions that the body of a guard calls."""
-    calls = [n for statement in guard.body for n in ast.walk(statement) if isinstance(n, ast.Call)]
+    calls = [n for statement in guard.body for n in calls_in(ast.walk(statement))]
     return [call.func.id for call in calls if isinstance(call.func, ast.Name)]

@@ -16,6 +16,7 @@ from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 Reading = tuple[str, str]  # the cause, and the fix
 _FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
@@ -31,16 +32,7 @@ def meant(
     package: str = "",
     own: Mapping[str, PythonSource] | None = None,
 ) -> Reading:
-    """Return why a name is not defined, and what to write instead; the likeliest of all readings.
-
-    Args:
-        source: the file.
-        name: the name.
-        node: where it is used.
-        members: the attributes that `self` has there.
-        package: the name of the package whose setup.py the file is.
-        own: the modules of the workspace.
-    """
+    """Return why a name is not defined, and what to write instead; the likeliest of all readings."""
     unknown = Unknown(source, name, node, members, package, own or {})
     readings: Sequence[Callable[[Unknown], Reading | None]] = (
         _as_keyword_argument,
@@ -353,7 +345,7 @@ def _unused_class(unknown: Unknown) -> str:
 def _has_all(unknown: Unknown, definition: ast.ClassDef) -> bool:
     """Return whether a class can be instantiated without arguments and has what the uses ask for."""
     made = next((n for n in definition.body if isinstance(n, Function) and n.name == "__init__"), None)
-    is_free = made is None or len(made.args.args) - len(made.args.defaults) == 1
+    is_free = made is None or not needed_by(made)
     names = {n.attr for n in walk(definition) if isinstance(n, ast.Attribute)} | {
         n.name for n in definition.body if isinstance(n, Function)
     }

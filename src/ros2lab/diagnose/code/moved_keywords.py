@@ -6,19 +6,14 @@ import ast
 from collections.abc import Iterator
 
 from ros2lab.diagnose.code.unknown_names import as_code
-from ros2lab.diagnose.sources.python_source import PythonSource, children, given_to
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import Signature, signature_of
 from ros2lab.diagnose.sources.spelling import same_letters
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
 def moved_keyword(source: PythonSource, call: ast.Call, name: str) -> tuple[str, str] | None:
-    """Return the call that a keyword argument belongs to, and what to write; None if it is that of no call near by.
-
-    Args:
-        source: the file.
-        call: the call that refuses it.
-        name: the name of the argument.
-    """
+    """Return the call that a keyword argument belongs to, and what to write; None if it is that of no call near by."""
     keyword = next((given for given in call.keywords if given.arg == name), None)
     if keyword is None:
         return None
@@ -42,14 +37,13 @@ def moved_keyword(source: PythonSource, call: ast.Call, name: str) -> tuple[str,
 
 def _near(source: PythonSource, call: ast.Call) -> Iterator[ast.Call]:
     """Yield the calls that a call is an argument of, the nearest first, and those that are its own arguments."""
-    above: dict[int, ast.AST] = {id(child): node for node in source.nodes for child in children(node)}
     node: ast.AST | None = call
     while node is not None and not isinstance(node, ast.stmt):
-        node = above.get(id(node))
+        node = source.above(node)
         if isinstance(node, ast.Call):
             yield node
     for value in given_to(call):
-        yield from (inner for inner in ast.walk(value) if isinstance(inner, ast.Call))
+        yield from calls_in(ast.walk(value))
 
 
 def _parameter(signature: Signature, name: str) -> str:

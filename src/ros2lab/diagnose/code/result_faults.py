@@ -23,6 +23,7 @@ from ros2lab.diagnose.sources.python_source import (
 )
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log, own_stores, values_in
 
 _TEXT_METHODS = frozenset(("lower", "upper", "strip", "lstrip", "rstrip", "replace"))
@@ -89,13 +90,13 @@ def _never_sent(
                 continue
         if not is_interface(kind):
             continue
-        fills = [n for n in walk(function) if isinstance(n, ast.Attribute) and _is_fill(n, name)]
+        fills = [n for n in stores_in(walk(function)) if (dotted(n) or "").startswith(f"{name}.")]
         if not fills or _is_used(function, name) or is_shared(function, name):
             continue
         calls = [
             n
-            for n in own_nodes(function)
-            if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish" and len(n.args) == 1
+            for n in calls_in(own_nodes(function))
+            if getattr(n.func, "attr", "") == "publish" and len(n.args) == 1
         ]
         cause = f"{function.name}() fills {name} but never sends it"
         if len(calls) == 1 and _may_be_message(source, owner, calls[0].args[0]):
@@ -125,10 +126,6 @@ def _is_used(function: Function, name: str) -> bool:
     fields = [n for n in _fields(function, name) if id(n) not in logged]
     contexts = [*(n.ctx for n in whole), *(n.ctx for n in fields)]
     return any(isinstance(context, ast.Load) for context in contexts)
-
-
-def _is_fill(node: ast.Attribute, name: str) -> bool:
-    return isinstance(node.ctx, ast.Store) and (dotted(node) or "").startswith(f"{name}.")
 
 
 def _fields(function: Function, name: str) -> list[ast.Attribute]:
@@ -221,7 +218,7 @@ def _assigned_together(function: Function) -> dict[int, set[str]]:
 
 def _is_fetched(value: ast.expr) -> bool:
     """Return whether an expression only fetches a value; a computed one may be a leftover."""
-    calls = [node for node in walk(value) if isinstance(node, ast.Call)]
+    calls = calls_in(walk(value))
     names = {last_name(call.func) for call in calls}
     return not isinstance(value, (ast.BinOp, ast.Constant)) and names <= _PURE | {"get_parameter"}
 
@@ -312,7 +309,8 @@ def _nothing_returned(
             return
     scope = walk(owner.definition) if owner is not None else source.nodes
     users = [node for node in scope if _uses_value(node, function.name, owner is not None)]
-    if is_computed and users and sum(_defines(node, function.name) for node in source.nodes) == 1:
+    same = [n for n in source.nodes if isinstance(n, Function) and n.name == function.name]
+    if is_computed and users and len(same) == 1:
         cause = f"{function.name}() returns nothing, so `{ast.unparse(users[0]).splitlines()[0]}` uses None instead of {last}."
         fix = return_in_place(function) or f"write `return {last}` as the last line of {function.name}()"
         yield Finding("value-none", cause, source.at(function.body[-1]), fix)
@@ -337,10 +335,6 @@ def shown_last(body: list[ast.stmt]) -> list[ast.Call]:
             shown = shown_last(then)
             return shown and (shown + shown_last(otherwise) if otherwise else shown)
     return []
-
-
-def _defines(node: ast.AST, name: str) -> bool:
-    return isinstance(node, Function) and node.name == name
 
 
 def _uses_value(node: ast.AST, name: str, is_method: bool) -> bool:

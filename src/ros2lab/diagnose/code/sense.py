@@ -22,15 +22,7 @@ _IDLE = (ast.Name, ast.Attribute, ast.Compare, ast.BinOp, ast.Subscript, ast.Lam
 
 
 def nonsense(tree: ast.Module, first: int, last: int, before: str, after: str) -> float:
-    """Return what the oddities of some repaired lines cost: unknown names, idle values, calls of plain values.
-
-    Args:
-        tree: the repaired file.
-        first: the number of the first repaired line.
-        last: the number of the last.
-        before: the text of these lines before the repair.
-        after: their text after it.
-    """
+    """Return what the oddities of some repaired lines cost: unknown names, idle values, calls of plain values."""
     known = _bound(tree) | _BUILTINS
     near = [node for node in ast.walk(tree) if _is_within(node, first, last)]
     new = _texts(near) - {text[1:-1] for text in _TEXT.findall(before)}

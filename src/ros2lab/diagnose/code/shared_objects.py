@@ -104,8 +104,8 @@ def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
     made = [
         node
         for source in uses.sources.sources.values()
-        for node in source.nodes
-        if isinstance(node, ast.Call) and uses.sources.resolve(source, node.func) == owner.name
+        for node in source.calls
+        if uses.sources.resolve(source, node.func) == owner.name
     ]
     if len(made) < 2:
         return
@@ -179,17 +179,15 @@ def _remembered(nodes: Iterable[ast.AST]) -> Iterator[_Kept]:
 
 def _made_before(function: Function, loop: _Loop, name: str) -> ast.Assign | None:
     """Return the only statement that sets a variable, if it creates an object before a loop; else None."""
-    stores = [node for node in own_nodes(function) if name in map(_variable, _targets(node))]
+    stores = [
+        node for node in own_nodes(function) if name in [getattr(to, "id", "") for to in _targets(node)]
+    ]
     match stores:
         case [ast.Assign(value=ast.Call() | ast.List() | ast.Dict() | ast.Set()) as made] if (
             made.lineno < loop.lineno
         ):
             return made
     return None
-
-
-def _variable(target: ast.expr) -> str:
-    return target.id if isinstance(target, ast.Name) else ""
 
 
 def _is_object(uses: Uses, owner: NodeClass, name: str) -> bool:

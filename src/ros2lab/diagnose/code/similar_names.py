@@ -33,12 +33,7 @@ def as_foreign(unknown: Unknown) -> tuple[str, str] | None:
 
 
 def as_another(unknown: Unknown, *, is_class_meant: bool = False) -> tuple[str, str] | None:
-    """Read the name as another that it resembles.
-
-    Args:
-        unknown: the name.
-        is_class_meant: whether a name that begins with a small letter may mean a class that is not called.
-    """
+    """Read the name as another that it resembles; if it begins with a small letter, as a class only if that is said to be meant."""
     name = unknown.name
     found = sorted(_candidates(unknown, is_class_meant=is_class_meant))
     if not found:

@@ -25,15 +25,7 @@ def syntax_finding(code: str, source: PythonSource) -> Finding:
 def explained(
     code: str, what: str, place: str, fault: SyntaxError, source: PythonSource | None = None
 ) -> Finding:
-    """Explain a syntax error.
-
-    Args:
-        code: the code of the finding.
-        what: how its cause begins, such as `Python cannot read setup.py`.
-        place: where Python has stopped.
-        fault: the error.
-        source: the file; None if only the error's text is known.
-    """
+    """Explain a syntax error in a cause that begins with `what`; the source is None if only the error's text is known."""
     repairs = repairs_of(source.text, fault) if source else []
     if not repairs:
         return Finding(code, f"{what}: {_said(fault)}.", place, _fix(fault, source))

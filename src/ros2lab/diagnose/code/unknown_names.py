@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 
 _LONGEST = 110  # characters of a line that is shown in full
 
@@ -31,14 +31,10 @@ class Unknown:
     members: Collection[str] = ()
     package: str = ""
     own: Mapping[str, PythonSource] = field(default_factory=dict)
-    _above: dict[int, ast.AST] = field(default_factory=dict, init=False)
-
-    def __post_init__(self) -> None:
-        self._above.update((id(child), node) for node in self.source.nodes for child in children(node))
 
     def above(self, node: ast.AST | None = None) -> ast.AST:
         """Return the syntax node around another one, or around the use."""
-        return self._above.get(id(node or self.node), self.source.tree)
+        return self.source.above(node or self.node) or self.source.tree
 
     @cached_property
     def scopes(self) -> list[ast.AST]:
@@ -60,8 +56,7 @@ class Unknown:
     @property
     def is_called(self) -> bool:
         """Whether the use is a call."""
-        around = self.above()
-        return isinstance(around, ast.Call) and around.func is self.node
+        return self.source.is_called(self.node)
 
     @property
     def is_type(self) -> bool:

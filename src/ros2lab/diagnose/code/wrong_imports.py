@@ -19,12 +19,7 @@ _MOST_OFFERED = 6  # names of a module that are offered
 
 
 def misspelt_packages(source: PythonSource, own: Collection[str]) -> Iterator[Finding]:
-    """Yield imports whose package is spelt almost like one of ROS, of the workspace or setuptools.
-
-    Args:
-        source: the file.
-        own: the modules of the workspace.
-    """
+    """Yield imports whose package is spelt almost like one of ROS, of the workspace or setuptools."""
     for imported in source.imports:
         top = imported.target.partition(".")[0]
         if imported.is_guarded or top in own:
@@ -135,7 +130,7 @@ def _homes(
 
 def _is_called(source: PythonSource, name: str) -> bool:
     """Return whether a file calls a name itself, which it cannot do with a module."""
-    calls = (node.func for node in source.nodes if isinstance(node, ast.Call))
+    calls = (node.func for node in source.calls)
     return any(isinstance(called, ast.Name) and called.id == name for called in calls)
 
 
@@ -220,7 +215,7 @@ def _used(source: PythonSource, name: str) -> list[int]:
 
 def _called_modules(source: PythonSource, own: Mapping[str, Collection[str]]) -> Iterator[Finding]:
     """Yield imports of a module of ROS that is then used as the class of that name in it."""
-    called = {ast.unparse(node.func) for node in source.nodes if isinstance(node, ast.Call)}
+    called = {ast.unparse(node.func) for node in source.calls}
     called |= {ast.unparse(base) for n in source.nodes if isinstance(n, ast.ClassDef) for base in n.bases}
     for imported in source.imports:
         module, _, name = imported.target.rpartition(".")

@@ -16,9 +16,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
+from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.members import members
 from ros2lab.diagnose.checking.operands import held_in
-from ros2lab.diagnose.checking.trials import Edit, Trial
+from ros2lab.diagnose.checking.trials import Trial
 from ros2lab.diagnose.sources.calls import as_list, whole_call
 from ros2lab.diagnose.sources.interfaces import fields_of, homes_of, launch_classes_below, launch_homes_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute

@@ -13,8 +13,9 @@ from dataclasses import replace
 
 from ros2lab.diagnose.causes.nothing_given import of_what_gives_nothing
 from ros2lab.diagnose.causes.origins import Origin
+from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.edits_told import edits_told
-from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Edit, Trial, statement_of
+from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Trial, statement_of
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.mending.changes import LESS, MOST, MOST_TOLD, Change, changes_of, origins_of

@@ -14,6 +14,7 @@ from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import is_log
 
 # Methods of publishers, nodes and clocks, and of Python's texts and lists, and its functions, that take no time.
@@ -47,12 +48,8 @@ def _bursts(sources: NodeSources, creation: Creation) -> list[tuple[int, Functio
         if function.name == "__init__":
             continue  # nobody has subscribed yet
         nodes = own_nodes(function)
-        is_fast = all(_is_fast(creation, node) for node in nodes if isinstance(node, ast.Call))
-        calls = [
-            node
-            for node in nodes
-            if isinstance(node, ast.Call) and dotted(node.func) == f"{kept}.publish" and is_fast
-        ]
+        is_fast = all(_is_fast(creation, node) for node in calls_in(nodes))
+        calls = [node for node in calls_in(nodes) if dotted(node.func) == f"{kept}.publish" and is_fast]
         count = sum(_times(sources, creation, function, call) for call in calls)
         if count > 1:
             found.append((count, function))

@@ -12,6 +12,7 @@ from ros2lab.diagnose.sources.one_run import may_leave
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import is_log
 
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
@@ -54,7 +55,7 @@ def has_others_than(sources: NodeSources, owner: NodeClass | None, function: Fun
 
 def _does_something(loop: ast.While) -> bool:
     """Return whether a loop publishes, asks or drives something: it calls more than what only logs."""
-    calls = (node for statement in loop.body for node in walk(statement) if isinstance(node, ast.Call))
+    calls = (node for statement in loop.body for node in calls_in(walk(statement)))
     return any(not is_log(call) and getattr(call.func, "attr", "") != "get_logger" for call in calls)
 
 
@@ -77,7 +78,7 @@ def _leaves_alone(loop: ast.While) -> bool:
         isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
         for node in inside
     )
-    called = [node.func for node in inside if isinstance(node, ast.Call)]
+    called = [node.func for node in calls_in(inside)]
     is_emptied = any(isinstance(call, ast.Attribute) and ast.unparse(call.value) == name for call in called)
     calls = [call for call in called if is_self_attribute(call)]
     return not is_changed and not is_emptied and all(call.attr in _HARMLESS for call in calls)
@@ -96,9 +97,7 @@ def rate_faults(sources: NodeSources) -> Iterator[Finding]:
             for inner in walk(loop)
         }
         for name, made in source.made:
-            sleeps = [
-                n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.sleep"
-            ]
+            sleeps = [n for n in source.calls if ast.unparse(n.func) == f"{name}.sleep"]
             is_rate = getattr(made.func, "attr", "") == "create_rate"
             if is_rate and any(id(sleep) not in spinning for sleep in sleeps):
                 yield Finding(

@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 # With these a program may last or wait without spinning.
 _WAITING = frozenset(
@@ -338,7 +339,7 @@ def _may_end(entrance: Entrance, function: Function, spins: list[ast.Call]) -> b
 def _names_spin(entrance: Entrance) -> bool:
     """Return whether a spinning function is passed on, as in `Thread(target=executor.spin)`."""
     for function in entrance.functions:
-        named = {id(n.func) for n in walk(function) if isinstance(n, ast.Call)}
+        named = {id(n.func) for n in calls_in(walk(function))}
         named |= {id(n.value) for n in walk(function) if isinstance(n, ast.Expr)}
         names = (n for n in walk(function) if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in named)
         if any(last_name(n) in SPINNING for n in names):
@@ -389,8 +390,6 @@ def _catches_any(node: ast.Try) -> bool:
 
 def _shutdown_between(function: Function, first: ast.Call, last: ast.Call) -> bool:
     ends = [
-        node.lineno
-        for node in walk(function)
-        if isinstance(node, ast.Call) and (dotted(node.func) or "").endswith("shutdown")
+        node.lineno for node in calls_in(walk(function)) if (dotted(node.func) or "").endswith("shutdown")
     ]
     return any(first.lineno < line < last.lineno for line in ends)

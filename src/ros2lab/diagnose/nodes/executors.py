@@ -10,6 +10,7 @@ from ros2lab.diagnose.nodes.one_executor import on_their_own
 from ros2lab.diagnose.sources.entrance import Call, Entrance
 from ros2lab.diagnose.sources.python_source import given_to, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 # These spin with rclpy's own executor and then remove the node from it again.
 _FOR_A_WHILE = frozenset(("rclpy.spin_once", "rclpy.spin_until_future_complete"))
@@ -90,7 +91,7 @@ def _made(entrance: Entrance, reached: Call) -> list[ast.Call]:
         _names(reached.function, entrance) - {"__init__"} if reached.function.name == "__init__" else set()
     )
     nodes = (n for function in entrance.functions for n in walk(function))
-    return [n for n in nodes if isinstance(n, ast.Call) and getattr(n.func, "id", "") in names]
+    return [n for n in calls_in(nodes) if getattr(n.func, "id", "") in names]
 
 
 def _is_in_loop(entrance: Entrance, made: ast.Call) -> bool:
@@ -144,7 +145,7 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
 
 def _called(nodes: Iterable[ast.AST]) -> set[str]:
     """Return the names of the functions and methods that are called, without what is before the last dot."""
-    calls = [n.func for n in nodes if isinstance(n, ast.Call)]
+    calls = [n.func for n in calls_in(nodes)]
     return {last_name(function) for function in calls}
 
 

@@ -18,13 +18,7 @@ _LATCHED, _NEW_ONLY = "TRANSIENT_LOCAL", "VOLATILE"
 
 
 def late_readers(topic: str, there: Sequence[End], partners: Partners) -> Iterator[Finding]:
-    """Yield subscriptions that do not ask for the messages that a publisher keeps for those who come later.
-
-    Args:
-        topic: the topic.
-        there: its publishers and subscriptions.
-        partners: what else may publish on it, and which packages are used together.
-    """
+    """Yield subscriptions that do not ask for the messages that a publisher keeps for those who come later."""
     kept = [
         end
         for end in there
@@ -52,7 +46,7 @@ def _sends_once(end: End) -> bool:
     """Return whether a publisher publishes only in the function that creates it and what that calls once."""
     source, function = end.creation.source, end.creation.function
     kept = end.creation.kept
-    sends = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{kept}.publish"]
+    sends = [n for n in source.calls if ast.unparse(n.func) == f"{kept}.publish"]
     if not kept or not sends or function is None or function.name not in ("__init__", "main"):
         return False
     if _is_handed_on(end, kept.rpartition(".")[2], sends):

@@ -32,6 +32,7 @@ from ros2lab.diagnose.sources.python_source import (
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import uses_of
 
 _TRANSITIONS = frozenset(
@@ -80,16 +81,12 @@ def _spin_not_called(sources: NodeSources, source: PythonSource) -> Iterator[Fin
 
 def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
     """Yield transition callbacks of a managed node that skip what rclpy's own do, or return nothing."""
-    made = [ast.unparse(n.func) for n in walk(owner.definition) if isinstance(n, ast.Call)]
+    made = [ast.unparse(n.func) for n in calls_in(walk(owner.definition))]
     has_managed = any(name.endswith(".create_lifecycle_publisher") for name in made)
     for name, method in owner.methods.items():
         if name not in _TRANSITIONS:
             continue
-        called = {
-            n.func.attr
-            for n in own_nodes(method)
-            if isinstance(n, ast.Call) and isinstance(n.func, ast.Attribute)
-        }
+        called = {n.func.attr for n in calls_in(own_nodes(method)) if isinstance(n.func, ast.Attribute)}
         if has_managed and name in ("on_activate", "on_deactivate") and name not in called:
             does = name.removeprefix("on_")
             cause = f"{name}() overrides the method that would {does} this node's lifecycle publishers, so their state does not change."
@@ -126,7 +123,8 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         if id(function) in seen:
             continue
         seen.add(id(function))
-        functions = [function, *_called_by(sources, owner, function)]
+        own = [sources.method(owner, name) for name in own_calls(function)]
+        functions = [function, *(method for method in own if method is not None)]
         yield from endless_loops(sources, source, owner, functions, what)
         yield from _waits(sources, source, owner, functions, what)
         yield from _needs_asyncio(sources, source, functions, what)
@@ -162,14 +160,12 @@ def _ended_again(sources: NodeSources, source: PythonSource) -> Iterator[ast.Cal
     """Yield the calls of rclpy.shutdown() that a function of a file comes to after it has spun."""
     for home, function in sources.functions.values():
         nodes = own_nodes(function) if home is source else ()
-        spins = [
-            n.lineno for n in nodes if isinstance(n, ast.Call) and source.resolve(n.func) == "rclpy.spin"
-        ]
+        spins = [n.lineno for n in calls_in(nodes) if source.resolve(n.func) == "rclpy.spin"]
         for node in nodes if spins else ():
             is_end = isinstance(node, ast.Call) and source.resolve(node.func) == "rclpy.shutdown"
             if isinstance(node, ast.Call) and is_end and node.lineno > min(spins):
                 between = range(min(spins), node.lineno)
-                begins = (n for n in nodes if isinstance(n, ast.Call) and n.lineno in between)
+                begins = (n for n in calls_in(nodes) if n.lineno in between)
                 is_anew = any(source.resolve(n.func) == "rclpy.init" for n in begins)
                 is_plain = is_always_reached(function, node) and not node.args and not is_anew
                 if is_plain and not _is_caught(source, function, node):
@@ -226,10 +222,10 @@ def _sent_while_made(sources: NodeSources, owner: NodeClass, made: Function) -> 
     """Return the messages of a node class if all of them are sent once, in its constructor; else none."""
     if any(getattr(node, "attr", "") in SPINNING for node in own_nodes(made)):
         return []
-    sent = [n for n in walk(owner.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
+    sent = [n for n in calls_in(walk(owner.definition)) if _is_publish(n.func)]
     kept = set(map(_publisher_of, sent))
     files = [node for source in sources.sources.values() for node in source.nodes]
-    others = [n for n in files if isinstance(n, ast.Call) and _is_publish(n.func) and n not in sent]
+    others = [n for n in calls_in(files) if _is_publish(n.func) and n not in sent]
     early = run_once(sources, owner, made, files)
     is_early = all(id(call) in early for call in sent) and kept.isdisjoint(map(_publisher_of, others))
     return sent if is_early and _are_not_kept(sources, owner, sent) else []
@@ -257,7 +253,7 @@ def _sent_at_once(
 ) -> Iterator[Finding]:
     """Yield messages sent right after the publisher is created, without a wait or spin in between."""
     name = source.name_of(made)
-    sent = [n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == f"{name}.publish"]
+    sent = [n for n in source.calls if ast.unparse(n.func) == f"{name}.publish"]
     at_once = run_once(sources, None, function, ())
     if not name or not sent or not all(id(n) in at_once for n in sent):
         return
@@ -272,14 +268,14 @@ def _sent_at_once(
 
 def _spins_before(function: Function, made: ast.Call) -> bool:
     """Return whether a function spins until rclpy is shut down before it makes something: then no waiting helps."""
-    before = (n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno < made.lineno)
+    before = (n for n in calls_in(own_nodes(function)) if n.lineno < made.lineno)
     return any(getattr(call.func, "attr", "") == "spin" for call in before)
 
 
 def _takes_time(sources: NodeSources, source: PythonSource, function: Function, lines: range) -> bool:
     """Return whether some lines of a function spin, or call what may: a function or a class of one's own."""
     own = sources.functions.keys() | sources.classes.keys()
-    calls = [n for n in own_nodes(function) if isinstance(n, ast.Call) and n.lineno in lines]
+    calls = [n for n in calls_in(own_nodes(function)) if n.lineno in lines]
     return any(
         getattr(call.func, "attr", "").startswith("spin") or sources.resolve(source, call.func) in own
         for call in calls
@@ -402,11 +398,6 @@ def _only_waits(source: PythonSource, loop: ast.While) -> bool:
         else node.id in ("self", "rclpy")
         for node in asked
     )
-    calls = [node.func for node in walk(loop) if isinstance(node, ast.Call)]
+    calls = [node.func for node in calls_in(walk(loop))]
     may_serve = any("spin" in ast.unparse(called) or is_self_attribute(called) for called in calls)
     return is_of_self and not may_serve and not may_leave([loop])
-
-
-def _called_by(sources: NodeSources, owner: NodeClass | None, function: Function) -> list[Function]:
-    """List the methods that a method calls on itself, such as `self.run()`."""
-    return [method for name in own_calls(function) if (method := sources.method(owner, name)) is not None]

@@ -11,9 +11,9 @@ from ros2lab.diagnose.code.expression_faults import is_by_comma
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import fitting, meant_call
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import field_kind, members_of
 from ros2lab.diagnose.sources.joined_texts import joined
-from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
+from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.sources.python_source import assignments
 from ros2lab.diagnose.sources.spelling import did_you_mean, nearest, with_article, write_instead
@@ -51,13 +51,7 @@ def message_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def filling(message: str, value: str, kind: Kind) -> str:
-    """Say how to publish a value in a message of another type.
-
-    Args:
-        message: the type that the publisher wants, such as `geometry_msgs.msg.Twist`.
-        value: the source code of the value.
-        kind: the kind of the value.
-    """
+    """Say how to publish a value in a message of another type."""
     name, fields = _short(message), interfaces.fields_of(message)
     if not fields:
         return (
@@ -139,13 +133,7 @@ def _value_faults(
 
 
 def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str:
-    """Say how to put a value into a message field of another type; empty if that is not known.
-
-    Args:
-        target: the field, as in `msg.linear`; None if it is a keyword argument.
-        wanted: the field's type, a message's dotted name or a plain kind such as `float`.
-        value: the value that was given.
-    """
+    """Say how to put a value into a field, or a keyword argument (None), of another type; empty if that is not known."""
     if (
         target is not None
         and interfaces.fields_of(wanted)
@@ -210,7 +198,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
 
 def _one_of(fields: Mapping[str, str], name: str, scope: Scope, node: ast.AST) -> str:
     """Say which field is to be written instead of a name, of those that the call does not give yet."""
-    calls = (call for call in scope.source.nodes if isinstance(call, ast.Call) and node in call.keywords)
+    calls = (call for call in scope.source.calls if node in call.keywords)
     given = {keyword.arg for call in calls for keyword in call.keywords}
     if (near := nearest(name, fields)) and near in given:
         return write_instead(near, name, given)

@@ -34,6 +34,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
@@ -77,7 +78,7 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
             f"write def __init__({ast.unparse(lost.args)}):",
         )
     function = constructor or lost
-    calls = [n for n in walk(function) if isinstance(n, ast.Call)] if function else []
+    calls = calls_in(walk(function)) if function else []
     for call in calls:
         if function is not None and _is_misspelt_super(owner.source, call.func):
             yield Finding(
@@ -136,7 +137,7 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     properties = members_of("rclpy.node", "Node")[1]
     members = sources.members(owner)
     own = {name for inner in sources.lineage(owner)[0] for name in inner.methods}
-    called = {id(node.func) for node in walk(owner.definition) if isinstance(node, ast.Call)}
+    called = {id(node.func) for node in calls_in(walk(owner.definition))}
     told: set[str] = set()
     # A name that is also a string need not exist where attributes are asked for by strings.
     asks = any(isinstance(n, ast.Name) and n.id in _BY_TEXT for n in walk(owner.definition))

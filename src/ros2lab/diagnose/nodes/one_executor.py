@@ -14,6 +14,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     walk,
 )
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
 def joined(source: PythonSource, function: Function, spins: Sequence[ast.Call]) -> str:
@@ -22,7 +23,7 @@ def joined(source: PythonSource, function: Function, spins: Sequence[ast.Call]) 
     kept, *others = [*dict.fromkeys(_executor(s) for s in spins if not _is_rclpys(source, s))] or [""]
     made, more = _made(source) if not kept else ([], "")
     kept = kept or "executor"
-    calls = [n for n in walk(function) if isinstance(n, ast.Call) and n.args]
+    calls = [n for n in calls_in(walk(function)) if n.args]
     moved = [call for call in calls if ast.unparse(call.func) in {f"{other}.add_node" for other in others}]
     edits = [f"write `{kept}.add_node({ast.unparse(c.args[0])})` instead of line {c.lineno}" for c in moved]
     rows = [f"`{kept}.add_node({text})`" for text in dict.fromkeys(map(ast.unparse, nodes))]

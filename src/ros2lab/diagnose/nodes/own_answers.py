@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 
 if TYPE_CHECKING:
     from ros2lab.diagnose.nodes.topic_faults import End
@@ -79,7 +80,7 @@ def _is_stable(written: ast.expr, function: Function) -> bool:
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
     ]
     names = [node.id for node in ast.walk(written) if isinstance(node, ast.Name)]
-    calls = [ast.unparse(node.func) for node in ast.walk(written) if isinstance(node, ast.Call)]
+    calls = [ast.unparse(node.func) for node in calls_in(ast.walk(written))]
     # What a node's own `get_` returns, such as a parameter, stays.
     return all(stored.count(name) < 2 for name in names) and all(".get_" in call for call in calls)
 
@@ -88,10 +89,6 @@ def _is_kept_alone(end: End) -> bool:
     """Return whether nothing else is assigned to what a publisher is kept as."""
     owner, kept = end.creation.owner, end.creation.kept
     stores = [
-        node
-        for node in (walk(owner.definition) if owner else ())
-        if isinstance(node, (ast.Name, ast.Attribute))
-        and isinstance(node.ctx, ast.Store)
-        and ast.unparse(node) == kept
+        node for node in stores_in(walk(owner.definition) if owner else ()) if ast.unparse(node) == kept
     ]
     return len(stores) == 1

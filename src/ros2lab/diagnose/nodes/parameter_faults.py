@@ -83,13 +83,7 @@ _BY_USE = {
 
 
 def default_by_use(nodes: Iterable[ast.AST], call: ast.AST, *, follows: bool = True) -> str | None:
-    """Return a default for a parameter that suits how its value is used; None if that says nothing.
-
-    Args:
-        nodes: all nodes around the call.
-        call: the call that reads the parameter.
-        follows: whether a variable that holds the value is followed to where it is used.
-    """
+    """Return a default that suits how a parameter's value is used, if it follows also in a variable; None if that says nothing."""
     above = {id(inner): node for node in nodes for inner in children(node)}
     while (node := above.get(id(call))) is not None:
         match node:

@@ -20,12 +20,7 @@ class _End(Protocol):
 
 
 class Partners:
-    """What is known about the programs of a workspace beside the ends that its Python files name.
-
-    Args:
-        files: the files that may name a topic or a service without being read.
-        groups: the packages that are used together, because a launch file starts both or one needs the other.
-    """
+    """What is known of a workspace beside its ends in Python: files that are not read, and packages that are used together."""
 
     def __init__(
         self, files: OtherFiles | None = None, groups: Collection[Collection[NodeSources]] = ()
@@ -57,12 +52,7 @@ def made_in(end: _End) -> object:
 
 
 def name_in(node: str, written: str) -> str:
-    """Return the full name of a topic or a service, as a node writes it; empty if it is not known.
-
-    Args:
-        node: the full name of the node, without the first slash, as is the result; empty if not known.
-        written: the name, which may begin with a slash or with `~`, the name of the node.
-    """
+    """Return the full name, without the first slash, of a topic or a service as a node writes it; empty if it is not known."""
     if written.startswith("~"):
         return f"{node}{written[1:]}" if node else ""
     space = "" if written.startswith("/") else node.rpartition("/")[0]

@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     walk,
 )
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import State
 
 _READERS = frozenset(("get_parameter", "declare_parameter"))
@@ -68,7 +69,7 @@ def _of_timers(state: State, init: Function, text: str, written: str) -> Iterato
 
 def _parameter_of(state: State, init: Function, value: ast.expr) -> tuple[str, ast.Call | None]:
     """Return the only parameter that a value is made of, and the call that reads it; None if it is made of more."""
-    calls = [n for n in walk(value) if isinstance(n, ast.Call) and last_name(n.func) in _READERS and n.args]
+    calls = [n for n in calls_in(walk(value)) if last_name(n.func) in _READERS and n.args]
     own = names_bound(own_nodes(init)) | {a.arg for a in (*init.args.args, *init.args.kwonlyargs)} - {"self"}
     name = state.uses.sources.value(state.source, calls[0].args[0]) if len(calls) == 1 else None
     is_plain = isinstance(name, str) and not own & {n.id for n in walk(value) if isinstance(n, ast.Name)}

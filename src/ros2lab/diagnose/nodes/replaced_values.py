@@ -9,12 +9,7 @@ from ros2lab.diagnose.sources.parameter_file import Written, is_for, written_val
 
 
 def replaced_values(shown: str, text: str) -> Iterator[Finding]:
-    """Yield the values that never count: for all nodes that they are for, a later line sets another value.
-
-    Args:
-        shown: the file's path, as it is told.
-        text: what is in the file, which can be read as parameters.
-    """
+    """Yield the values of a parameter file that never count: a later line sets another one for all nodes that they are for."""
     written = written_values(text)
     for index, lost in enumerate(written):
         later = [new for new in written[index + 1 :] if new.name == lost.name and _covers(new, lost)]

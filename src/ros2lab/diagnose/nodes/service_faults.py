@@ -91,7 +91,7 @@ def service_ends(sources: NodeSources) -> Iterator[ServiceEnd]:
             ):
                 given = dict(zip(_OF_ACTIONS, node.args, strict=False))
                 method = name.rpartition(".")[2]
-                yield ServiceEnd(Creation(method, node, given, 0, owner, function, source), sources)
+                yield ServiceEnd(Creation(method, node, given, owner, function, source), sources)
 
 
 def server_for(

@@ -24,7 +24,7 @@ def computed_once(state: State) -> Iterator[Finding]:
             for method, node in state.loads.get(text if base == "self" else base, ())
             if id(method) in state.uses.callbacks
         ]
-        if not readers or not _is_snapshot(value):
+        if not readers or not (_is_text(value) or isinstance(value, ast.BinOp)):
             continue
         used = {dotted(node) or "" for node in walk(value) if isinstance(node, ast.Attribute)}
         changed = next(
@@ -52,23 +52,12 @@ def _is_of_use(state: State, attribute: str, value: ast.expr) -> bool:
 
 
 def _is_text(value: ast.expr) -> bool:
-    is_call = isinstance(value, ast.Call) and (
-        dotted(value.func) == "str" or getattr(value.func, "attr", "") == "format"
-    )
-    return (
-        is_call
-        or isinstance(value, ast.JoinedStr)
-        or (
-            isinstance(value, ast.BinOp)
-            and any(
-                _is_text(n) or isinstance(getattr(n, "value", None), str) for n in (value.left, value.right)
-            )
-        )
-    )
-
-
-def _is_snapshot(value: ast.expr) -> bool:
-    return _is_text(value) or isinstance(value, ast.BinOp)
+    match value:
+        case ast.JoinedStr() | ast.Call(func=ast.Name(id="str") | ast.Attribute(attr="format")):
+            return True
+        case ast.BinOp(left=left, right=right):
+            return any(_is_text(n) or isinstance(getattr(n, "value", None), str) for n in (left, right))
+    return False
 
 
 def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:

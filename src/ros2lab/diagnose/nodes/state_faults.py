@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import State, Uses, is_log
 
 _COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
@@ -119,7 +120,7 @@ def _never_equal(state: State) -> Iterator[Finding]:
 def _never_passed(state: State) -> Iterator[Finding]:
     """Yield conditions that stay as they are at first: only code that they block, or none, changes them."""
     methods = state.owner.methods.values()
-    calls = [n for method in methods for n in own_nodes(method) if isinstance(n, ast.Call)]
+    calls = [n for method in methods for n in calls_in(own_nodes(method))]
     publishes = [call for call in calls if getattr(call.func, "attr", "") == "publish"]
     for method in methods:
         for number, statement in enumerate(method.body):
@@ -323,7 +324,7 @@ def _never_published(state: State) -> Iterator[Finding]:
 def _never_shown(state: State) -> Iterator[Finding]:
     """Yield nodes that only log, all of it at a level that is not shown."""
     own = [method for method in state.owner.methods.values() if id(method) in state.uses.callbacks]
-    logs = [n for method in own for n in own_nodes(method) if isinstance(n, ast.Call) and is_log(n)]
+    logs = [n for method in own for n in calls_in(own_nodes(method)) if is_log(n)]
     is_quiet = all(getattr(log.func, "attr", "") == "debug" for log in logs)
     if logs and is_quiet and all(map(_only_logs, own)) and not state.uses.named["set_level"]:
         cause = "Messages logged with debug() are not shown: a terminal shows only info() and above."

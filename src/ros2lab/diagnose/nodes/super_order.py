@@ -10,16 +10,11 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.one_run import blocks, branches, heads, leaves
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import own_nodes, walk
+from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 
 
 class SuperOrder:
-    """The order of a constructor's statements, in which each branch calls super().__init__() by itself.
-
-    Args:
-        sources: the files of the package.
-        owner: the class.
-        inherited: the attributes that a node has only after super().__init__().
-    """
+    """The order of a constructor's statements, in which each branch calls super().__init__() by itself."""
 
     def __init__(self, sources: NodeSources, owner: NodeClass, inherited: frozenset[str]) -> None:
         self._sources, self._owner, self._inherited = sources, owner, inherited
@@ -83,16 +78,12 @@ class SuperOrder:
         """Return what to move so that super().__init__() comes before a use; empty if no call of it comes later."""
         for block, index in reversed([*_blocks_around(self.constructor.body, use)]):
             for later in block[index + 1 :]:
-                calls = [n for n in walk(later) if isinstance(n, ast.Call) and self._is_init(n)]
+                calls = [n for n in calls_in(walk(later)) if self._is_init(n)]
                 if not calls:
                     continue
                 first, call = block[index], calls[0]
-                between = {
-                    ast.unparse(n)
-                    for s in block[index : block.index(later)]
-                    for n in walk(s)
-                    if _is_stored(n)
-                }
+                before = (n for s in block[index : block.index(later)] for n in walk(s))
+                between = {*map(ast.unparse, stores_in(before))}
                 is_needed = any(
                     ast.unparse(n) in between for n in walk(call) if isinstance(n, (ast.Name, ast.Attribute))
                 )
@@ -103,10 +94,6 @@ class SuperOrder:
                 lines = lines_in_words(first.lineno, first.end_lineno or first.lineno)
                 return f"move {lines} down to below line {later.end_lineno}"
         return ""
-
-
-def _is_stored(node: ast.AST) -> bool:
-    return isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
 
 
 def _blocks_around(block: Sequence[ast.stmt], node: ast.AST) -> Iterator[tuple[Sequence[ast.stmt], int]]:

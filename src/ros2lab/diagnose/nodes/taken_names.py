@@ -13,6 +13,7 @@ from ros2lab.diagnose.sources.interfaces import members_of, method_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, walk
+from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by
 
 
 def taken_packages(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
@@ -65,7 +66,7 @@ def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding:
     """Say how to rename an attribute that hides a method of the same name, wherever it is meant."""
     name = stored.attr
     own = [n for n in walk(owner.definition) if is_self_attribute(n) and n.attr == name]
-    calls = [n for n in walk(owner.definition) if isinstance(n, ast.Call)]
+    calls = calls_in(walk(owner.definition))
     # A method is called, or given to what calls it; everything else is the attribute.
     methods = {id(call.func) for call in calls}
     methods |= {
@@ -119,5 +120,5 @@ def _demanded_by_node(method: Function) -> int:
     of_node = method_of("rclpy.node", "Node", method.name)
     if of_node is None or method.name.startswith("__") or method.decorator_list or method.args.vararg:
         return 0
-    least = len(of_node.args.args) - len(of_node.args.defaults) - 1
+    least = len(needed_by(of_node))
     return least if len(method.args.args) - 1 < least else 0

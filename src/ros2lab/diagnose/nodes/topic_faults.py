@@ -134,13 +134,7 @@ def _is_there(kind: str | None) -> bool:
 def topic_faults(
     ends: list[End], remapped: Set[str] = frozenset(), partners: Partners | None = None
 ) -> Iterator[Finding]:
-    """Yield faults that keep the topics of a workspace from connecting to each other or to the course's.
-
-    Args:
-        ends: the publishers and subscriptions of all its packages.
-        remapped: topics that launch files rename, by `End.topic` or `End.name`.
-        partners: what else may have the other end of a topic, and which packages are used together.
-    """
+    """Yield faults that keep the topics of a workspace from connecting to each other or to the course's."""
     partners = partners or Partners()
     by_topic: dict[str, list[End]] = {}
     for end in ends:
@@ -259,7 +253,7 @@ def _in_name(topic: str, shown: str) -> bool:
 def _makes_its_type(end: End) -> bool:
     """Return whether the file of an end creates messages of the type that the end names."""
     source = end.creation.source
-    calls = (node for node in source.nodes if isinstance(node, ast.Call))
+    calls = source.calls
     return any(end.sources.resolve(source, call.func) == end.type for call in calls)
 
 

@@ -24,6 +24,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.spelling import may_mean, nearest
+from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 _SENDERS = {"publish": "create_publisher", "call_async": "create_client", "call": "create_client"}
 
@@ -32,7 +33,7 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     """Return the finding of an attribute or a method that a node class lacks."""
     if found := chain_fault(owner, node, members):
         return found
-    name, is_called = node.attr, any(isinstance(n, ast.Call) and n.func is node for n in owner.source.nodes)
+    name, is_called = node.attr, owner.source.is_called(node)
     where, fix = _elsewhere(owner, name)
     if where:
         cause = f"{owner.definition.name} has no {what} {name}{where}"
@@ -75,9 +76,8 @@ def _as_used(owner: NodeClass, node: ast.Attribute, close: str) -> str | None:
     method = owner.methods.get(close) or method_of("rclpy.node", "Node", close)
     if method is None or is_property(method) or isinstance(node.ctx, ast.Store):
         return close
-    needed = len(parameters(method)) - len(method.args.defaults) > 1
     is_inside = node in walk(method)  # it would only call itself
-    return None if needed or is_inside or not returns_value(method) else f"{close}()"
+    return None if needed_by(method) or is_inside or not returns_value(method) else f"{close}()"
 
 
 def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[str, str] | None:

@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.diagnose.sources.spelling import words_of
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import Uses, named, uses_of
 
 
@@ -53,14 +54,10 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
         if any(uses.sources.resolve(source, node) in names for node in loads):
             continue  # it uses another node class
         made = next(
-            (
-                node
-                for node in walk(main)
-                if isinstance(node, ast.Call) and uses.sources.makes_node(source, None, main, node)
-            ),
+            (node for node in calls_in(walk(main)) if uses.sources.makes_node(source, None, main, node)),
             None,
         )
-        spun = next((dotted(n.func) or "" for n in walk(main) if isinstance(n, ast.Call)), "")
+        spun = next((dotted(n.func) or "" for n in calls_in(walk(main))), "")
         if made is None and not spun.startswith("rclpy."):
             continue
         fix = (

@@ -26,14 +26,7 @@ def plain_returns(function: Function) -> Iterator[ast.Return]:
 
 
 def answered(function: Function, returns: Mapping[ast.Return, bool], answer: str, is_open: bool) -> str:
-    """Return what to write instead of each return that rclpy cannot use, and as the last line.
-
-    Args:
-        function: the callback.
-        returns: the statements, and whether each says yes or no.
-        answer: what accepts.
-        is_open: whether the function may also end without a return.
-    """
+    """Return what to write instead of each of some returns, by whether it says yes or no, and as the last line of an open end."""
     lines = dict[str, list[int]]()
     for node in sorted(returns, key=lambda node: node.lineno):
         written = _as_answer(node.value, answer) if node.value and returns[node] else answer

@@ -124,7 +124,8 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
     new = [text.replace("self.callback", meant) if text not in old and meant else text for text in new]
     whole = f"{name}({', '.join(new)})"
     right, wrong = [text for text in new if text not in old], [text for text in old if text not in new]
-    if right == ["self.callback"] and not _has_callback(source):
+    has_callback = any(isinstance(n, Function) and n.name == "callback" for n in source.nodes)
+    if right == ["self.callback"] and not has_callback:
         # Nothing tells which function is meant.
         fix = f"add the function that {name}() should call, without parentheses, as its callback"
         return right, wrong, fix, ""
@@ -144,10 +145,6 @@ def _change(old: list[str], new: list[str], right: list[str], wrong: list[str]) 
     if right and wrong:
         return f"write `{', '.join(right)}` instead of `{', '.join(wrong)[:_LONGEST]}`"
     return f"add `{', '.join(right)}` inside its parentheses" if right else f"remove `{', '.join(wrong)}`"
-
-
-def _has_callback(source: PythonSource) -> bool:
-    return any(isinstance(n, Function) and n.name == "callback" for n in source.nodes)
 
 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:
@@ -310,12 +307,7 @@ def _home_of(value: ast.expr, free: Sequence[Parameter]) -> Parameter | None:
 
 
 def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
-    """Return a value written for a type; empty if it cannot be converted.
-
-    Args:
-        wanted: the type, as in an annotation or a message of a type checker, or a message's dotted name.
-        value: the argument.
-    """
+    """Return a value written for a type, as an annotation, a message or the type checker names it; empty if it cannot be converted."""
     if getattr(value, "is_function", False):
         return ""
     text, kind = ast.unparse(value), kind_of(value)

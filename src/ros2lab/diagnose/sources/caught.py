@@ -20,7 +20,7 @@ def may_be_caught(source: PythonSource, line: int, *errors: type[Exception]) -> 
 
 def may_be_caught_by_caller(source: PythonSource, function: Function, *errors: type[Exception]) -> bool:
     """Return whether a file calls a function where one of some errors may be caught."""
-    calls = (n for n in source.nodes if isinstance(n, ast.Call))
+    calls = source.calls
     named = (call for call in calls if (dotted(call.func) or "").rpartition(".")[2] == function.name)
     return any(may_be_caught(source, call.lineno, *errors) for call in named)
 

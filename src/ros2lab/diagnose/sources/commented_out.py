@@ -9,7 +9,7 @@ import warnings
 
 def without_comments(text: str) -> str:
     """Return an XML text with spaces instead of its comments."""
-    return re.sub(r"<!--.*?-->", _blank, text, flags=re.DOTALL)
+    return re.sub(r"<!--.*?-->", lambda found: re.sub(r"[^\n]", " ", found[0]), text, flags=re.DOTALL)
 
 
 def without_texts(text: str) -> str:
@@ -26,7 +26,3 @@ def without_texts(text: str) -> str:
             last = node.end_lineno or node.lineno
             lines[node.lineno - 1 : last] = [""] * (last - node.lineno + 1)
     return "\n".join(lines)
-
-
-def _blank(match: re.Match[str]) -> str:
-    return re.sub(r"[^\n]", " ", match[0])

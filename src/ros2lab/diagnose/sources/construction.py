@@ -11,27 +11,21 @@ from ros2lab.diagnose.sources.interfaces import is_module
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import snake_case
+from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 _SLIP = re.compile(r"_*(?:init|int|inti)_*")
 _MAKERS = frozenset(("__init__", "__new__", "__call__"))
 
 
 def is_of_construction(sources: NodeSources, source: PythonSource, line: int, said: str) -> bool:
-    """Return whether an objection is about a class that lost its `__init__`, or is not made by it alone.
-
-    Args:
-        sources: the files of the package.
-        source: the file.
-        line: the line of the call to which a type checker objects.
-        said: the message of the type checker.
-    """
+    """Return whether an objection is about a class that lost its `__init__`, or is not made by it alone."""
     if ".__init__`" not in said:
         return False
     around = source.around(line, ast.ClassDef)
     for node_class in sources.classes.values():
         if node_class.definition in around:
             return "`object.__init__`" in said and is_mixed_in(sources, node_class)
-    calls = (node.func for node in source.nodes if isinstance(node, ast.Call) and node.lineno == line)
+    calls = (node.func for node in source.calls if node.lineno == line)
     made = [
         sources.classes[name] for call in calls if (name := sources.resolve(source, call)) in sources.classes
     ]
@@ -94,13 +88,7 @@ def _has_its_own(source: PythonSource, node_class: NodeClass, owner: ast.expr) -
 
 
 def super_call(sources: NodeSources, owner: NodeClass, given: Sequence[ast.expr] = ()) -> str:
-    """Return the call of the base class's constructor in a class of nodes.
-
-    Args:
-        sources: the files of the package.
-        owner: the class.
-        given: the arguments that it passes already; empty if it passes none.
-    """
+    """Return the call of the base class's constructor in a class of nodes, with what it passes already, if anything."""
     if given:
         return f"super().__init__({', '.join(map(ast.unparse, given))})"
     own = [parameter.arg for parameter in parameters(owner.methods["__init__"])[1:]]
@@ -109,8 +97,7 @@ def super_call(sources: NodeSources, owner: NodeClass, given: Sequence[ast.expr]
     constructor = above.methods.get("__init__") if above else None
     wanted = ["node_name"]
     if constructor is not None:
-        names = [parameter.arg for parameter in parameters(constructor)[1:]]
-        wanted = names[: len(names) - len(constructor.args.defaults)]
+        wanted = needed_by(constructor)
     given_name = next((parameter for parameter in own if "name" in parameter), f"'{name}'")
     texts = [asked if asked in own or "name" not in asked else given_name for asked in wanted]
     return f"super().__init__({', '.join(texts)})"

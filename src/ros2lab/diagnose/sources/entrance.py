@@ -19,6 +19,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted, holds
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
 _MOST_FUNCTIONS = 500
@@ -105,7 +106,7 @@ class Entrance:
         if top in sys.stdlib_module_names or (not rest and top in dir(builtins)):
             return False  # such as a thread
         inner = [n for given in given_to(call.call) for n in walk(given)]
-        called = {id(n.func) for n in inner if isinstance(n, ast.Call)}
+        called = {id(n.func) for n in calls_in(inner)}
         own = {method for owner in self.sources.classes.values() for method in owner.methods}
         own |= {name.rpartition(".")[2] for name in self.sources.functions}
         own |= {n.name for n in walk(call.function) if isinstance(n, Function)}

@@ -7,15 +7,10 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ros2lab.diagnose.sources.bindings import bindings
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    defaults_of,
-    last_name,
-    own_nodes,
-    parameters,
-)
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, parameters
+from ros2lab.diagnose.sources.syntax_parts import by_parameter, defaults_of
 
 _DEEPEST = 5  # variables and calls through which a name is followed
 # Each name with its origin: the expression itself, or the call that passes it to the function.
@@ -29,15 +24,7 @@ def names_given(
     node: ast.expr,
     depth: int = _DEEPEST,
 ) -> Names:
-    """Return the names that an expression may hold, as far as they are known; for a list, its items.
-
-    Args:
-        sources: the files, in which the function may be called.
-        source: the file that contains the expression.
-        function: the function around it; None outside a function.
-        node: the expression.
-        depth: how many more variables and calls to follow.
-    """
+    """Return the names that an expression may hold, as far as they are known; for a list, its items."""
     value = sources.value(source, node)
     if isinstance(value, (str, list, dict)):
         return dict.fromkeys(first_texts([value] if isinstance(value, str) else value), (source, node))
@@ -119,20 +106,14 @@ def bound_to(
     source: PythonSource, function: Function | None, name: str
 ) -> Iterator[tuple[int | None, ast.expr]]:
     """Yield what a name is bound to: None and an expression, or an index into each item of an expression."""
-    for node in own_nodes(function) if function else source.tree.body:
-        match node:
-            case ast.Assign(targets=[ast.Name(id=bound)], value=value) if bound == name:
+    for value, path in bindings(own_nodes(function) if function else source.tree.body, name):
+        match value:
+            case _ if path == ():
                 yield None, value
-            case ast.For(target=target, iter=over) | ast.comprehension(target=target, iter=over):
-                names = target.elts if isinstance(target, ast.Tuple) else [target]
-                held = over.func.value if _is_of_keys(over) else over  # type: ignore[attr-defined]
-                yield from (
-                    (n, held) for n, element in enumerate(names) if getattr(element, "id", "") == name
-                )
-
-
-def _is_of_keys(over: ast.expr) -> bool:
-    return isinstance(over, ast.Call) and getattr(over.func, "attr", "") in ("items", "keys")
+            case ast.Call(func=ast.Attribute(value=held, attr="items" | "keys")) if path[0] is None:
+                yield (path[1:] or (0,))[0], held
+            case _ if path[0] is None:
+                yield (path[1:] or (0,))[0], value
 
 
 def _of_callers(sources: NodeSources, function: Function, name: str, depth: int) -> Names:
@@ -161,6 +142,4 @@ def argument_of(function: Function, call: ast.Call, name: str) -> ast.expr | Non
     """Return what a call passes for a parameter of a function; the default if it passes nothing."""
     names = [parameter.arg for parameter in parameters(function)]
     is_method = bool(names) and names[0] in ("self", "cls")
-    given = dict(zip(names[is_method:], call.args, strict=False))
-    given |= {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
-    return given.get(name) or defaults_of(function).get(name)
+    return by_parameter(call, names[is_method:]).get(name) or defaults_of(function).get(name)

@@ -24,11 +24,7 @@ _SETS_BY_NAME = ("setattr", "__getattr__", "__dict__", "'vars'")
 
 
 class Given:
-    """What code other than a class itself sets on its instances.
-
-    Args:
-        sources: the files by the names of their modules.
-    """
+    """What code other than a class itself sets on its instances."""
 
     def __init__(self, sources: Mapping[str, PythonSource]) -> None:
         self._sources = sources
@@ -37,13 +33,7 @@ class Given:
         self.is_known = True
 
     def within(self, source: PythonSource, scope: ast.AST, held: frozenset[str]) -> None:
-        """Note what a scope sets on the instances that it holds, and what the code does that it hands them to.
-
-        Args:
-            source: the file.
-            scope: a class, a function or the whole file.
-            held: the expressions that stand for the instances there.
-        """
+        """Note what a scope sets on the instances that some of its expressions hold, and what is done where it hands them on."""
         if (id(scope), held) in self._seen or not held or not self.is_known:
             return
         self._seen.add((id(scope), held))
@@ -118,12 +108,7 @@ def _given(call: ast.Call) -> Iterator[ast.expr]:
 def given_from_outside(
     sources: Mapping[str, PythonSource], chain: Mapping[str, tuple[PythonSource, ast.ClassDef]]
 ) -> frozenset[str] | None:
-    """Return the attributes that other code gives the instances of a class; None if they are not all known.
-
-    Args:
-        sources: the files by the names of their modules.
-        chain: the class and its own bases by their full names.
-    """
+    """Return the attributes that other code gives a class with its bases (`chain`, by full names); None if not all are known."""
     given = Given(sources)
     for source, definition in chain.values():
         given.of_class(source, definition)

@@ -69,35 +69,49 @@ def is_installed(module: str) -> bool:
 
 def is_module(name: str) -> bool:
     """Return whether a dotted name is a module in an installed package or in Python itself."""
-    package, *inner = name.split(".")
-    folder = folder_of(package)
-    if folder is None:
+    path = _place_of(name)
+    if path is None:
         return False
-    path = folder.joinpath(*inner)
     files = (path.with_suffix(".py"), path / "__init__.py", *path.parent.glob(f"{path.name}.*.so"))
     return any(file.is_file() for file in files)
+
+
+def _place_of(module: str) -> Path | None:
+    """Return the path of an installed module without its ending; None if its package is not installed."""
+    package, *rest = module.split(".")
+    folder = folder_of(package)
+    return folder.joinpath(*rest) if folder else None
+
+
+def _files_of(module: str) -> list[Path]:
+    """Return the files directly in an installed package, or the file of a module, whether it is there or not."""
+    path = _place_of(module) or Path("-")
+    return sorted(path.glob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
+
+
+def _defining(name: str, files: Iterable[Path], what: str = "class|def") -> list[Path]:
+    """Return the files that define a class or a function of a name."""
+    pattern = re.compile(rf"^(?:{what}) {re.escape(name)}\b", re.MULTILINE)
+    return [file for file in files if pattern.search(read_text(file))]
 
 
 @lru_cache(maxsize=256)
 def names_in(module: str) -> frozenset[str] | None:
     """Return the names that can be imported from a module such as `std_msgs.msg`; None if not known."""
-    package, *rest = module.split(".")
-    folder = folder_of(package)
-    if folder is None:
-        return None
-    path = folder.joinpath(*rest)
-    submodules = {inner.stem for inner in path.glob("*.py")} | {
-        inner.parent.name for inner in path.glob("*/*.py")
-    }
-    submodules |= {inner.name.partition(".")[0] for inner in path.glob("*.so")}
+    path = _place_of(module) or Path("-")
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     if not file.is_file():
         return None
-    tree = ast.parse(read_text(file))
-    names = _bound_in(tree)
-    if "__getattr__" in names or "*" in names:
-        return None
-    return frozenset(names | submodules)
+    names = _bound_in(ast.parse(read_text(file)))
+    return None if "__getattr__" in names or "*" in names else names | _inner_modules(path)
+
+
+def _inner_modules(path: Path) -> frozenset[str]:
+    """Return the names of the modules and folders of modules directly inside a folder."""
+    inner = {file.parent.name for file in path.glob("*/*.py")}
+    return frozenset(
+        inner.union(file.name.partition(".")[0] for form in ("*.py", "*.so") for file in path.glob(form))
+    )
 
 
 # Importing these packages, or any __main__, runs a program.
@@ -137,16 +151,12 @@ def importable_names(module: str) -> frozenset[str] | None:
 @lru_cache(maxsize=64)
 def _names_looked_up(module: str) -> frozenset[str] | None:
     """Return the names that a package with a `__getattr__` may know: those that its files mention; else None."""
-    package, *rest = module.split(".")
-    folder = folder_of(package)
-    file = folder.joinpath(*rest, "__init__.py") if folder else Path("-")
-    text = read_text(file) if file.is_file() else ""
+    path = _place_of(module) or Path("-")
+    text = read_text(path / "__init__.py")
     if "__getattr__" not in text:
         return None
-    defined = (
-        re.findall(r"^(?:class|def) (\w+)", read_text(path), re.MULTILINE)
-        for path in file.parent.glob("*.py")
-    )
+    texts = map(read_text, path.glob("*.py"))
+    defined = (re.findall(r"^(?:class|def) (\w+)", inner, re.MULTILINE) for inner in texts)
     return frozenset(re.findall(r"[A-Za-z_]\w*", text)).union(*defined) | _submodules(module)
 
 
@@ -203,14 +213,8 @@ def _defined_by_python() -> Mapping[str, tuple[str, ...]]:
 @lru_cache(maxsize=256)
 def _submodules(package: str) -> frozenset[str]:
     """Return the names of the public modules directly inside an installed package."""
-    top, *rest = package.split(".")
-    folder = folder_of(top)
-    path = folder.joinpath(*rest) if folder else Path("-")
-    found = {inner.stem for inner in path.glob("*.py")} | {
-        file.parent.name for file in path.glob("*/__init__.py")
-    }
-    found |= {inner.name.partition(".")[0] for inner in path.glob("*.so")}
-    return frozenset(name for name in found if not name.startswith("_"))
+    inner = _inner_modules(_place_of(package) or Path("-"))
+    return frozenset(name for name in inner if not name.startswith("_"))
 
 
 def nearest_module(name: str) -> str | None:
@@ -220,7 +224,7 @@ def nearest_module(name: str) -> str | None:
     return f"{parent}.{close}" if parent and close else close
 
 
-def _bound_in(tree: ast.Module) -> set[str]:
+def _bound_in(tree: ast.Module) -> frozenset[str]:
     """Return the names that a module binds at its top level, without those only for type checkers."""
     names: set[str] = set()
     for node in _run_on_import(tree):
@@ -230,7 +234,7 @@ def _bound_in(tree: ast.Module) -> set[str]:
             names.add(node.name)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             names.add(node.id)
-    return names
+    return frozenset(names)
 
 
 def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
@@ -262,6 +266,16 @@ def fields_of(type_name: str | None) -> Mapping[str, str] | None:
     return fields if isinstance(fields, dict) else None
 
 
+def field_kind(field: str | None) -> str | None:
+    """Return the kind of a message field from its type, such as `double` or `geometry_msgs/Vector3`."""
+    if field is None or "[" in field or "<" in field:
+        return None
+    if "/" in field:
+        return field.replace("/", ".msg.")
+    named = {"float": "float", "double": "float", "string": "str", "wstring": "str", "boolean": "bool"}
+    return named.get(field, "int" if "int" in field else None)
+
+
 def is_interface(type_name: str | None) -> bool:
     """Return whether a dotted name has the form of a message, a service or an action."""
     return bool(type_name and re.fullmatch(r"\w+\.(msg|srv|action)\.\w+", type_name))
@@ -276,9 +290,8 @@ def homes_of(name: str) -> tuple[str, ...]:
     modules = [f"{package}.{kind}" for package in interfaces for kind in ("msg", "srv")]
     modules = [module for module in modules if name in (names_in(module) or ())]
     folder = folder_of("rclpy")
-    for file in sorted(folder.glob("*.py")) if folder else ():
-        if re.search(rf"^class {re.escape(name)}\b", read_text(file), re.MULTILINE):
-            modules.append(f"rclpy.{file.stem}")
+    own = _defining(name, sorted(folder.glob("*.py")), "class") if folder else ()
+    modules += [f"rclpy.{file.stem}" for file in own]
     # Common packages come first.
     return tuple(
         sorted(modules, key=lambda module: (not module.startswith(("std_", "geometry_", "rclpy")), module))
@@ -287,19 +300,12 @@ def homes_of(name: str) -> tuple[str, ...]:
 
 def launch_homes_of(name: str) -> list[str]:
     """Return the modules from which launch files import a class or a function."""
-    found = []
-    for module in LAUNCH_MODULES:
-        package, *rest = module.split(".")
-        folder = folder_of(package)
-        files = sorted(folder.joinpath(*rest).glob("*.py")) if folder else []
-        if folder and rest and not files:
-            files = [folder.joinpath(*rest).with_suffix(".py")]
-        if any(
-            re.search(rf"^(?:(?:class|def) {name}\b|{name} = )", read_text(file), re.MULTILINE)
-            for file in files
-        ):
-            found.append(module)
-    return found
+    pattern = re.compile(rf"^(?:(?:class|def) {name}\b|{name} = )", re.MULTILINE)
+    return [
+        module
+        for module in LAUNCH_MODULES
+        if any(pattern.search(read_text(file)) for file in _files_of(module))
+    ]
 
 
 @lru_cache(maxsize=8)
@@ -328,10 +334,6 @@ def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:
     """Return the modules from which a file should import a class or a function.
 
     A file that imports launch gets the modules of launch, if there are any.
-
-    Args:
-        name: the name of the class or the function.
-        imported: the modules that the file imports already.
     """
     of_launch, of_ros = launch_homes_of(name), homes_of(name)
     is_launch = any(module.startswith("launch") for module in imported)
@@ -358,22 +360,13 @@ def methods_of(class_name: str) -> str:
 def inner_homes_of(name: str) -> tuple[str, ...]:
     """Return the modules of rclpy that define a class or a function, inner modules included."""
     folder = folder_of("rclpy")
-    files = sorted(folder.rglob("*.py")) if folder else []
-    found = [
-        path
-        for path in files
-        if re.search(rf"^(?:class|def) {re.escape(name)}\b", read_text(path), re.MULTILINE)
-    ]
+    found = _defining(name, sorted(folder.rglob("*.py"))) if folder else ()
     return tuple(".".join(path.relative_to(folder.parent).with_suffix("").parts) for path in found if folder)
 
 
 @lru_cache(maxsize=32)
 def _class(module: str, class_name: str) -> ast.ClassDef | None:
-    package, *rest = module.split(".")
-    folder = folder_of(package)
-    path = folder.joinpath(*rest) if folder else Path("-")
-    files = sorted(path.glob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
-    texts = (text for file in files if f"class {class_name}" in (text := read_text(file)))
+    texts = (text for text in map(read_text, _files_of(module)) if f"class {class_name}" in text)
     classes = (node for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
     return next((node for node in classes if node.name == class_name), None)
 
@@ -400,8 +393,8 @@ def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[
             decorators = {ast.unparse(decorator) for decorator in node.decorator_list}
             if "property" in decorators:
                 properties.add(node.name)
-            if f"{node.name}.setter" in decorators and not _only_raises(node):
-                settable.add(node.name)
+            if f"{node.name}.setter" in decorators and not isinstance(node.body[-1], ast.Raise):
+                settable.add(node.name)  # one that only raises sets nothing
         elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
             members.add(node.attr)
     for statement in found.body:
@@ -415,7 +408,3 @@ def properties_of(module: str, class_name: str) -> frozenset[str]:
     """Return the properties of an installed class, and the attributes that it assigns to itself."""
     members = members_of(module, class_name)[0]
     return frozenset(name for name in members if method_of(module, class_name, name) is None)
-
-
-def _only_raises(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    return isinstance(function.body[-1], ast.Raise)

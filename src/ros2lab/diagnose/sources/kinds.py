@@ -15,8 +15,8 @@ from ros2lab.diagnose.sources.python_source import (
     assignments,
     own_nodes,
     own_parameters,
-    parameters,
 )
+from ros2lab.diagnose.sources.syntax_parts import all_parameters
 
 # The kind of a value: one of `PLAIN`, a message such as "std_msgs.msg.String", its class as
 # "type of std_msgs.msg.String", or "publisher of std_msgs.msg.String"; None if not known.
@@ -175,8 +175,7 @@ class Scope:
     def _name_kind(self, node: ast.Name) -> Kind:
         if self.function is not None:
             assigned = self.kinds.locals_of(self.function).get(node.id)
-            arguments = [*parameters(self.function), *self.function.args.kwonlyargs]
-            parameter = next((argument for argument in arguments if argument.arg == node.id), None)
+            parameter = next((p for p in all_parameters(self.function) if p.arg == node.id), None)
             if parameter is not None:
                 known = self.kinds.received.get(id(parameter)) or self.source.resolve(parameter.annotation)
                 is_sure = interfaces.is_interface(known) and not assigned
@@ -191,7 +190,7 @@ class Scope:
         if is_self_attribute(node):
             return _agreed([scope.kind(value) for scope, value in self.assigned(node)])
         fields = interfaces.fields_of(self.kind(node.value)) or {}
-        return self._class_kind(node) or field_kind(fields.get(node.attr))
+        return self._class_kind(node) or interfaces.field_kind(fields.get(node.attr))
 
     def _class_kind(self, node: ast.expr) -> Kind:
         name = self.source.resolve(node)
@@ -213,16 +212,6 @@ def _asks_for_type(function: Function, name: str) -> bool:
         if asked == name:
             return True
     return False
-
-
-def field_kind(field: str | None) -> Kind:
-    """Return the kind of a message field from its type, such as `double` or `geometry_msgs/Vector3`."""
-    if field is None or "[" in field or "<" in field:
-        return None
-    if "/" in field:
-        return field.replace("/", ".msg.")
-    named = {"float": "float", "double": "float", "string": "str", "wstring": "str", "boolean": "bool"}
-    return named.get(field, "int" if "int" in field else None)
 
 
 def _agreed(kinds: list[Kind]) -> Kind:

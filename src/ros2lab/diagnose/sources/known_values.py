@@ -12,10 +12,10 @@ from ros2lab.diagnose.sources.python_source import (
     PythonSource,
     assigned_to,
     own_nodes,
-    parameters,
     walk,
 )
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
+from ros2lab.diagnose.sources.syntax_parts import all_parameters
 
 if TYPE_CHECKING:
     from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources
@@ -93,7 +93,7 @@ def _followed(sources: NodeSources, around: _Around, node: ast.expr, depth: int)
 def _bound(sources: NodeSources, around: _Around, node: ast.Name | ast.Attribute) -> Sequence[_Defined]:
     """Return what is assigned to a name: in its function or file, in its classes, or in the file it comes from."""
     text, function = ast.unparse(node), around.function
-    if function and text in {argument.arg for argument in (*parameters(function), *function.args.kwonlyargs)}:
+    if function and text in {parameter.arg for parameter in all_parameters(function)}:
         return ()
     if text.startswith("self.") and around.owner:
         return [

@@ -7,19 +7,19 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.bindings import Path, bindings
 from ros2lab.diagnose.sources.given_names import argument_of
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
-    defaults_of,
     last_name,
     names_bound,
     own_nodes,
-    parameters,
     walk,
 )
 from ros2lab.diagnose.sources.static_value import evaluate
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, defaults_of
 from ros2lab.diagnose.sources.uses import own_stores
 
 _DEEPEST = 8  # variables and calls through which a value is followed
@@ -30,7 +30,6 @@ _TAKEN_OUT = frozenset(("next", "choice", "sum", "max", "min"))
 _GONE_THROUGH = frozenset(
     ("list", "tuple", "sorted", "reversed", "iter", "count", "cycle", "repeat", "range", "set", "deque")
 )
-Path = tuple[int | None, ...]  # the index of the item that is taken out, or None for any
 Leaf = tuple[PythonSource, ast.expr]
 
 
@@ -44,14 +43,7 @@ class Literals:
     def behind(
         self, source: PythonSource, value: ast.expr, path: Path = (), depth: int = _DEEPEST
     ) -> Iterator[Leaf]:
-        """Yield the constants of which a value may be made, and divisions, each with its file.
-
-        Args:
-            source: the file.
-            value: the expression.
-            path: which items are taken out of it, the outermost first.
-            depth: how many more names and calls to follow.
-        """
+        """Yield the constants of which a value, or the items at a path in it, may be made, and divisions, each with its file."""
         key = (id(value), path)
         if depth < 0 or key in self._seen or len(self._seen) > _MOST:
             return
@@ -76,19 +68,19 @@ class Literals:
         """Yield what a name or an attribute is bound to: a file, an expression, and which of its items."""
         if isinstance(name, ast.Name):
             function = source.function_at(name.lineno)
-            rows = [*_bindings(own_nodes(function), name.id)] if function else []
-            rows = rows or [*_bindings(own_nodes(source.tree), name.id)]
+            rows = [*_bound_or_added(own_nodes(function), name.id)] if function else []
+            rows = rows or [*_bound_or_added(own_nodes(source.tree), name.id)]
             yield from ((source, value, path) for value, path in rows)
-            names = [p.arg for p in (*parameters(function), *function.args.kwonlyargs)] if function else ()
-            if function and name.id in names:
+            if function and name.id in [parameter.arg for parameter in all_parameters(function)]:
                 yield from ((home, value, ()) for home, value in self._given(source, function, name.id))
             imported = (source.resolve(name) or "").rpartition(".") if not rows else ("", "", "")
             if home := self._sources.sources.get(imported[0]):
-                yield from ((home, value, path) for value, path in _bindings(home.tree.body, imported[2]))
+                rows = [*_bound_or_added(home.tree.body, imported[2])]
+                yield from ((home, value, path) for value, path in rows)
         else:
             for home, owner in self._owners(source, name):
-                of_self = _bindings(tuple(walk(owner)), f"self.{name.attr}")
-                of_class = _bindings(owner.body, name.attr)
+                of_self = _bound_or_added(tuple(walk(owner)), f"self.{name.attr}")
+                of_class = _bound_or_added(owner.body, name.attr)
                 yield from ((home, value, path) for value, path in (*of_self, *of_class))
                 yield from ((home, value, ()) for home, value in self._of_fields(owner, name.attr))
             if not is_self_attribute(name):
@@ -135,10 +127,8 @@ class Literals:
 
     def _given_by_place(self, function: str, names: Sequence[str], name: str) -> Iterator[Leaf]:
         for source, call in self._calls(function):
-            given = dict(zip(names, call.args, strict=False))
-            given |= {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
-            if name in given:
-                yield source, given[name]
+            if (given := by_parameter(call, names).get(name)) is not None:
+                yield source, given
 
     def _given(self, source: PythonSource, function: Function, name: str) -> Iterator[Leaf]:
         """Yield what callers pass for a parameter of a function, or its default."""
@@ -167,7 +157,7 @@ class Literals:
         """Yield the functions of the files that a call may mean."""
         name = last_name(call.func)
         if name == "result" and not call.args:
-            submitted = [n for n in source.nodes if isinstance(n, ast.Call) and last_name(n.func) == "submit"]
+            submitted = [n for n in source.calls if last_name(n.func) == "submit"]
             for inner in (inner for node in submitted for inner in _passed_on(node)):
                 yield from self._called(source, inner)
         known = self._sources.functions.get(self._sources.resolve(source, call.func) or "")
@@ -253,31 +243,12 @@ def _of_call(call: ast.Call, path: Path) -> Iterator[tuple[ast.expr, Path]]:
         yield from ((argument, (None, *path[2:])) for argument in call.args[path[1] :][:1])
 
 
-def _bindings(nodes: Sequence[ast.AST], name: str) -> Iterator[tuple[ast.expr, Path]]:
-    """Yield what statements bind to a name or to `self.name`, and which of its items."""
-    for node in nodes:
-        match node:
-            case ast.Assign(targets=targets, value=value):
-                for target in targets:
-                    yield from _unpacked(target, value, (), name)
-            case (
-                ast.AnnAssign(target=target, value=ast.expr() as value)
-                | ast.NamedExpr(target=target, value=value)
-            ):
-                yield from _unpacked(target, value, (), name)
-            case ast.AugAssign(target=target, value=value) if ast.unparse(target) == name:
-                yield value, ()
-            case ast.For(target=target, iter=over) | ast.comprehension(target=target, iter=over):
-                yield from _unpacked(target, over, (None,), name)
-
-
-def _unpacked(target: ast.expr, value: ast.expr, path: Path, name: str) -> Iterator[tuple[ast.expr, Path]]:
-    """Yield which part of a value a target gives to a name."""
-    if isinstance(target, (ast.Tuple, ast.List)):
-        for number, inner in enumerate(target.elts):
-            yield from _unpacked(inner, value, (*path, number), name)
-    elif isinstance(target, (ast.Name, ast.Attribute)) and ast.unparse(target) == name:
-        yield value, path
+def _bound_or_added(nodes: Sequence[ast.AST], name: str) -> Iterator[tuple[ast.expr, Path]]:
+    """Yield what statements bind to a name or to `self.name`, or add to it, and which of its items."""
+    yield from bindings(nodes, name)
+    yield from (
+        (n.value, ()) for n in nodes if isinstance(n, ast.AugAssign) and ast.unparse(n.target) == name
+    )
 
 
 def _attributes(owner: ast.ClassDef) -> set[str]:

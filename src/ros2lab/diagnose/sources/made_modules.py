@@ -24,10 +24,6 @@ def is_made(package: SourcePackage, module: str) -> bool:
 
     What the build writes is known by its name in setup.py or in the files beside it; where none is written there, by
     what is installed. An installed copy alone does not count: it may be of a file that has been renamed since.
-
-    Args:
-        package: the package.
-        module: the full name of the module, such as `my_bot.table`.
     """
     texts = [read_text(package.folder / name) for name in _CONFIGURATIONS]
     if _INTERFACE.search(module) and "rosidl_generate_interfaces" in texts[-1]:

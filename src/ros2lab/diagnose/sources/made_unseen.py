@@ -32,11 +32,8 @@ def may_run(sources: NodeSources, source: PythonSource, owner: NodeClass | None)
 
 @lru_cache(maxsize=16)
 def _calls_any_value(sources: NodeSources) -> bool:
-    return any(
-        isinstance(node, ast.Call) and not _is_known(source, node.func)
-        for source in sources.sources.values()
-        for node in source.nodes
-    )
+    files = sources.sources.values()
+    return any(not _is_known(source, call.func) for source in files for call in source.calls)
 
 
 def _is_known(source: PythonSource, called: ast.expr) -> bool:

@@ -22,6 +22,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     walk,
 )
+from ros2lab.diagnose.sources.syntax_parts import by_parameter
 
 NODE_CLASSES = frozenset(
     (
@@ -51,7 +52,6 @@ class Creation:
         method: the name of the method, such as `create_publisher`.
         call: the call itself.
         arguments: the arguments by parameter name; None if a star hides them.
-        extra: how many more positional arguments than parameters there are; negative if fewer.
         owner: the class that contains the call; None outside a class.
         function: the function that contains the call; None outside a function.
     """
@@ -59,7 +59,6 @@ class Creation:
     method: str
     call: ast.Call
     arguments: dict[str, ast.expr] | None
-    extra: int
     owner: NodeClass | None
     function: Function | None
     source: PythonSource
@@ -254,10 +253,8 @@ class NodeSources:
                 stars = any(isinstance(a, ast.Starred) for a in node.args) or any(
                     keyword.arg is None for keyword in node.keywords
                 )
-                arguments: dict[str, ast.expr] = dict(zip(names, node.args, strict=False))
-                arguments |= {keyword.arg: keyword.value for keyword in node.keywords if keyword.arg}
-                extra = len(node.args) - len(names)
-                yield Creation(method, node, None if stars else arguments, extra, owner, function, source)
+                arguments = None if stars else by_parameter(node, names)
+                yield Creation(method, node, arguments, owner, function, source)
 
     def scoped(self, source: PythonSource) -> Sequence[Scoped]:
         """Return every syntax node of a file with the class and the function around it."""

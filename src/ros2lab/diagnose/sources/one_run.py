@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, children, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _LEAVES = (ast.Return, ast.Raise)
 _EXITS = frozenset(("exit", "quit", "sys.exit", "os._exit"))
@@ -30,12 +31,7 @@ _IsAsked = Callable[[ast.Call], bool]
 
 
 def calls_in_one_run(function: Function, is_asked: _IsAsked) -> _Calls:
-    """Return the calls of a kind that a function makes in the run that makes the most of them.
-
-    Args:
-        function: the function.
-        is_asked: whether a call is of that kind.
-    """
+    """Return the calls of a kind that a function makes in the run that makes the most of them."""
     goes_on, ended = _of_block(function.body, is_asked)
     return max(goes_on or [], ended, key=len)
 
@@ -54,14 +50,7 @@ def in_loops(function: ast.AST) -> set[int]:
 def run_once(
     sources: NodeSources, owner: NodeClass | None, function: Function, files: Iterable[ast.AST]
 ) -> set[int]:
-    """Return what runs once with a function, by `id`: itself, and the methods that nothing else names, without loops.
-
-    Args:
-        sources: the files of the package.
-        owner: the class of the function.
-        function: what runs once, such as a constructor.
-        files: the nodes in which the methods may be named.
-    """
+    """Return what runs once with a function, by `id`: itself, and the methods that nothing else in some files names, without loops."""
     repeated = in_loops(function)
     once = {id(node) for node in own_nodes(function)} - repeated
     named = Counter(node.attr for node in files if isinstance(node, ast.Attribute))
@@ -74,11 +63,7 @@ def run_once(
 
 def own_calls(function: Function) -> dict[str, ast.Call]:
     """Return the calls of a function on `self`, by the names of their methods."""
-    return {
-        node.func.attr: node
-        for node in own_nodes(function)
-        if isinstance(node, ast.Call) and is_self_attribute(node.func)
-    }
+    return {node.func.attr: node for node in calls_in(own_nodes(function)) if is_self_attribute(node.func)}
 
 
 def _comes_to(block: Sequence[ast.stmt], node: ast.AST) -> bool:

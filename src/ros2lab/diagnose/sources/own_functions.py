@@ -19,6 +19,7 @@ from ros2lab.diagnose.sources.python_source import (
     read_source,
     returns_value,
 )
+from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 _Kind = TypeVar("_Kind", ast.FunctionDef, ast.ClassDef)
 # Expressions whose values nothing can call.
@@ -165,13 +166,7 @@ def lacking(function: Function, call: ast.Call) -> list[str]:
 
 
 def as_function(function: Function | None, call: ast.Call, passed: Sequence[str]) -> tuple[str, str]:
-    """Return why a call that stands for a function is wrong, in a clause, and what to write instead of it.
-
-    Args:
-        function: the called function; None if it is not of these files.
-        call: the call.
-        passed: names for the values with which the function is called later.
-    """
+    """Return why a call that stands for a function is wrong, and what to write instead if that is called later with what is `passed`."""
     missing = lacking(function, call) if function else []
     clause = "so its return value, None, is passed on"
     if missing:
@@ -184,13 +179,6 @@ def as_function(function: Function | None, call: ast.Call, passed: Sequence[str]
         clause,
         written if is_ready else f"lambda{' ' * bool(passed)}{', '.join(passed)}: {ast.unparse(call)}",
     )
-
-
-def needed_by(function: Function) -> list[str]:
-    """Return the parameters without defaults of a function, without `self`."""
-    names = [parameter.arg for parameter in parameters(function)]
-    names = names[: len(names) - len(function.args.defaults)]
-    return names[1:] if names[:1] in (["self"], ["cls"]) else names
 
 
 def may_fall_through(function: Function) -> bool:

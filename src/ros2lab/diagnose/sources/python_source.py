@@ -43,7 +43,6 @@ class PythonSource:
     Attributes:
         name: its import name, such as `robot_controller.status_publisher`.
         shown: its path as it is shown.
-        text: its text.
         is_package: whether it is an `__init__.py`.
         path: its path; None if it is not on disk.
         fault: why Python cannot parse it; set by `tree`.
@@ -104,9 +103,7 @@ class PythonSource:
 
     def at(self, node: ast.AST | int | None) -> str:
         """Return the place of a node or a line, such as `src/pk/pk/talk.py:12`."""
-        return at(
-            self.shown, node if isinstance(node, int) or node is None else getattr(node, "lineno", None)
-        )
+        return at(self.shown, node if isinstance(node, int) else getattr(node, "lineno", None))
 
     @cached_property
     def nodes(self) -> tuple[ast.AST, ...]:
@@ -134,13 +131,32 @@ class PythonSource:
         return (values[0] if len(values) == 1 else None) or node
 
     @cached_property
-    def _lines(self) -> list[bytes]:
+    def calls(self) -> tuple[ast.Call, ...]:
+        """All calls of the file."""
+        return tuple(node for node in self.nodes if isinstance(node, ast.Call))
+
+    def above(self, node: ast.AST) -> ast.AST | None:
+        """Return the syntax node around another one; None for the file itself."""
+        return self._above.get(id(node))
+
+    def is_called(self, node: ast.AST) -> bool:
+        """Return whether an expression is called."""
+        around = self.above(node)
+        return isinstance(around, ast.Call) and around.func is node
+
+    @cached_property
+    def _above(self) -> Mapping[int, ast.AST]:
+        return {id(child): node for node in self.nodes for child in children(node)}
+
+    @cached_property
+    def lines(self) -> list[bytes]:
+        """The lines of its text, with their ends."""
         return self.text.encode().splitlines(keepends=True)
 
     def segment(self, node: ast.expr) -> str:
         """Return an expression as it is written in the file."""
         last = node.end_lineno or node.lineno
-        lines = self._lines[node.lineno - 1 : last]
+        lines = self.lines[node.lineno - 1 : last]
         if not lines:
             return ast.unparse(node)
         after = len(lines[-1]) - (node.end_col_offset or 0)
@@ -264,9 +280,7 @@ def _constants_in(body: Sequence[ast.stmt]) -> Iterator[tuple[str, object]]:
             yield target.id, value.value
 
 
-_BUILTINS = frozenset(
-    ("str", "int", "float", "bool", "dict", "list", "tuple", "bytes", "len", "round", "super")
-)
+_BUILTINS = {"str", "int", "float", "bool", "dict", "list", "tuple", "bytes", "len", "round", "super"}
 
 
 def read_source(path: Path, name: str, shown: str) -> PythonSource:
@@ -367,15 +381,6 @@ def last_name(node: ast.AST | None) -> str:
     return str(getattr(node, "attr", getattr(node, "id", "")))
 
 
-def defaults_of(function: Function) -> dict[str, ast.expr]:
-    """Return the default values of a function's parameters by their names."""
-    found = dict(
-        zip(reversed([p.arg for p in parameters(function)]), reversed(function.args.defaults), strict=False)
-    )
-    keywords = zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True)
-    return found | {parameter.arg: default for parameter, default in keywords if default is not None}
-
-
 def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     """Return a function's positional parameters."""
     return [*function.args.posonlyargs, *function.args.args]
@@ -409,11 +414,7 @@ def walk(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def own_nodes(function: ast.AST) -> tuple[ast.AST, ...]:
-    """Return the syntax nodes of a function, without those of the functions and classes inside it.
-
-    Decorators and default values are evaluated where a function is defined: they belong to the scope around
-    it.
-    """
+    """Return the syntax nodes of a function; of functions and classes inside it only what is evaluated there."""
     found: tuple[ast.AST, ...] | None = function.__dict__.get("_own_nodes")
     if found is None:
         found = function.__dict__["_own_nodes"] = tuple(_own_nodes(function))

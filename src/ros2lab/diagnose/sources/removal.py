@@ -10,14 +10,9 @@ _BLOCKS = ("body", "orelse", "finalbody")
 
 
 def removal(source: PythonSource, node: ast.AST, what: str = "") -> str:
-    """Return how to remove a statement: a loop goes with its only line, and another block keeps a `pass`.
-
-    Args:
-        source: the file.
-        node: the statement, or the expression that is all of it.
-        what: what the statement is called, such as `this line`; its code if empty.
-    """
-    statement = next((n for n in source.nodes if isinstance(n, ast.Expr) and n.value is node), node)
+    """Return how to remove a statement, called `what`: a loop goes with its only line, and another block keeps a `pass`."""
+    above = source.above(node)
+    statement = above if isinstance(above, ast.Expr) else node
     what = what or f"`{ast.unparse(node)}`"
     while isinstance(loop := _left_empty(source, statement), (ast.For, ast.While)):
         if loop.orelse:

@@ -41,12 +41,7 @@ def read_cfg(text: str) -> tuple[configparser.RawConfigParser, CfgFault | None]:
 
 
 def cfg_repair(text: str, wanted: Mapping[str, tuple[str, str]]) -> Slip | None:
-    """Return the change of one line after which a setup.cfg says what it should; None if none does.
-
-    Args:
-        text: what does not.
-        wanted: by section, an option and its value.
-    """
+    """Return the change of one line after which a setup.cfg has an option and its value in each wanted section; None if none does."""
 
     def reach(changed: str) -> float:
         config, fault = read_cfg(changed)

@@ -12,13 +12,8 @@ from functools import lru_cache
 from pathlib import Path
 
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    defaults_of,
-    parameters,
-    read_source,
-)
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, read_source
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, defaults_of
 
 _DEEPEST = 5  # modules that re-export a name, and levels of base classes
 _NODE = "rclpy.node.Node"
@@ -121,10 +116,7 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
 def fields_as_parameters(fields: Mapping[str, str]) -> Iterator[Parameter]:
     """Yield the fields of a message as parameters of its class."""
     for name, kind in fields.items():
-        plain = {"double": "float", "string": "str", "boolean": "bool"}.get(kind, kind)
-        wanted = message_of(kind) or (
-            "list" if "[" in kind or "<" in kind else "int" if "int" in kind else plain
-        )
+        wanted = interfaces.field_kind(kind) or ("list" if "[" in kind or "<" in kind else kind)
         yield Parameter(name, wanted, "...", False)
 
 
@@ -224,7 +216,7 @@ def _of_function(node: Function, *, is_method: bool) -> Signature:
                 ast.unparse(defaults[argument.arg]) if argument.arg in defaults else "",
                 is_positional=argument in places,
             )
-            for argument in [*places, *node.args.kwonlyargs][is_method:]
+            for argument in all_parameters(node)[is_method:]
         ),
         node.args.kwarg is not None,
     )

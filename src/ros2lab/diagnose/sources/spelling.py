@@ -36,13 +36,7 @@ def with_article(noun: str) -> str:
 
 
 def write_instead(wanted: str, written: str, taken: Collection[object]) -> str:
-    """Return the fix of a misspelt name, which may have been written correctly beside it.
-
-    Args:
-        wanted: the name that was meant.
-        written: the name as it is written.
-        taken: the names beside it, of which there may be only one each.
-    """
+    """Return the fix of a misspelt name, which may also stand correctly among those that are taken beside it."""
     if wanted in taken:
         return f"remove {written}, and keep the right value as {wanted}, which is there as well"
     return f"write {wanted} instead of {written}"
@@ -78,7 +72,8 @@ def _is_near_miss(name: str, wanted: str) -> bool:
     are_numbered = re.sub(r"\d+", "0", name) == re.sub(r"\d+", "0", wanted)
     if len(wanted) < 5 or are_numbered or _are_lettered(name, wanted):
         return False
-    return re.sub(r"_?\d+$", "", name) == wanted or _is_one_edit(name.lower(), wanted.lower())
+    is_one_edit = abs(len(name) - len(wanted)) < 2 and _edits(name.lower(), wanted.lower()) < 2
+    return is_one_edit or re.sub(r"_?\d+$", "", name) == wanted
 
 
 def _are_lettered(name: str, wanted: str) -> bool:
@@ -159,21 +154,6 @@ def _edits(name: str, wanted: str) -> int:
 
 def _letters(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
-
-
-def _is_one_edit(shorter: str, longer: str) -> bool:
-    if len(shorter) > len(longer):
-        shorter, longer = longer, shorter
-    if len(longer) - len(shorter) > 1:
-        return False
-    start = next(
-        (n for n, pair in enumerate(zip(shorter, longer, strict=False)) if pair[0] != pair[1]), len(shorter)
-    )
-    rest, longer_rest = shorter[start:], longer[start:]
-    if len(shorter) < len(longer):
-        return rest == longer_rest[1:]
-    swapped = len(rest) > 1 and rest[:2] == longer_rest[1::-1]
-    return rest[1:] == longer_rest[1:] or (swapped and rest[2:] == longer_rest[2:])
 
 
 def plain_signs(text: str) -> str:

@@ -61,13 +61,7 @@ class _Seen:
 def xml_repair(
     text: str, vocabulary: Vocabulary, is_right: Callable[[str], bool] = lambda _: True
 ) -> Slip | None:
-    """Return the likeliest change after which a text is XML; None if no small one helps.
-
-    Args:
-        text: what may not be XML.
-        vocabulary: the tags that it may have.
-        is_right: whether XML is what it should be.
-    """
+    """Return the likeliest change after which a text is XML, and right; None if no small one helps."""
     last = _reach(text)
     # What a document type declares may expand a thousandfold.
     if last == ALL or "<!DOCTYPE" in text or not text.strip():

@@ -1,0 +1,56 @@
+"""The calls and assignments among syntax nodes, and what fills the parameters of a function."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Sequence
+
+from ros2lab.diagnose.sources.python_source import Function, parameters
+
+
+def calls_in(nodes: Iterable[ast.AST]) -> list[ast.Call]:
+    """Return the calls among some nodes."""
+    return [node for node in nodes if isinstance(node, ast.Call)]
+
+
+def calls_of(nodes: Iterable[ast.AST], *methods: str) -> list[ast.Call]:
+    """Return the calls among some nodes of methods, or functions of modules, with one of some names."""
+    return [call for call in calls_in(nodes) if getattr(call.func, "attr", "") in methods]
+
+
+def stores_in(nodes: Iterable[ast.AST]) -> Iterator[ast.Name | ast.Attribute]:
+    """Yield the names and attributes among some nodes that are assigned to."""
+    for node in nodes:
+        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store):
+            yield node
+
+
+def is_alone(node: ast.AST) -> bool:
+    """Return whether a node is a statement that is only a call."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
+
+
+def all_parameters(function: Function | ast.Lambda) -> list[ast.arg]:
+    """Return a function's parameters, also those that are only given by keyword."""
+    return [*parameters(function), *function.args.kwonlyargs]
+
+
+def defaults_of(function: Function) -> dict[str, ast.expr]:
+    """Return the default values of a function's parameters by their names."""
+    names = [parameter.arg for parameter in parameters(function)]
+    found = dict(zip(reversed(names), reversed(function.args.defaults), strict=False))
+    keywords = zip(function.args.kwonlyargs, function.args.kw_defaults, strict=True)
+    return found | {parameter.arg: default for parameter, default in keywords if default is not None}
+
+
+def needed_by(function: Function | ast.Lambda) -> list[str]:
+    """Return the positional parameters without defaults of a function, without `self`."""
+    names = [parameter.arg for parameter in parameters(function)]
+    names = names[: len(names) - len(function.args.defaults)]
+    return names[1:] if names[:1] in (["self"], ["cls"]) else names
+
+
+def by_parameter(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
+    """Return what a call passes, by the names of the parameters in their order."""
+    given = dict(zip(names, call.args, strict=False))
+    return given | {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
