@@ -30,8 +30,6 @@ class _Given:
     """A call that is an argument of another call.
 
     Attributes:
-        outer: the outer call.
-        call: the call that is its argument.
         name: the name of the keyword argument; empty if it is positional.
         function: the function of the workspace that it calls; None if it calls another.
         is_void: whether it calls a function of the workspace and so gets nothing that can be called later.

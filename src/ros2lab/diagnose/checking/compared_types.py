@@ -12,12 +12,13 @@ import yaml
 from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted
 from ros2lab.diagnose.checking.edits import Edit, all_applied, copied
-from ros2lab.diagnose.checking.parameter_types import parameter_casts
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, message_annotations
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.syntax_parts import equal_sides
 
 # Each type in plain words, and how the type checker writes it; other types are not reported.
 _FAMILIES = (
@@ -41,9 +42,7 @@ class _Compared:
     """A side of a comparison, and the constants with which it is compared, all of one kind.
 
     Attributes:
-        node: the whole comparison.
         side: the side that is not a constant.
-        constants: the constants of the other side.
         is_equal: whether the operator is == or in, and not != or not in.
     """
 
@@ -75,23 +74,14 @@ def _comparisons(source: PythonSource) -> list[_Compared]:
 
 def _compared(source: PythonSource) -> Iterator[_Compared]:
     for node in source.nodes:
-        match node:
-            case ast.Compare(left=left, ops=[ast.Eq() | ast.NotEq() as how], comparators=[right]):
-                pairs = [(left, [right]), (right, [left])]
-            case ast.Compare(
-                left=left,
-                ops=[ast.In() | ast.NotIn() as how],
-                comparators=[ast.Tuple(elts=elts) | ast.List(elts=elts) | ast.Set(elts=elts)],
-            ):
-                pairs = [(left, elts)]
-            case _:
-                continue
-        for side, others in pairs:
+        if not isinstance(node, ast.Compare) or len(node.ops) > 1:
+            continue
+        for side, others, is_equal in equal_sides(node):
             constants = [operand for operand in others if isinstance(operand, ast.Constant)]
             families = {_family_of(constant.value) for constant in constants}
             is_asked = len(constants) == len(others) and len(families) == 1 and "" not in families
             if is_asked and not isinstance(side, ast.Constant):
-                yield _Compared(node, side, constants, isinstance(how, (ast.Eq, ast.In)))
+                yield _Compared(node, side, constants, is_equal)
 
 
 def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
@@ -207,3 +197,27 @@ def _as_plain(constant: ast.Constant) -> object:
         return yaml.safe_load(constant.value.strip())
     except (yaml.YAMLError, ValueError):
         return constant.value
+
+
+_READERS = frozenset(("get_parameter", "declare_parameter"))
+_TYPES = (bool, int, float, str)  # their names convert a value, which tells its type
+
+
+def parameter_casts(source: PythonSource, sources: NodeSources) -> Iterator[Edit]:
+    """Yield edits that convert each parameter that is read to the type of its default, if that is known."""
+    values = [node for node in source.nodes if isinstance(node, ast.Attribute) and node.attr == "value"]
+    reads = [(node, name) for node in values if (name := _name_read(node, source, sources))]
+    declared = declared_in(sources) if reads else None
+    for node, name in reads:
+        kind = type((declared or {}).get(name))
+        if kind in _TYPES:
+            yield Edit(node, f"{kind.__name__}({ast.unparse(node)})")
+
+
+def _name_read(node: ast.Attribute, source: PythonSource, sources: NodeSources) -> str:
+    """Return the name of the parameter whose value an expression reads; empty if it reads none."""
+    match node.value:
+        case ast.Call(func=ast.Attribute(attr=method), args=[given, *_]):
+            name = sources.value(source, given) if method in _READERS else None
+            return name if isinstance(name, str) else ""
+    return ""

@@ -32,10 +32,8 @@ class Objection:
     """What the type checker says of a line.
 
     Attributes:
-        row: its message.
         said: what the rule takes from it; the message itself if no rule knows it.
         source: the file; None for a launch file.
-        shown: the path of the file, as it is shown.
     """
 
     row: re.Match[str]

@@ -33,7 +33,6 @@ class _Wait:
     """A statement that waits for an answer.
 
     Attributes:
-        statement: the whole statement.
         node: the call or loop in it that waits.
         future: the future it waits for; None for a blocking call of the client, which returns the answer.
     """
@@ -68,7 +67,6 @@ class _Callback:
     """A function that an executor calls, or a method that such a function calls.
 
     Attributes:
-        function: the function or method.
         given: the call of rclpy that the callback was passed to.
         is_direct: whether it is the callback itself, not a method that it calls.
     """

@@ -9,6 +9,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.kinds import Kinds, Scope
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.syntax_parts import equal_sides
 
 _FILE, _LINES, _LINE, _PARTS = "file", "lines", "line", "parts"  # what an expression may hold
 _ITEM = {_FILE: _LINE, _LINES: _LINE}
@@ -56,17 +57,9 @@ class _Reader:
 
     def unequal(self, node: ast.Compare) -> ast.expr | None:
         """Return the side of a comparison that is a line where the other cannot be; None if neither is."""
-        left, right = node.left, node.comparators[0]
-        if isinstance(node.ops[0], (ast.Eq, ast.NotEq)):
-            for side, other in ((left, right), (right, left)):
-                if self._is_word(other) and self.kind(side) == _LINE:
-                    return side
-        is_choice = isinstance(node.ops[0], (ast.In, ast.NotIn)) and isinstance(
-            right, (ast.List, ast.Tuple, ast.Set)
-        )
-        words = right.elts if is_choice else []  # type: ignore[attr-defined]
-        if words and all(map(self._is_word, words)) and self.kind(left) == _LINE:
-            return left
+        for side, others, _ in equal_sides(node):
+            if others and all(map(self._is_word, others)) and self.kind(side) == _LINE:
+                return side
         return None
 
     def _is_word(self, node: ast.expr) -> bool:

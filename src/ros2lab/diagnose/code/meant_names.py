@@ -10,9 +10,8 @@ from functools import partial
 
 from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception, as_method
 from ros2lab.diagnose.code.bound_names import undefined_names
-from ros2lab.diagnose.code.first_values import compared, first_value
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
-from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of
+from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of, compared, first_value
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.signatures import signature_of

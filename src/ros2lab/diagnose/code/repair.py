@@ -13,11 +13,9 @@ class Repair:
     """A change of one line, or of the indentation of several, after which Python may read on.
 
     Attributes:
-        line: the number of the (first) line.
         new: its new text; empty if it is removed.
         why: what is wrong with it, as a clause.
         cost: the higher, the less likely the slip is that it undoes.
-        is_move: whether only the indentation changes.
         below: the new texts of the lines below it that move along with it.
     """
 

@@ -22,13 +22,7 @@ _LOOPS = (ast.For, ast.While, ast.AsyncFor)
 
 @dataclass(frozen=True)
 class _Kept:
-    """An object that is stored in a second place.
-
-    Attributes:
-        node: the call or assignment that stores it.
-        holder: the variable or attribute that it is stored in.
-        given: the expression for the object.
-    """
+    """An object, as it is given, that a call or an assignment stores in a second place, its holder."""
 
     node: ast.AST
     holder: str

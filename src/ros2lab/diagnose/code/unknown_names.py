@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -17,12 +17,9 @@ class Unknown:
     """A use of a name that nothing defines.
 
     Attributes:
-        source: the file.
-        name: the name.
         node: where it is used first.
         members: the attributes that `self` has there.
         package: the name of the package, if it is known and the file is its setup.py.
-        own: the modules of the workspace.
     """
 
     source: PythonSource
@@ -145,3 +142,32 @@ def also_on(unknown: Unknown, meant: str) -> str:
     loads = (use for use in unknown.uses if isinstance(use.ctx, ast.Load) and id(use) in inside)
     others = sorted({use.lineno for use in loads} - {getattr(unknown.node, "lineno", 0)})
     return f", and {meant} on line {' and '.join(map(str, others))} as well" if others else ""
+
+
+def first_value(source: PythonSource, uses: Sequence[ast.AST]) -> str:
+    """Return the value with which a variable begins: None, a number, a list or a dictionary; empty if unknown."""
+    for use in uses:
+        match source.above(use):
+            case ast.Compare(ops=[ast.Is() | ast.IsNot()], comparators=[ast.Constant(value=None)]):
+                return "None"
+            case ast.AugAssign(op=ast.Add() | ast.Sub(), value=ast.Constant(value=int() | float() as step)):
+                return "0.0" if isinstance(step, float) else "0"
+            case ast.Attribute(attr="append" | "extend"):
+                return "[]"
+            case ast.Subscript(ctx=ast.Store(), slice=ast.Constant(value=str())):
+                return "{}"
+    return ""
+
+
+def compared(source: PythonSource, target: ast.AST) -> str:
+    """Say to assign where a statement only compares a target, as `node == Talker()`; empty if none does."""
+    for statement in source.nodes:
+        match statement:
+            case ast.Expr(value=ast.Compare(left=left, ops=[ast.Eq()])) if target in walk(left):
+                targets = left.elts if isinstance(left, (ast.Tuple, ast.List)) else [left]
+                if target in targets:
+                    row = source.text.splitlines()[left.lineno - 1].encode()
+                    end = (left.end_col_offset or 0) if left.end_lineno == left.lineno else 0
+                    new = row[:end] + row[end:].replace(b"==", b"=", 1)
+                    return f"write {as_code(new.decode()) or '`=` instead of `==`'}"
+    return ""

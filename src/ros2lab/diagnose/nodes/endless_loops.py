@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import SPINNING
 from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import may_leave
+from ros2lab.diagnose.sources.one_run import goes_on_forever, may_leave
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
@@ -60,13 +60,11 @@ def _does_something(loop: ast.While) -> bool:
 
 
 def _is_endless(sources: NodeSources, source: PythonSource, owner: NodeClass | None, node: ast.While) -> bool:
-    is_constant = isinstance(node.test, ast.Constant) and bool(node.test.value)
-    is_ok = isinstance(node.test, ast.Call) and source.resolve(node.test.func) == "rclpy.ok"
     inside = [inner for statement in node.body for inner in walk(statement)]
     called = [inner for method in _reached(sources, source, owner, inside) for inner in own_nodes(method)]
     spins = any(isinstance(n, ast.Attribute) and n.attr in SPINNING for n in (*inside, *called))
     is_ended = any(isinstance(n, ast.Raise) or _ends(n) for n in (*inside, *called))
-    is_lasting = is_constant or is_ok or (is_self_attribute(node.test) and _leaves_alone(node))
+    is_lasting = goes_on_forever(source, node) or (is_self_attribute(node.test) and _leaves_alone(node))
     return is_lasting and not spins and not is_ended and not may_leave([node], ast.Yield, ast.Await)
 
 

@@ -10,6 +10,7 @@ from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.nodes.one_executor import joined, joined_after, spun_together
 from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, rests, stands_still
+from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached
@@ -77,7 +78,8 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
     sure = [
         init
         for init in inits
-        if not _is_guarded(init.call, init.function)
+        if is_always_reached(init.function, init.call)
+        and not may_be_caught(init.source, init.call.lineno, RuntimeError)
         and not any(keyword.arg == "context" for keyword in init.call.keywords)
     ]
     is_ended = entrance.spins and any(
@@ -350,7 +352,7 @@ def _names_spin(entrance: Entrance) -> bool:
 def _with_of(call: ast.Call, function: Function) -> ast.With | None:
     """Return the `with` statement that enters what a call returns; None if there is none."""
     statements = (node for node in walk(function) if isinstance(node, ast.With))
-    return next((n for n in statements if any(item.context_expr is call for item in n.items)), None)
+    return next((n for n in statements if call in [item.context_expr for item in n.items]), None)
 
 
 def _is_entered(entrance: Entrance, call: Call) -> bool:
@@ -374,18 +376,6 @@ def _without_with(statement: ast.With, call: ast.Call) -> str:
     first, last = statement.body[0].lineno, statement.body[-1].end_lineno or statement.body[-1].lineno
     lines = lines_in_words(first, last)
     return f"write `{alone}` instead of line {statement.lineno}, and move {lines} to the left, below it"
-
-
-def _is_guarded(call: ast.Call, function: Function) -> bool:
-    tried = (node for node in walk(function) if isinstance(node, ast.Try) and _catches_any(node))
-    is_tried = any(call is inner for node in tried for statement in node.body for inner in walk(statement))
-    return is_tried or not is_always_reached(function, call)
-
-
-def _catches_any(node: ast.Try) -> bool:
-    """Return whether a `try` catches the error of a second rclpy.init()."""
-    caught = {ast.unparse(handler.type) if handler.type else "Exception" for handler in node.handlers}
-    return bool(caught & {"Exception", "BaseException", "RuntimeError"})
 
 
 def _shutdown_between(function: Function, first: ast.Call, last: ast.Call) -> bool:

@@ -17,6 +17,7 @@ from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, K
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.sources.python_source import assignments
 from ros2lab.diagnose.sources.spelling import did_you_mean, nearest, with_article, write_instead
+from ros2lab.diagnose.sources.syntax_parts import equal_sides
 
 _NUMBERS = frozenset(("bool", "int", "float"))
 # The kinds of values that a value of a plain kind can equal.
@@ -252,25 +253,17 @@ def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[
 
 def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
     """Yield comparisons of a message field with values of another type, which it never equals."""
-    for left, operator, right in zip(
-        [node.left, *node.comparators], node.ops, node.comparators, strict=False
-    ):
-        pairs = []
-        if isinstance(operator, (ast.Eq, ast.NotEq)):
-            pairs = [(left, [right]), (right, [left])]
-        elif isinstance(operator, (ast.In, ast.NotIn)) and isinstance(right, (ast.Tuple, ast.List, ast.Set)):
-            pairs = [(left, right.elts)]
-        for field, values in pairs:
-            is_field = isinstance(field, ast.Attribute) and interfaces.fields_of(scope.kind(field.value))
-            equals = _EQUALS.get(scope.kind(field) or "") if is_field else None
-            kinds = [scope.kind(value) for value in values]
-            if equals and kinds and all(kind in PLAIN and kind not in equals for kind in kinds):
-                wanted = str(scope.kind(field))
-                holds = "never" if isinstance(operator, (ast.Eq, ast.In)) else "always"
-                cause = f"`{ast.unparse(field)}` holds {_described(wanted)}, but {ast.unparse(values[0])} is {_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
-                fix = _asked_rightly(field, wanted, holds == "never", values)
-                yield Finding("never-equal", cause, scope.source.at(node), fix)
-                break
+    for field, values, is_equal in equal_sides(node):
+        is_field = isinstance(field, ast.Attribute) and interfaces.fields_of(scope.kind(field.value))
+        equals = _EQUALS.get(scope.kind(field) or "") if is_field else None
+        kinds = [scope.kind(value) for value in values]
+        if equals and kinds and all(kind in PLAIN and kind not in equals for kind in kinds):
+            wanted = str(scope.kind(field))
+            holds = "never" if is_equal else "always"
+            cause = f"`{ast.unparse(field)}` holds {_described(wanted)}, but {ast.unparse(values[0])} is {_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
+            fix = _asked_rightly(field, wanted, is_equal, values)
+            yield Finding("never-equal", cause, scope.source.at(node), fix)
+            return
 
 
 def _asked_rightly(field: ast.expr, wanted: str, is_equal: bool, values: list[ast.expr]) -> str:

@@ -38,8 +38,6 @@ class End:
     """A publisher or a subscription.
 
     Attributes:
-        node: the full name of its node.
-        topic: the full name of its topic.
         type: its message type, such as `std_msgs/msg/String`.
         is_publisher: False for a subscription.
         qos: what it offers or requests; history and depth are unknown to the graph.
@@ -123,8 +121,6 @@ class Edge:
     """An arrow between a node and a topic or service.
 
     Attributes:
-        node: the node's full name.
-        medium: the full name of the topic or service.
         is_from_node: whether it leads away from the node, as messages that it publishes and requests that it sends do.
         ends: the ends of the node that it stands for.
     """
@@ -158,8 +154,6 @@ class NearMiss:
 
     Attributes:
         topic: the name that is probably wrong.
-        meant: the other name.
-        ends: those of `topic`.
         meant_ends: those of the other topic; empty if it is only expected, and nobody uses it yet.
     """
 
@@ -250,8 +244,24 @@ def graph_of(
         expected_topics: names that are meant to be used, such as a course's; a near miss may be one of them.
     """
     seen = observation if everything else _without_hidden(observation)
-    nodes, topics = _nodes_of(seen), _topics_of(seen)
-    return Graph(nodes, topics, _services_of(seen), tuple(_faults(nodes, topics, list(expected_topics))))
+    nodes = _nodes_of(seen)
+    topics = tuple(
+        Topic(name, *_two_sides(end for end in seen.ends if end.topic == name))
+        for name in sorted({end.topic for end in seen.ends})
+    )
+    services = tuple(
+        Service(name, *_two_sides(end for end in seen.service_ends if end.service == name))
+        for name in sorted({end.service for end in seen.service_ends})
+    )
+    return Graph(nodes, topics, services, tuple(_faults(nodes, topics, list(expected_topics))))
+
+
+def _two_sides(ends: Iterable[Any]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Return the publishers, or servers, among some ends, and the others."""
+    sides: tuple[list[Any], list[Any]] = ([], [])
+    for end in ends:
+        sides[not (end.is_publisher if isinstance(end, End) else end.is_server)].append(end)
+    return tuple(sides[0]), tuple(sides[1])
 
 
 def _nodes_of(seen: Observation) -> tuple[Node, ...]:
@@ -260,28 +270,6 @@ def _nodes_of(seen: Observation) -> tuple[Node, ...]:
     for name in {*(end.node for end in seen.ends), *(end.node for end in seen.service_ends)} - set(counts):
         counts[name] = 1
     return tuple(Node(name, counts[name]) for name in sorted(counts))
-
-
-def _topics_of(seen: Observation) -> tuple[Topic, ...]:
-    return tuple(
-        Topic(
-            name,
-            tuple(end for end in seen.ends if end.topic == name and end.is_publisher),
-            tuple(end for end in seen.ends if end.topic == name and not end.is_publisher),
-        )
-        for name in sorted({end.topic for end in seen.ends})
-    )
-
-
-def _services_of(seen: Observation) -> tuple[Service, ...]:
-    return tuple(
-        Service(
-            name,
-            tuple(end for end in seen.service_ends if end.service == name and end.is_server),
-            tuple(end for end in seen.service_ends if end.service == name and not end.is_server),
-        )
-        for name in sorted({end.service for end in seen.service_ends})
-    )
 
 
 def words(graph: Graph) -> list[str]:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import Call, Entrance
 from ros2lab.diagnose.sources.node_source import CREATORS
+from ros2lab.diagnose.sources.one_run import goes_on_forever
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes, walk
 
 CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
@@ -90,8 +91,6 @@ def _is_too_slow(entrance: Entrance, length: float) -> bool:
 
 def _is_endless(loop: ast.While, source: PythonSource) -> bool:
     """Return whether only Ctrl-C ends a loop."""
-    is_ok = isinstance(loop.test, ast.Call) and source.resolve(loop.test.func) == "rclpy.ok"
-    is_constant = isinstance(loop.test, ast.Constant) and bool(loop.test.value)
     by_error = {id(n) for h in walk(loop) if isinstance(h, ast.ExceptHandler) for n in walk(h)}
     ends = (node for node in own_nodes(loop) if isinstance(node, (ast.Break, ast.Return, ast.Raise)))
-    return (is_ok or is_constant) and all(id(node) in by_error for node in ends)
+    return goes_on_forever(source, loop) and all(id(node) in by_error for node in ends)

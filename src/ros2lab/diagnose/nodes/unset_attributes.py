@@ -7,9 +7,7 @@ import re
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.at_hand import holders
-from ros2lab.diagnose.code.attribute_chains import chain_fault
-from ros2lab.diagnose.code.first_values import compared, first_value
-from ros2lab.diagnose.code.unknown_names import Unknown
+from ros2lab.diagnose.code.unknown_names import Unknown, compared, first_value
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import method_of, properties_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
@@ -26,7 +24,7 @@ from ros2lab.diagnose.sources.python_source import (
 from ros2lab.diagnose.sources.spelling import may_mean, nearest
 from ros2lab.diagnose.sources.syntax_parts import needed_by
 
-_SENDERS = {"publish": "create_publisher", "call_async": "create_client", "call": "create_client"}
+_SENDERS = ("publish", "call_async", "call")
 
 
 def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
@@ -106,28 +104,31 @@ def _constructed(definition: ast.ClassDef) -> Iterator[int]:
 
 def _sender(source: PythonSource, definition: ast.ClassDef, name: str) -> str:
     """Return the creation of the publisher or the client that an attribute is used as; empty if it is none."""
+    for method, kind in _sent(definition, name):
+        if kind in source.names and method == "publish" and not _publishers(source, definition, kind):
+            return f"self.create_publisher({kind}, '{name.strip('_')}', 10)"
+        if kind.removesuffix(".Request") in source.names and method != "publish":
+            return f"self.create_client({kind.removesuffix('.Request')}, '{name.strip('_')}')"
+    return ""
+
+
+def _sent(definition: ast.ClassDef, name: str) -> Iterator[tuple[str, str]]:
+    """Yield by which methods an attribute sends something, each with its class; empty if that is not known."""
     for call in walk(definition):
         match call:
             case ast.Call(func=ast.Attribute(value=owner, attr=method), args=[sent]) if method in _SENDERS:
-                kind = _kind(definition, sent) if ast.unparse(owner) == f"self.{name}" else ""
-                if kind in source.names and method == "publish" and not _publishers(source, definition, kind):
-                    return f"self.create_publisher({kind}, '{name.strip('_')}', 10)"
-                if kind.removesuffix(".Request") in source.names and method != "publish":
-                    return f"self.create_client({kind.removesuffix('.Request')}, '{name.strip('_')}')"
-    return ""
+                if ast.unparse(owner) == f"self.{name}":
+                    yield method, _kind(definition, sent)
 
 
 def _there(source: PythonSource, definition: ast.ClassDef, name: str) -> str:
     """Say which publisher of the class may be meant by an attribute that publishes; empty if there is none."""
-    for call in walk(definition):
-        match call:
-            case ast.Call(func=ast.Attribute(value=owner, attr="publish"), args=[sent]):
-                kind = _kind(definition, sent) if ast.unparse(owner) == f"self.{name}" else ""
-                found = _publishers(source, definition, kind)
-                numbered = [text for text in found if re.findall(r"\d+", text) == re.findall(r"\d+", name)]
-                found = numbered if len(numbered) == 1 else found
-                if found:
-                    return f"write {' or '.join(found)} instead of self.{name}: it publishes {kind} already"
+    for method, kind in _sent(definition, name):
+        found = _publishers(source, definition, kind) if method == "publish" else []
+        numbered = [text for text in found if re.findall(r"\d+", text) == re.findall(r"\d+", name)]
+        found = numbered if len(numbered) == 1 else found
+        if found:
+            return f"write {' or '.join(found)} instead of self.{name}: it publishes {kind} already"
     return ""
 
 
@@ -206,3 +207,22 @@ def _assigned(statement: ast.stmt) -> set[str]:
         for n in ast.walk(target)
         if isinstance(n, ast.Name)
     }
+
+
+def chain_fault(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> Finding | None:
+    """Return the finding of `self.get.logger()` for `get_logger`, or of `self.cancel.timer()` for `timer.cancel`."""
+    asked = owner.source.above(node)
+    if not isinstance(asked, ast.Attribute):
+        return None
+    is_called = owner.source.is_called(asked)
+    made = {text for text, _ in owner.source.made}
+    written, joined = ast.unparse(asked), f"{node.attr}_{asked.attr}"
+    if joined in members:
+        cause = f"{written} asks self for {node.attr} first, which it does not have: the name has no dot."
+        meant = f"self.{joined}"
+    elif is_called and f"self.{asked.attr}" in made and asked.attr in owner.attributes:
+        cause = f"{written} asks self for {node.attr}, which it does not have: {asked.attr} comes first."
+        meant = f"self.{asked.attr}.{node.attr}"
+    else:
+        return None
+    return Finding("attribute-missing", cause, owner.source.at(node), f"write {meant} instead of {written}")

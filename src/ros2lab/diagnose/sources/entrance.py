@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ros2lab.diagnose.sources.node_source import CREATORS, NODE_CLASSES, NodeSources
+from ros2lab.diagnose.sources.one_run import in_loops
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -31,8 +32,6 @@ class Call:
 
     Attributes:
         name: the name of the called function, as far as it is known, such as `rclpy.spin`.
-        function: the function that contains the call.
-        is_repeated: whether the call is in a loop.
     """
 
     source: PythonSource
@@ -61,8 +60,6 @@ class Entrance:
     """A function that an executable calls, and everything that runs because of it in the package's own files.
 
     Attributes:
-        calls: every call that is reached.
-        functions: every function that is reached.
         node: the first call that makes a node; None if none does.
         may_do_more: whether code from outside the package is called that may spin.
     """
@@ -129,8 +126,7 @@ class Entrance:
             return
         self._seen.add(id(function))
         self.functions.append(function)
-        loops = [node for node in walk(function) if isinstance(node, (ast.While, ast.For, ast.AsyncFor))]
-        repeated = {id(inner) for loop in loops for inner in walk(loop)}
+        repeated = in_loops(function)
         for node in walk(function):
             if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Load):
                 self._follow_name(self.sources.resolve(source, node) or "")

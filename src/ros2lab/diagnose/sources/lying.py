@@ -13,8 +13,6 @@ class Elsewhere:
     """Where a file is that a package names in another place.
 
     Attributes:
-        package: the package that contains the file.
-        path: its path in that package.
         named: the path where it should be, as it is shown.
         is_own: whether the package that names it also contains it.
         has_folder: whether the folder where it should be exists.

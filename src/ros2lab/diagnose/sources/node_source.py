@@ -49,8 +49,6 @@ class Creation:
     """A call such as `self.create_publisher(String, '/robot/status', 10)`.
 
     Attributes:
-        method: the name of the method, such as `create_publisher`.
-        call: the call itself.
         arguments: the arguments by parameter name; None if a star hides them.
         owner: the class that contains the call; None outside a class.
         function: the function that contains the call; None outside a function.

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, children, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -43,7 +43,7 @@ def is_always_reached(function: Function, node: ast.AST) -> bool:
 
 def in_loops(function: ast.AST) -> set[int]:
     """Return the nodes of a function, by `id`, that stand in a loop."""
-    loops = (n for n in own_nodes(function) if isinstance(n, (ast.While, ast.For, ast.AsyncFor)))
+    loops = (n for n in walk(function) if isinstance(n, (ast.While, ast.For, ast.AsyncFor)))
     return {id(inner) for loop in loops for inner in walk(loop)}
 
 
@@ -173,6 +173,12 @@ def _asked_in(expressions: Iterator[ast.expr] | list[ast.expr], is_asked: _IsAsk
         elif not isinstance(expression, ast.Lambda):
             inner = [node.value if isinstance(node, ast.keyword) else node for node in children(expression)]
             yield from _asked_in([node for node in inner if isinstance(node, ast.expr)], is_asked)
+
+
+def goes_on_forever(source: PythonSource, loop: ast.While) -> bool:
+    """Return whether the condition of a loop is always true, or true until rclpy is shut down."""
+    is_ok = isinstance(loop.test, ast.Call) and source.resolve(loop.test.func) == "rclpy.ok"
+    return is_ok or (isinstance(loop.test, ast.Constant) and bool(loop.test.value))
 
 
 def leaves(statement: ast.stmt) -> bool:

@@ -35,7 +35,6 @@ class SourcePackage:
     """A package in its source folder.
 
     Attributes:
-        folder: the folder with package.xml or setup.py.
         root: the folder of the workspace, to which shown paths are relative.
     """
 
@@ -248,9 +247,7 @@ class PassedOver:
     """A package that colcon skips: because of a file such as COLCON_IGNORE, or inside another package.
 
     Attributes:
-        package: the package.
         by: the file that makes colcon skip it, or the folder of the outer package.
-        is_nested: whether it is inside another package.
     """
 
     package: SourcePackage

@@ -35,7 +35,6 @@ class ParameterFileError(ValueError):
 
     Attributes:
         line: the line, counted from 1; None if not known.
-        fix: what to do.
     """
 
     def __init__(self, reason: str, line: int | None, fix: str = "") -> None:
@@ -371,8 +370,6 @@ class Written:
     Attributes:
         section: the full name of the node, or the pattern, that it is for.
         name: the parameter, with the groups that it is in, as in `gains.p`.
-        text: the value as it is written.
-        line: the line of its name.
         lines: what goes with it: the first and the last line to remove, with the heads that would have nothing left.
     """
 

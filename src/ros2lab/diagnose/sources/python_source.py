@@ -42,8 +42,6 @@ class PythonSource:
 
     Attributes:
         name: its import name, such as `robot_controller.status_publisher`.
-        shown: its path as it is shown.
-        is_package: whether it is an `__init__.py`.
         path: its path; None if it is not on disk.
         fault: why Python cannot parse it; set by `tree`.
         warned: the warnings of Python's compiler, each with its line; set by `tree`.

@@ -20,8 +20,6 @@ class CfgFault:
 
     Attributes:
         said: what is wrong, as the rest of a sentence that begins with the name of the file.
-        line: the line with the fault.
-        fix: what to do.
     """
 
     said: str

@@ -37,8 +37,6 @@ class Pattern:
     """A call of glob.
 
     Attributes:
-        call: the call.
-        text: its pattern.
         files: what it finds; empty if that is not known.
         is_dead: whether it is known to find nothing.
     """
@@ -54,10 +52,7 @@ class SetupScript:
     """A setup.py.
 
     Attributes:
-        source: the file.
         keywords: the keyword arguments of `setup()`; a value may be or contain `UNKNOWN`.
-        lines: the line of each keyword argument.
-        is_called: whether `setup()` is called at all.
         targets: the expression of each folder in data_files.
         patterns: the calls of glob whose patterns are known.
     """

@@ -18,8 +18,6 @@ class Slip:
     """A change that may undo a slip of typing.
 
     Attributes:
-        line: the number of the line that is changed.
-        told: what to do there.
         text: the whole text that comes of it.
         cost: how seldom that slip is made.
         why: what was wrong, as the rest of a sentence; empty if the parser says it better.

@@ -54,3 +54,14 @@ def by_parameter(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
     """Return what a call passes, by the names of the parameters in their order."""
     given = dict(zip(names, call.args, strict=False))
     return given | {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
+
+
+def equal_sides(node: ast.Compare) -> Iterator[tuple[ast.expr, list[ast.expr], bool]]:
+    """Yield each side of a comparison by == or in with the values on the other, and whether it asks for equality."""
+    for left, how, right in zip([node.left, *node.comparators], node.ops, node.comparators, strict=False):
+        is_equal = isinstance(how, (ast.Eq, ast.In))
+        if isinstance(how, (ast.Eq, ast.NotEq)):
+            yield left, [right], is_equal
+            yield right, [left], is_equal
+        elif isinstance(how, (ast.In, ast.NotIn)) and isinstance(right, (ast.Tuple, ast.List, ast.Set)):
+            yield left, right.elts, is_equal
