@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.calls import example_of, fitting, meant_call, one_each, whole_call
 from ros2lab.diagnose.sources.own_functions import own_function
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to, own_parameters
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of
-
-_NOTHING = "..."  # a keyword argument with this value is left out
+from ros2lab.diagnose.sources.syntax_parts import LEFT_OUT, with_arguments
 
 
 def as_it_was_meant(source: PythonSource, call: ast.Call) -> dict[str, str]:
@@ -23,7 +22,7 @@ def as_it_was_meant(source: PythonSource, call: ast.Call) -> dict[str, str]:
 
 def rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]:
     """Return forms of a call with their fixes: an argument added, extra ones removed or values converted."""
-    given, named = [*map(ast.unparse, call.args)], _named(call, {})
+    given, named = [*map(ast.unparse, call.args)], [*map(ast.unparse, call.keywords)]
     texts: list[str] = []
     if rule == "missing-argument":
         texts = [call_with(call, [*given, said["name"].strip("`")], named)]
@@ -32,7 +31,7 @@ def rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]
     elif rule == "invalid-argument-type":
         changes = ("{}()", "{}.value", "{}.data", "float({})", "int({})")
         pairs = ((value, change.format(ast.unparse(value))) for value in call.args for change in changes)
-        texts = [_with(call, {id(value): new}) for value, new in pairs]
+        texts = [with_arguments(call, {id(value): new}) for value, new in pairs]
     return {text: f"write `{text}`" for text in texts}
 
 
@@ -50,9 +49,9 @@ def given_another(source: PythonSource, call: ast.Call, value: ast.expr, wanted:
     }
     ways = [{key: text} for key, text in passed_on.items() if text]
     # An example of a string is not used: its content would be a guess.
-    texts = [_with(call, {**way, id(value): example}) for way in (*ways, {}) if example.strip("'")]
+    texts = [with_arguments(call, {**way, id(value): example}) for way in (*ways, {}) if example.strip("'")]
     if any(keyword.value is value for keyword in call.keywords):
-        texts += [_with(call, {**way, id(value): _NOTHING}) for way in ways]
+        texts += [with_arguments(call, {**way, id(value): LEFT_OUT}) for way in ways]
     return {text: f"write `{text}`" for text in texts}
 
 
@@ -76,20 +75,6 @@ def argument_at(call: ast.Call, line: int, column: int) -> ast.expr | None:
     return places.get((line, column))
 
 
-def _with(call: ast.Call, new: Mapping[int, str]) -> str:
-    """Return a call with some of its arguments replaced; the keys are the ids of their nodes."""
-    return call_with(
-        call, [new.get(id(argument)) or ast.unparse(argument) for argument in call.args], _named(call, new)
-    )
-
-
-def _named(call: ast.Call, new: Mapping[int, str]) -> list[str]:
-    rows = ((keyword, new.get(id(keyword.value)) or ast.unparse(keyword.value)) for keyword in call.keywords)
-    return [
-        f"{keyword.arg}={text}" if keyword.arg else f"**{text}" for keyword, text in rows if text != _NOTHING
-    ]
-
-
 def call_with(call: ast.Call, given: Sequence[str], named: Sequence[str]) -> str:
     """Return a call with other arguments, by position and by keyword."""
     return f"{ast.unparse(call.func)}({', '.join([*given, *named])})"
@@ -101,9 +86,7 @@ def call_at(spot: Spot, column: int, rule: str) -> ast.Call | None:
     def begins(node: ast.AST) -> bool:
         return (getattr(node, "lineno", 0), getattr(node, "col_offset", -1)) == (spot.line, column)
 
-    for node in spot.source.nodes if spot.source else ():
-        if isinstance(node, ast.Call) and any(
-            map(begins, [node] if rule == "missing-argument" else [*node.args, *node.keywords])
-        ):
-            return node
+    for call in spot.source.calls if spot.source else ():
+        if any(map(begins, [call] if rule == "missing-argument" else [*call.args, *call.keywords])):
+            return call
     return None

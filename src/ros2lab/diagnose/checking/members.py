@@ -14,7 +14,6 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.interfaces import field_kind
-from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import may_mean, nearest
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -26,10 +25,9 @@ def members(owner: str, look: Look | None) -> set[str]:
     found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
     for home in _homes(owner):
         found |= interfaces.members_of(home, owner)[0] or set(interfaces.fields_of(f"{home}.{owner}") or ())
-    for package in look.packages if look else ():
-        sources = look.sources(package) if look else None
-        for node_class in sources.classes.values() if sources else ():
-            if node_class.name.endswith(f".{owner}") and sources:
+    for sources in map(look.sources, look.packages) if look else ():
+        for node_class in sources.classes.values():
+            if node_class.name.endswith(f".{owner}"):
                 found |= sources.members(node_class) or node_class.attributes
     return {name for name in found if not name.startswith("_")}
 
@@ -87,15 +85,10 @@ def _with_option(name: str, known: set[str], owner: str, spot: Spot) -> str:
         return ""
     method, call = max(methods, key=len), calls[0]
     for home in interfaces.inner_homes_of(owner):
-        package, *inner = home.split(".")
-        folder = interfaces.folder_of(package)
-        text = read_text(folder.joinpath(*inner).with_suffix(".py")) if folder else ""
+        text = interfaces.text_of(home)
         option = re.search(rf"['\"]({re.escape(name[len(method) + 1 :])}\w*)['\"]", text)
-        numbers = [
-            argument
-            for argument in call.args
-            if isinstance(argument, ast.Constant) and not isinstance(argument.value, str)
-        ]
+        plain = (argument for argument in call.args if isinstance(argument, ast.Constant))
+        numbers = [argument for argument in plain if not isinstance(argument.value, str)]
         if option and isinstance(call.func, ast.Attribute):
             value = ast.unparse(numbers[0]) if numbers else "True"
             rest = [ast.unparse(argument) for argument in call.args if argument not in numbers[:1]]

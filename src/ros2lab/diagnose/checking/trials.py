@@ -17,11 +17,12 @@ from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
-    children,
+    names_bound,
     own_nodes,
     own_parameters,
     parameters,
 )
+from ros2lab.diagnose.sources.syntax_parts import stores_in
 from ros2lab.diagnose.sources.uses import own_stores
 
 _LONGEST = 110  # characters of a statement that is shown in full
@@ -111,10 +112,8 @@ class Trial:
 
     def asked_of(self, edit: Edit) -> list[str]:
         """Return the expressions around an edit whose members are used: `self.b()` in `self.b().now`."""
-        above = {
-            id(inner): node for node in ast.walk(self.statement or ast.Pass()) for inner in children(node)
-        }
-        found, node, text = list[str](), above.get(id(edit.node)), edit.text
+        source = self.spot.source or self.source
+        found, node, text = list[str](), source.above(edit.node), edit.text
         below: ast.AST = edit.node
         while isinstance(node, (ast.Attribute, ast.Call)):
             if isinstance(node, ast.Attribute):
@@ -125,7 +124,7 @@ class Trial:
                 text = f"{text}({', '.join(values)})"
             else:
                 break
-            below, node = node, above.get(id(node))
+            below, node = node, source.above(node)
         return found
 
     def kinds_of(self, texts: Sequence[str]) -> dict[str, str]:
@@ -148,11 +147,8 @@ class Trial:
         found = [f"self.{name}" for name in sorted(own_stores(owner.definition))] if owner else []
         if isinstance(function, Function):
             found += [parameter.arg for parameter in parameters(function) if parameter.arg != "self"]
-            found += [
-                n.id
-                for n in own_nodes(function)
-                if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store) and n.lineno < self.spot.line
-            ]
+            stored = (n for n in stores_in(own_nodes(function)) if n.lineno < self.spot.line)
+            found += [n.id for n in stored if isinstance(n, ast.Name)]
         return list(dict.fromkeys(found))
 
     @cached_property
@@ -191,10 +187,7 @@ def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
             if creation.method == "create_subscription" and given and creation.source is source and names:
                 is_open = names[0].annotation is None and names[0].lineno == names[0].end_lineno
                 # A name that is reassigned may not hold a message any more.
-                is_open &= not any(
-                    isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store) and n.id == names[0].arg
-                    for n in own_nodes(function)
-                )
+                is_open &= names[0].arg not in names_bound(own_nodes(function))
                 if is_open:
                     here = ast.Name(names[0].arg, lineno=names[0].lineno, col_offset=names[0].col_offset)
                     here.end_lineno, here.end_col_offset = names[0].end_lineno, names[0].end_col_offset

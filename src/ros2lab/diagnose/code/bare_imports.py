@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Collection, Iterator, Mapping
 
+from ros2lab.diagnose.code.wrong_imports import used_on
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -114,8 +115,7 @@ def _without_folders(
 ) -> Finding:
     """Say that an import names the folders above a package, and how it is written without them."""
     line = ast.unparse(node).replace(written, name, 1)
-    used = [n.lineno for n in source.nodes if isinstance(n, ast.Attribute) and ast.unparse(n) == written]
-    places = " and ".join(map(str, sorted({*used})))
+    places = " and ".join(map(str, used_on(source, written)))
     more = f", and {name} instead of {written} on line {places}" if places else ""
     package = name.partition(".")[0]
     cause = f"This import begins with folders above the package {package}: Python imports {name} from where {package} is installed, and finds no {written} there."

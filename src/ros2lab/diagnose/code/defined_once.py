@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import defaults_of
 
@@ -64,8 +64,7 @@ def _is_literal(value: ast.expr) -> bool:
 def _changed(owner: NodeClass | None, function: Function, name: str) -> int:
     """Return the line that changes a default in place, in the function or as an attribute; 0 if none does."""
     nodes = own_nodes(function)
-    stored = [n for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
-    if name in (store.id for store in stored):
+    if name in names_bound(nodes):
         return 0  # the name may refer to another object by then
     # Setting items of a dict or a list by key is how a cache works.
     if line := _line_of_change([node for node in nodes if not isinstance(node, ast.Subscript)], name):
@@ -116,28 +115,12 @@ def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef
         if is_field:
             fix = f"write field(default_factory=lambda: {value}) instead of {value}, and `from dataclasses import field`"
             yield Finding("computed-once", cause, source.at(statement), fix)
-        elif _is_made_often(sources, source, definition) and _is_read(definition, name):
-            yield Finding(
-                "computed-once",
-                cause,
-                source.at(statement),
-                f"write `self.{name} = {value}` in __init__ instead",
-            )
+        elif len(sources.calls_to(f"{source.name}.{definition.name}")) > 1 and _is_read(definition, name):
+            fix = f"write `self.{name} = {value}` in __init__ instead"
+            yield Finding("computed-once", cause, source.at(statement), fix)
 
 
 def _is_read(definition: ast.ClassDef, name: str) -> bool:
     """Return whether the methods of a class read an attribute of self and none of them sets it."""
     found = [n for n in walk(definition) if isinstance(n, ast.Attribute) and dotted(n) == f"self.{name}"]
     return bool(found) and all(isinstance(attribute.ctx, ast.Load) for attribute in found)
-
-
-def _is_made_often(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> bool:
-    """Return whether a package instantiates a class in more than one place."""
-    wanted = f"{source.name}.{definition.name}"
-    calls = [
-        node
-        for caller in sources.sources.values()
-        for node in caller.calls
-        if sources.resolve(caller, node.func) == wanted
-    ]
-    return len(calls) > 1

@@ -45,21 +45,18 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _always(source, node.test)
             elif isinstance(node, ast.Assign):
                 yield from sign_fault(source, node)
-            elif isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith(
-                ("create_", "add_done")
-            ):
+            elif isinstance(node, ast.Call):
                 yield from _named_in_lambda(source, node)
 
 
 def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
     """Yield lambdas passed to ROS that name a function instead of calling it."""
-    for given in given_to(call):
+    is_kept = getattr(call.func, "attr", "").startswith(("create_", "add_done"))
+    for given in given_to(call) if is_kept else ():
         if isinstance(given, ast.Lambda) and getattr(given.body, "is_function", False):
-            text = ast.unparse(given.body)
-            cause = f"`{ast.unparse(given)}` returns {text} without ever calling it."
-            yield Finding(
-                "no-effect", cause, source.at(given), f"write {text} instead of `{ast.unparse(given)}`"
-            )
+            text, whole = ast.unparse(given.body), ast.unparse(given)
+            cause = f"`{whole}` returns {text} without ever calling it."
+            yield Finding("no-effect", cause, source.at(given), f"write {text} instead of `{whole}`")
 
 
 def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterator[Finding]:

@@ -9,7 +9,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.kinds import Kinds, Scope
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import own_nodes
-from ros2lab.diagnose.sources.syntax_parts import equal_sides
+from ros2lab.diagnose.sources.syntax_parts import equal_sides, stores_in
 
 _FILE, _LINES, _LINE, _PARTS = "file", "lines", "line", "parts"  # what an expression may hold
 _ITEM = {_FILE: _LINE, _LINES: _LINE}
@@ -136,9 +136,7 @@ class _Reader:
         nodes = own_nodes(self._scope.function or self._source.tree)
         if any(isinstance(n, ast.arg) and n.arg == name for n in nodes):
             return ""
-        stores = [
-            n for n in nodes if isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)
-        ]
+        stores = [n for n in stores_in(nodes) if isinstance(n, ast.Name) and n.id == name]
         return _agreed([self._given(nodes, store, depth) for store in stores])
 
     def _given(self, nodes: tuple[ast.AST, ...], store: ast.Name, depth: int) -> str:

@@ -204,12 +204,7 @@ def calls_of(sources: NodeSources, definition: Definition) -> Iterator[ast.Call]
     is_made = definition.owner is not None and definition.function.name == "__init__"
     name = definition.owner.name if definition.owner and is_made else definition.function.name
     for source in sources.sources.values():
-        for node in source.nodes:
-            if isinstance(node, ast.Call) and name in (
-                getattr(node.func, "attr", ""),
-                getattr(node.func, "id", ""),
-            ):
-                yield node
+        yield from (call for call in source.calls if last_name(call.func) == name)
 
 
 def named_by(call: ast.Call, number: int) -> list[str]:

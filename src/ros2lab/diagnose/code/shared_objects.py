@@ -95,13 +95,7 @@ def _goes_on(holder: str, bound: Iterable[str], later: Iterable[ast.AST]) -> boo
 
 def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
     """Yield collections in the body of a class with several instances that its methods change."""
-    made = [
-        node
-        for source in uses.sources.sources.values()
-        for node in source.calls
-        if uses.sources.resolve(source, node.func) == owner.name
-    ]
-    if len(made) < 2:
+    if len(uses.sources.calls_to(owner.name)) < 2:
         return
     nodes = [node for method in owner.functions for node in walk(method)]
     own = {target.attr for node in nodes for target in _targets(node) if is_self_attribute(target)}

@@ -186,7 +186,7 @@ def _fix(
     used = [
         f"{new} instead of {old} on line {' and '.join(map(str, lines))}"
         for old, new in renamed.items()
-        if (lines := _used(source, old))
+        if (lines := used_on(source, old))
     ]
     instead = f", one below the other, instead of line {node.lineno}" if len(written) > 1 else ""
     return f"write {' and '.join(written)}{instead}{', and ' if used else ''}{' and '.join(used)}"
@@ -196,7 +196,7 @@ def _without(
     source: PythonSource, lost: Sequence[str], written: Sequence[str], names: Collection[str] | None
 ) -> str:
     """Say what to do with names of which nothing is known."""
-    if not any(_used(source, name) for name in lost):
+    if not any(used_on(source, name) for name in lost):
         return (
             f"write {written[0]}: nothing here uses {' or '.join(lost)}"
             if written
@@ -208,9 +208,10 @@ def _without(
     return f"define {' and '.join(lost)} there, or write the name of what was meant"
 
 
-def _used(source: PythonSource, name: str) -> list[int]:
-    """Return the lines on which a file uses a name."""
-    return sorted({node.lineno for node in source.nodes if isinstance(node, ast.Name) and node.id == name})
+def used_on(source: PythonSource, name: str) -> list[int]:
+    """Return the lines on which a file uses a name, or an attribute as it is written."""
+    used = (node for node in source.nodes if isinstance(node, (ast.Name, ast.Attribute)))
+    return sorted({node.lineno for node in used if ast.unparse(node) == name})
 
 
 def _called_modules(source: PythonSource, own: Mapping[str, Collection[str]]) -> Iterator[Finding]:
@@ -258,17 +259,7 @@ def _of_modules(
         meant = interfaces.module_meant(alias.name) if is_wrong else ""
         if meant:
             now = f"import {meant} as {alias.asname}" if alias.asname else f"import {meant}"
-            lines = sorted(
-                {
-                    n.lineno
-                    for n in source.nodes
-                    if isinstance(n, ast.Attribute) and ast.unparse(n) == alias.name
-                }
-            )
-            used = (
-                f", and {meant} instead of {alias.name} on line {' and '.join(map(str, lines))}"
-                if lines
-                else ""
-            )
+            lines = " and ".join(map(str, used_on(source, alias.name))) if "." in alias.name else ""
+            used = f", and {meant} instead of {alias.name} on line {lines}" if lines else ""
             cause = f"There is no module {alias.name}. Did you mean {meant}?"
             yield Finding("import-wrong", cause, source.at(node), f"write `{now}`{used}")

@@ -13,7 +13,7 @@ from ros2lab.diagnose.sources.known_values import definition
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.qualities import policies_of
-from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
+from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import is_log
 
@@ -89,10 +89,15 @@ def _turns(sources: NodeSources, creation: Creation, loop: ast.For | ast.AsyncFo
 
 def _depth_node(creation: Creation) -> ast.expr:
     """Return the expression for the queue depth, or the closest one around it."""
-    given = (creation.arguments or {}).get("qos_profile", creation.call)
-    if isinstance(given, ast.Call):
-        return next((keyword.value for keyword in given.keywords if keyword.arg == "depth"), given)
-    return given
+    given = creation.given("qos_profile") or creation.call
+    return _depth_in(given) or given
+
+
+def _depth_in(profile: ast.expr) -> ast.expr | None:
+    """Return the depth that a profile is made with, or the depth itself; None if it is made with none."""
+    if not isinstance(profile, ast.Call):
+        return profile
+    return next((keyword.value for keyword in profile.keywords if keyword.arg == "depth"), None)
 
 
 def _depth(sources: NodeSources, creation: Creation) -> int | None:
@@ -102,11 +107,7 @@ def _depth(sources: NodeSources, creation: Creation) -> int | None:
     if found is None or policies_of(sources, creation).get("history") != "KEEP_LAST":
         return None
     source, written = found
-    if isinstance(written, ast.Call):
-        depths = [keyword.value for keyword in written.keywords if keyword.arg == "depth"]
-        value = sources.value(source, depths[0]) if depths else UNKNOWN
-    else:
-        value = sources.value(source, written)
+    value = sources.value(source, _depth_in(written))
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 

@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources.one_run import goes_on_forever, may_leave
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 from ros2lab.diagnose.sources.uses import is_log
 
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
@@ -72,10 +72,7 @@ def _leaves_alone(loop: ast.While) -> bool:
     """Return whether a loop never changes the attribute that it tests, itself or by a method of the node."""
     name = ast.unparse(loop.test)
     inside = [node for node in walk(loop) if node is not loop.test]
-    is_changed = any(
-        isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
-        for node in inside
-    )
+    is_changed = name in map(ast.unparse, stores_in(inside))
     called = [node.func for node in calls_in(inside)]
     is_emptied = any(isinstance(call, ast.Attribute) and ast.unparse(call.value) == name for call in called)
     calls = [call for call in called if is_self_attribute(call)]
@@ -120,15 +117,12 @@ def _reached(
 ) -> list[Function]:
     """Return the methods and functions of the package that some nodes call, directly or indirectly."""
     found: list[Function] = []
-    waiting = [*nodes]
+    waiting = calls_in(nodes)
     while waiting:
-        node = waiting.pop()
-        if not isinstance(node, ast.Call):
-            continue
-        function = called_function(sources, source, owner, node.func)
+        function = called_function(sources, source, owner, waiting.pop().func)
         if function is not None and function not in found:
             found.append(function)
-            waiting += own_nodes(function)
+            waiting += calls_in(own_nodes(function))
     return found
 
 

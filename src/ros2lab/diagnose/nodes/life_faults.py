@@ -32,7 +32,7 @@ from ros2lab.diagnose.sources.python_source import (
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of
 from ros2lab.diagnose.sources.uses import uses_of
 
 _TRANSITIONS = frozenset(
@@ -141,8 +141,8 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
 
 def _shut_down(sources: NodeSources, source: PythonSource, function: Function) -> Iterator[Finding]:
     """Yield shutdowns in a callback that has more to do, or after which the one at the end of a program fails."""
-    for node in own_nodes(function):
-        name = source.resolve(node.func) if isinstance(node, ast.Call) else ""
+    for node in calls_in(own_nodes(function)):
+        name = source.resolve(node.func)
         if name not in ("rclpy.shutdown", "rclpy.try_shutdown"):
             continue
         is_last = node in walk(function.body[-1])
@@ -159,23 +159,17 @@ def _shut_down(sources: NodeSources, source: PythonSource, function: Function) -
 def _ended_again(sources: NodeSources, source: PythonSource) -> Iterator[ast.Call]:
     """Yield the calls of rclpy.shutdown() that a function of a file comes to after it has spun."""
     for home, function in sources.functions.values():
-        nodes = own_nodes(function) if home is source else ()
-        spins = [n.lineno for n in calls_in(nodes) if source.resolve(n.func) == "rclpy.spin"]
-        for node in nodes if spins else ():
-            is_end = isinstance(node, ast.Call) and source.resolve(node.func) == "rclpy.shutdown"
-            if isinstance(node, ast.Call) and is_end and node.lineno > min(spins):
-                between = range(min(spins), node.lineno)
-                begins = (n for n in calls_in(nodes) if n.lineno in between)
-                is_anew = any(source.resolve(n.func) == "rclpy.init" for n in begins)
-                is_plain = is_always_reached(function, node) and not node.args and not is_anew
-                if is_plain and not _is_caught(source, function, node):
-                    yield node
-
-
-def _is_caught(source: PythonSource, function: Function, node: ast.Call) -> bool:
-    """Return whether what surrounds a call of rclpy catches the error that it raises after a shutdown."""
-    is_caught = may_be_caught(source, node.lineno, RuntimeError)
-    return is_caught or may_be_caught_by_caller(source, function, RuntimeError)
+        calls = calls_in(own_nodes(function)) if home is source else ()
+        named = [(source.resolve(call.func), call) for call in calls]
+        first = min((call.lineno for name, call in named if name == "rclpy.spin"), default=None)
+        for name, end in named if first is not None else ():
+            if name != "rclpy.shutdown" or end.lineno <= first or end.args:
+                continue
+            is_anew = any(name == "rclpy.init" and first <= c.lineno < end.lineno for name, c in named)
+            is_caught = may_be_caught(source, end.lineno, RuntimeError)
+            is_caught = is_caught or may_be_caught_by_caller(source, function, RuntimeError)
+            if is_always_reached(function, end) and not is_anew and not is_caught:
+                yield end
 
 
 def _needs_asyncio(
@@ -319,10 +313,9 @@ def _made_again(sources: NodeSources, source: PythonSource, functions: list[Func
     for function in functions:
         if function is not first and not is_always_reached(first, calls[function.name]):
             continue
-        for node in own_nodes(function):
-            method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
-            if method in _AGAIN and is_always_reached(function, node):
-                code, does, fix = _AGAIN[method]
+        for node in calls_of(own_nodes(function), *_AGAIN):
+            if is_always_reached(function, node):
+                code, does, fix = _AGAIN[getattr(node.func, "attr", "")]
                 cause = f"{first.name}() is called repeatedly and {does}."
                 yield Finding(code, cause, source.at(node), fix)
 

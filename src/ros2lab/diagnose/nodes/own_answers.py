@@ -74,11 +74,7 @@ def by_variable(ends: Sequence[End]) -> dict[tuple[Function, str], list[End]]:
 
 def _is_stable(written: ast.expr, function: Function) -> bool:
     """Return whether an expression has the same value wherever a function contains it."""
-    stored = [
-        node.id
-        for node in own_nodes(function)
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-    ]
+    stored = [ast.unparse(node) for node in stores_in(own_nodes(function))]
     names = [node.id for node in ast.walk(written) if isinstance(node, ast.Name)]
     calls = [ast.unparse(node.func) for node in calls_in(ast.walk(written))]
     # What a node's own `get_` returns, such as a parameter, stays.

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ast
-import copy
 from typing import TYPE_CHECKING
+
+from ros2lab.diagnose.sources.syntax_parts import with_arguments
 
 if TYPE_CHECKING:
     from ros2lab.diagnose.nodes.topic_faults import End
@@ -35,14 +36,7 @@ def with_profile_of(end: End, other: End) -> str:
 def _written(end: End, profile: str, names: list[str]) -> str:
     """Return the call that makes an end, with a profile as an expression, and the import of its names."""
     call, source = end.creation.call, end.creation.source
-    given = end.creation.given("qos_profile")
-    changed = copy.deepcopy(call)
-    for before, argument in zip(call.args, [*changed.args], strict=True):
-        if before is given:
-            changed.args[changed.args.index(argument)] = ast.parse(profile, mode="eval").body
-    for keyword, copied in zip(call.keywords, changed.keywords, strict=True):
-        if keyword.value is given:
-            copied.value = ast.parse(profile, mode="eval").body
+    changed = with_arguments(call, {id(end.creation.given("qos_profile")): profile})
     lacking = [name for name in sorted(names) if name not in source.names]
     more = f", with `from rclpy.qos import {', '.join(lacking)}` at the top" if lacking else ""
-    return f"write `{ast.unparse(changed)}`{more}"
+    return f"write `{changed}`{more}"

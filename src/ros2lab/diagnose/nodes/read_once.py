@@ -16,7 +16,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     walk,
 )
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of
 from ros2lab.diagnose.sources.uses import State
 
 _READERS = frozenset(("get_parameter", "declare_parameter"))
@@ -53,9 +53,7 @@ def read_once(state: State) -> Iterator[tuple[str, Finding]]:
 
 def _of_timers(state: State, init: Function, text: str, written: str) -> Iterator[str]:
     """Yield how a timer whose period is kept in an attribute takes its new period: each time that it is called."""
-    for node in own_nodes(init):
-        if not isinstance(node, ast.Call) or last_name(node.func) != "create_timer":
-            continue
+    for node in calls_of(own_nodes(init), "create_timer"):
         period, called = argument(node, 0, "timer_period_sec"), argument(node, 1, "callback")
         if period is None or called is None or text not in ast.unparse(period):
             continue
@@ -77,11 +75,10 @@ def _parameter_of(state: State, init: Function, value: ast.expr) -> tuple[str, a
 
 
 def _reads(node: ast.AST, name: str) -> bool:
-    return (
-        isinstance(node, ast.Call)
-        and last_name(node.func) == "get_parameter"
-        and any(getattr(given, "value", None) == name for given in node.args[:1])
-    )
+    match node:
+        case ast.Call(args=[ast.Constant(value=given), *_]):
+            return given == name and last_name(node.func) == "get_parameter"
+    return False
 
 
 def _is_said_to_change(state: State, name: str) -> bool:

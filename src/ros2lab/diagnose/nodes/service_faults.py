@@ -12,6 +12,7 @@ from ros2lab.diagnose.nodes.partners import Partners, made_in, name_in
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import last_name
 from ros2lab.diagnose.sources.spelling import is_near_miss, words_of
+from ros2lab.diagnose.sources.syntax_parts import with_arguments
 
 _OFFERS, _CALLS = ("create_service", "ActionServer"), ("create_client", "ActionClient")
 _OF_ACTIONS = ("node", "srv_type", "srv_name")  # the parameters of both classes of actions
@@ -70,10 +71,7 @@ class ServiceEnd:
 
     def renamed(self, name: str) -> str:
         """Return the call that creates it with another name, as it is written."""
-        call, named = self.creation.call, self.creation.given("srv_name")
-        given = [repr(name) if argument is named else ast.unparse(argument) for argument in call.args]
-        given += [f"{k.arg}={name!r}" if k.value is named else ast.unparse(k) for k in call.keywords]
-        return f"{ast.unparse(call.func)}({', '.join(given)})"
+        return with_arguments(self.creation.call, {id(self.creation.given("srv_name")): repr(name)})
 
 
 def service_ends(sources: NodeSources) -> Iterator[ServiceEnd]:

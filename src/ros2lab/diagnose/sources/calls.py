@@ -49,10 +49,8 @@ def call_faults(
         said: the message of the library, which may name a parameter.
         stands_trial: tells whether a proposed call is valid; None accepts every proposal.
     """
-    for node in source.nodes:
-        if not isinstance(node, ast.Call) or set(lines).isdisjoint(
-            range(node.lineno, (node.end_lineno or 0) + 1)
-        ):
+    for node in source.calls:
+        if set(lines).isdisjoint(range(node.lineno, (node.end_lineno or 0) + 1)):
             continue
         right, wrong, fix, whole = _meant(source, node)
         if fix and whole and stands_trial and not stands_trial(source, node, whole):
@@ -62,16 +60,10 @@ def call_faults(
         needs_all = signature is not None and not interfaces.is_interface(
             source.resolve(node.func)
         )  # a message needs no field
-        asked = (
-            [parameter for parameter in signature.parameters if parameter.name in words - given]
-            if signature and needs_all
-            else []
+        named = (
+            [p for p in signature.parameters if p.name in words - given] if signature and needs_all else []
         )
-        asked = [
-            parameter
-            for parameter in asked
-            if not parameter.is_positional and example_of(parameter) != parameter.name
-        ]
+        asked = [p for p in named if not p.is_positional and example_of(p) != p.name]
         if fix:
             what = (
                 f"does not accept {', '.join(wrong)[:_LONGEST]} as written"
@@ -82,18 +74,11 @@ def call_faults(
             )
             yield Finding("argument-type", f"{ast.unparse(node.func)} {what}.", source.at(node), fix)
         elif asked:
-            texts = [
-                *map(ast.unparse, node.args),
-                *_texts(node.keywords),
-                f"{asked[0].name}={example_of(asked[0])}",
-            ]
-            cause = f"{ast.unparse(node.func)} needs the argument {asked[0].name}, which is not given."
-            yield Finding(
-                "argument-missing",
-                cause,
-                source.at(node),
-                f"write `{ast.unparse(node.func)}({', '.join(texts)})`",
-            )
+            name = ast.unparse(node.func)
+            added = f"{asked[0].name}={example_of(asked[0])}"
+            texts = [*map(ast.unparse, node.args), *_texts(node.keywords), added]
+            cause = f"{name} needs the argument {asked[0].name}, which is not given."
+            yield Finding("argument-missing", cause, source.at(node), f"write `{name}({', '.join(texts)})`")
 
 
 def meant_call(source: PythonSource, call: ast.Call) -> str:

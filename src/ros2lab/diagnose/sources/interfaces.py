@@ -83,6 +83,11 @@ def _place_of(module: str) -> Path | None:
     return folder.joinpath(*rest) if folder else None
 
 
+def text_of(module: str) -> str:
+    """Return the text of an installed module; empty if it is not there, or is a package."""
+    return read_text((_place_of(module) or Path("-")).with_suffix(".py"))
+
+
 def _files_of(module: str) -> list[Path]:
     """Return the files directly in an installed package, or the file of a module, whether it is there or not."""
     path = _place_of(module) or Path("-")

@@ -15,7 +15,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
-from ros2lab.diagnose.sources.syntax_parts import all_parameters
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, stores_in
 
 if TYPE_CHECKING:
     from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources
@@ -121,10 +121,6 @@ def _function(source: PythonSource, name: str) -> Function | None:
 def _is_changed(sources: NodeSources, home: PythonSource, node: ast.Name | ast.Attribute) -> bool:
     """Return whether any file sets an attribute of what has a name, as `PROFILE.depth = 5` does."""
     last = ast.unparse(node).rpartition(".")[2]
-    return any(
-        isinstance(n, ast.Attribute)
-        and isinstance(n.ctx, ast.Store)
-        and ast.unparse(n.value).rpartition(".")[2] == last
-        for source in {*sources.sources.values(), home}
-        for n in source.nodes
-    )
+    stored = (n for source in {*sources.sources.values(), home} for n in stores_in(source.nodes))
+    owners = (ast.unparse(node.value) for node in stored if isinstance(node, ast.Attribute))
+    return any(owner.rpartition(".")[2] == last for owner in owners)

@@ -147,11 +147,8 @@ class Literals:
     def _calls(self, name: str) -> Iterator[tuple[PythonSource, ast.Call]]:
         """Yield the calls of a function or class, also those for which it is passed on: `submit(work, 3)`."""
         for source in self._sources.sources.values():
-            for node in source.nodes:
-                if isinstance(node, ast.Call):
-                    yield from (
-                        (source, call) for call in (node, *_passed_on(node)) if last_name(call.func) == name
-                    )
+            calls = (call for node in source.calls for call in (node, *_passed_on(node)))
+            yield from ((source, call) for call in calls if last_name(call.func) == name)
 
     def _called(self, source: PythonSource, call: ast.Call) -> Iterator[tuple[PythonSource, Function]]:
         """Yield the functions of the files that a call may mean."""

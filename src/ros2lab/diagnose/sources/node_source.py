@@ -377,13 +377,16 @@ class NodeSources:
             found[name] = frozenset(reached)
         return found
 
+    def calls_to(self, name: str) -> list[ast.Call]:
+        """Return the calls in the files of what has a full name."""
+        files = self.sources.values()
+        return [call for file in files for call in file.calls if self.resolve(file, call.func) == name]
+
     def hands_itself_on(self, source: PythonSource) -> bool:
         """Return whether a file passes a node to code outside these files, which may use it."""
-        for node in source.nodes:
-            if isinstance(node, ast.Call) and any(
-                getattr(argument, "id", "") in ("self", "node") for argument in given_to(node)
-            ):
-                name = self.resolve(source, node.func)
+        for call in source.calls:
+            if any(getattr(argument, "id", "") in ("self", "node") for argument in given_to(call)):
+                name = self.resolve(source, call.func)
                 is_own = name in self.functions or name in self.classes
                 if name and not is_own and not name.startswith(("rclpy.", "super")) and "." in name:
                     return True

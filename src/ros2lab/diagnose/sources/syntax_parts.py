@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.sources.python_source import Function, parameters
 
@@ -65,3 +65,16 @@ def equal_sides(node: ast.Compare) -> Iterator[tuple[ast.expr, list[ast.expr], b
             yield right, [left], is_equal
         elif isinstance(how, (ast.In, ast.NotIn)) and isinstance(right, (ast.Tuple, ast.List, ast.Set)):
             yield left, right.elts, is_equal
+
+
+LEFT_OUT = "..."  # a keyword argument with this value is left out
+
+
+def with_arguments(call: ast.Call, new: Mapping[int, str]) -> str:
+    """Return a call with other texts for some of its arguments, by their `id`."""
+    places = [new.get(id(value)) or ast.unparse(value) for value in call.args]
+    pairs = (
+        (keyword.arg, new.get(id(keyword.value)) or ast.unparse(keyword.value)) for keyword in call.keywords
+    )
+    named = [f"{name}={text}" if name else f"**{text}" for name, text in pairs if text != LEFT_OUT]
+    return f"{ast.unparse(call.func)}({', '.join([*places, *named])})"
