@@ -145,9 +145,6 @@ def _finding(source: PythonSource, given: _Given) -> Finding:
     call, outer = given.call, ast.unparse(given.outer.func)
     text = ast.unparse(call)
     clause, written = as_function(given.function, call, ())
-    return Finding(
-        "callback-called",
-        f"`{text}` is called right here, {clause}, but {outer}() needs a function to call later.",
-        source.at(call),
-        f"write `{f'{given.name}=' if given.name else ''}{written}`",
-    )
+    cause = f"`{text}` is called right here, {clause}, but {outer}() needs a function to call later."
+    fix = f"write `{f'{given.name}=' if given.name else ''}{written}`"
+    return Finding("callback-called", cause, source.at(call), fix)

@@ -41,18 +41,14 @@ def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
         node = _node(spot, call)
         written = _made(name, node, call, source) or _asked(name, last, node, call)
         if written:
-            return (
-                f"rclpy has no {name} in ROS 2; the node has it.",
-                f"write `{written}` instead of `{ast.unparse(call)}`",
-            )
+            cause = f"rclpy has no {name} in ROS 2; the node has it."
+            return cause, f"write `{written}` instead of `{ast.unparse(call)}`"
         homes = [home for home in interfaces.inner_homes_of(name) if home.startswith("rclpy.")]
         signature = signature_by_name(f"{homes[0]}.{name}") if homes else None
         if homes and last == name and (signature is None or signature.accepts(call)):
             made = f"{name}{ast.unparse(call).removeprefix(ast.unparse(call.func))}"
-            return (
-                f"rclpy itself has no {name}: it is in {homes[0]}.",
-                f"write `{made}`, with `from {homes[0]} import {name}` at the top",
-            )
+            cause = f"rclpy itself has no {name}: it is in {homes[0]}."
+            return cause, f"write `{made}`, with `from {homes[0]} import {name}` at the top"
     return None
 
 

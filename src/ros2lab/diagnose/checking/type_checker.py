@@ -154,10 +154,8 @@ def _without_constructor(made: str, base: str, name: str) -> tuple[str, str]:
     """Return cause and fix of a class without a constructor that is called without what its base class needs."""
     cause = f"{made} has no __init__ of its own, so {made}() takes the same arguments as {base}(), but is called without {name}."
     example = f"'{snake_case(made)}'" if name == "node_name" else f"{name}=..."
-    return (
-        cause,
-        f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})",
-    )
+    fix = f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})"
+    return cause, fix
 
 
 def _lacks_one(source: PythonSource, call: ast.Call) -> bool:
@@ -194,12 +192,7 @@ def _imported(owner: str, meant: str, spot: Spot) -> str:
 
 # Rules about what a value lacks or cannot do; the other rules are about the arguments of a call.
 _OF_VALUES = frozenset(
-    (
-        "missing-union-attribute",
-        "missing-attribute",
-        "not-callable",
-        "unsupported-operator",
-    )
+    ("missing-union-attribute", "missing-attribute", "not-callable", "unsupported-operator")
 )
 
 

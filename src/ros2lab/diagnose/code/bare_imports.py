@@ -71,12 +71,8 @@ def bare_sibling(source: PythonSource, imported: Import, own_modules: Collection
 
 def bare_import(whole: str, name: str, place: str) -> Finding:
     """Say that a module of a package is imported without the package's name."""
-    return Finding(
-        "import-wrong",
-        f"{name} is a module of the package {whole.removesuffix(f'.{name}')} and must be imported by its full name.",
-        place,
-        f"write {whole} instead of {name} there, and build again",
-    )
+    cause = f"{name} is a module of the package {whole.removesuffix(f'.{name}')} and must be imported by its full name."
+    return Finding("import-wrong", cause, place, f"write {whole} instead of {name} there, and build again")
 
 
 def by_folders(source: PythonSource, line: int, modules: Mapping[str, PythonSource]) -> Finding | None:

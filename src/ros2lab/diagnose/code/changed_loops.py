@@ -51,10 +51,7 @@ def _walked(loop: ast.For) -> tuple[str, str] | None:
 
 
 def _changes(
-    sources: NodeSources,
-    source: PythonSource,
-    owner: NodeClass | None,
-    loop: ast.For,
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, loop: ast.For
 ) -> Iterator[Finding]:
     walked = _walked(loop)
     if walked is None:

@@ -183,12 +183,9 @@ def path_faults(source: PythonSource) -> Iterator[Finding]:
                     and isinstance(part.value, str)
                     and part.value.startswith("/")
                 ):
-                    yield Finding(
-                        "path-absolute",
-                        f"{part.value!r} begins with a slash, so os.path.join drops everything before it.",
-                        source.at(part),
-                        f"write {part.value.lstrip('/')!r}",
-                    )
+                    cause = f"{part.value!r} begins with a slash, so os.path.join drops everything before it."
+                    fix = f"write {part.value.lstrip('/')!r}"
+                    yield Finding("path-absolute", cause, source.at(part), fix)
 
 
 def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
@@ -204,19 +201,12 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                 and texts
             ):
                 sign = "==" if isinstance(operator, ast.Is) else "!="
-                yield Finding(
-                    "literal-comparison",
-                    f"`{ast.unparse(node)}` asks whether both are the same object, which is never true of a received string.",
-                    source.at(node),
-                    f"write {ast.unparse(side)} {sign} {ast.unparse(other)}",
-                )
+                cause = f"`{ast.unparse(node)}` asks whether both are the same object, which is never true of a received string."
+                fix = f"write {ast.unparse(side)} {sign} {ast.unparse(other)}"
+                yield Finding("literal-comparison", cause, source.at(node), fix)
             elif isinstance(side, ast.Attribute) and texts and _names_method(source, side):
-                yield Finding(
-                    "no-effect",
-                    f"`{ast.unparse(side)}` names the method {side.attr} without calling it, so it never equals a string.",
-                    source.at(node),
-                    f"write {ast.unparse(side)}()",
-                )
+                cause = f"`{ast.unparse(side)}` names the method {side.attr} without calling it, so it never equals a string."
+                yield Finding("no-effect", cause, source.at(node), f"write {ast.unparse(side)}()")
             elif (
                 isinstance(side, ast.Call)
                 and isinstance(side.func, ast.Attribute)
@@ -231,12 +221,8 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                 for text in texts if is_compared and not side.args else ():
                     if text != change(text) and change(text) not in texts:
                         cause = f"`{ast.unparse(side)}` never equals {text!r}, because of {side.func.attr}()."
-                        yield Finding(
-                            "no-effect",
-                            cause,
-                            source.at(node),
-                            f"write {change(text)!r} instead of {text!r}",
-                        )
+                        fix = f"write {change(text)!r} instead of {text!r}"
+                        yield Finding("no-effect", cause, source.at(node), fix)
 
 
 def _texts_of(value: ast.expr) -> list[str]:
@@ -260,14 +246,13 @@ def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
             ast.Constant(value=str(text)) as constant,
         ] if text:
             only = f"{ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(constant)})"
-            yield Finding(
-                "text-as-condition",
-                f"`{ast.unparse(test)}` does not compare {ast.unparse(constant)}: a string by itself is always true.",
-                source.at(test),
+            cause = f"`{ast.unparse(test)}` does not compare {ast.unparse(constant)}: a string by itself is always true."
+            fix = (
                 f"write {ast.unparse(left)} == {ast.unparse(constant)} instead of {ast.unparse(constant)}"
                 if before
-                else f"write {only}",
+                else f"write {only}"
             )
+            yield Finding("text-as-condition", cause, source.at(test), fix)
 
 
 def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:

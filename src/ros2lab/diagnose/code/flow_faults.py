@@ -11,13 +11,7 @@ from ros2lab.diagnose.code.deadlocks import deadlocks
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import is_lasting
 from ros2lab.diagnose.sources.made_unseen import may_run
-from ros2lab.diagnose.sources.node_source import (
-    CREATORS,
-    Creation,
-    NodeClass,
-    NodeSources,
-    is_self_attribute,
-)
+from ros2lab.diagnose.sources.node_source import CREATORS, Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import blocks, is_steady
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -154,12 +148,9 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
                 # The node whose file has a different name was copied.
                 here, place = before if source.name.endswith(f".{name}") else (source, node)
                 stem = here.name.rpartition(".")[2]
-                yield Finding(
-                    "name-twice",
-                    f"The nodes in {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
-                    here.at(place),
-                    f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}",
-                )
+                cause = f"The nodes in {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart."
+                fix = f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}"
+                yield Finding("name-twice", cause, here.at(place), fix)
 
 
 def _is_variant(stem: str, other: str) -> bool:
@@ -175,12 +166,9 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
             if any(isinstance(n, (ast.Yield, ast.YieldFrom)) for n in ast.walk(after)):
                 continue
             where = f" of {function.name}()" if isinstance(function, Function) else ""
-            yield Finding(
-                "unreachable",
-                f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`.",
-                source.at(after),
-                f"move the {type(before).__name__.lower()} to the end, or below the condition it belongs to",
-            )
+            cause = f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`."
+            fix = f"move the {type(before).__name__.lower()} to the end, or below the condition it belongs to"
+            yield Finding("unreachable", cause, source.at(after), fix)
 
 
 def _never_true(source: PythonSource) -> Iterator[Finding]:
@@ -242,20 +230,16 @@ def _disordered(sources: NodeSources, source: PythonSource, block: list[ast.stmt
             and call
             and _ends_what_spins(sources, source, call, (spin, *calls[:first]), between)
         ):
-            yield Finding(
-                "life-order",
-                f"`{ast.unparse(block[number])}` comes before the spin, which then has nothing left to spin.",
-                source.at(block[number]),
-                f"move it after `{ast.unparse(spin)}`, to the end of main",
+            cause = (
+                f"`{ast.unparse(block[number])}` comes before the spin, which then has nothing left to spin."
             )
+            fix = f"move it after `{ast.unparse(spin)}`, to the end of main"
+            yield Finding("life-order", cause, source.at(block[number]), fix)
         is_late = number > first and name.rpartition(".")[2] in (*CREATORS, "add_node") and not is_ended
         if is_late and "rclpy.init" not in names[first:number]:
-            yield Finding(
-                "life-order",
-                f"`{ast.unparse(block[number])}` comes after the spin, which runs until Ctrl-C, so it is not reached before then.",
-                source.at(block[number]),
-                f"move it above line {spin.lineno}, `{ast.unparse(spin)}`",
-            )
+            cause = f"`{ast.unparse(block[number])}` comes after the spin, which runs until Ctrl-C, so it is not reached before then."
+            fix = f"move it above line {spin.lineno}, `{ast.unparse(spin)}`"
+            yield Finding("life-order", cause, source.at(block[number]), fix)
 
 
 def _may_end(sources: NodeSources, spin: ast.stmt) -> bool:
@@ -321,12 +305,11 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
         ):
             continue
         if node.type is None or getattr(node.type, "id", "") in ("Exception", "BaseException"):
-            yield Finding(
-                "errors-hidden",
-                f"{function.name}() catches every error without reporting it, so failures there stay silent.",
-                source.at(node),
-                "write `except ValueError as error:`, or whichever error you expect, and self.get_logger().error(str(error)) below it",
+            cause = (
+                f"{function.name}() catches every error without reporting it, so failures there stay silent."
             )
+            fix = "write `except ValueError as error:`, or whichever error you expect, and self.get_logger().error(str(error)) below it"
+            yield Finding("errors-hidden", cause, source.at(node), fix)
 
 
 def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
@@ -349,12 +332,9 @@ def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
         given = call.args[0] if call.func.attr.startswith("destroy_") and call.args else call.func.value
         is_end = call.func.attr in ("cancel", "destroy") or call.func.attr.startswith("destroy_")
         if is_end and is_self_attribute(given) and given.attr in made:
-            yield Finding(
-                "never-started",
-                f"`{ast.unparse(call)}` in __init__ stops self.{given.attr} before it is ever used.",
-                source.at(call),
-                f"remove the line `{ast.unparse(call)}`, or move it to where self.{given.attr} should stop",
-            )
+            cause = f"`{ast.unparse(call)}` in __init__ stops self.{given.attr} before it is ever used."
+            fix = f"remove the line `{ast.unparse(call)}`, or move it to where self.{given.attr} should stop"
+            yield Finding("never-started", cause, source.at(call), fix)
     for node in walk(constructor):
         if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
             cause = "autostart=False makes a timer that starts only when its reset() is called, and nothing calls it."

@@ -47,12 +47,9 @@ def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[st
             or (name and own.is_file() and _binds(own, name))
         ):
             continue
-        yield Finding(
-            "name-shadowed",
-            f"{own.name}, next to this file, has the same name as the module {top} and may be imported instead of it.",
-            source.at(imported.line),
-            f"rename {own.name}, for example to my_{own.name}, and update whatever imports it",
-        )
+        cause = f"{own.name}, next to this file, has the same name as the module {top} and may be imported instead of it."
+        fix = f"rename {own.name}, for example to my_{own.name}, and update whatever imports it"
+        yield Finding("name-shadowed", cause, source.at(imported.line), fix)
 
 
 def hidden_types(source: PythonSource) -> Iterator[Finding]:
@@ -70,13 +67,9 @@ def hidden_types(source: PythonSource) -> Iterator[Finding]:
             continue
         what = "class" if isinstance(node, ast.ClassDef) else "function"
         better = f"{node.name}Node" if what == "class" else f"{node.name}_node"
-        yield Finding(
-            "name-shadowed",
-            f"The {what} {node.name} has the same name as the message type imported on line {imported.line}, so from here on {node.name} means the {what}, not the message.",
-            source.at(node),
-            f"rename the {what} to {better}, here and where it is {'used' if what == 'class' else 'called'}",
-            (node.name,),
-        )
+        cause = f"The {what} {node.name} has the same name as the message type imported on line {imported.line}, so from here on {node.name} means the {what}, not the message."
+        fix = f"rename the {what} to {better}, here and where it is {'used' if what == 'class' else 'called'}"
+        yield Finding("name-shadowed", cause, source.at(node), fix, (node.name,))
 
 
 def _binds(file: Path, name: str) -> bool:
@@ -91,12 +84,9 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             continue
         top = imported.target.partition(".")[0]
         if top in ("rospy", "roslib", "roslaunch"):
-            yield Finding(
-                "ros1-import",
-                f"{top} belongs to ROS 1; in ROS 2 it is {ROS_1[top]}.",
-                source.at(imported.line),
-                f"import {ROS_1[top]}, and write the node as a subclass of rclpy.node.Node",
-            )
+            cause = f"{top} belongs to ROS 1; in ROS 2 it is {ROS_1[top]}."
+            fix = f"import {ROS_1[top]}, and write the node as a subclass of rclpy.node.Node"
+            yield Finding("ros1-import", cause, source.at(imported.line), fix)
         elif top in own_modules and top not in interfaces.PACKAGES:
             yield from _own_module(source, imported, own_modules, sources.beyond)
         elif bare_sibling(source, imported, own_modules):
@@ -148,12 +138,9 @@ def _own_module(
     name = imported.target.rpartition(".")[2] if imported.is_from else "*"
     holding = [*made, *(home for home, file in own_modules.items() if _holds(file, name, own_modules))]
     close = nearest(module, holding) or _only_definition(own_modules, name)
-    yield Finding(
-        "module-missing",
-        f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
-        source.at(imported.line),
-        f"write {close} instead of {module}" if close else "fix the name, or create the file",
-    )
+    cause = f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}"
+    fix = f"write {close} instead of {module}" if close else "fix the name, or create the file"
+    yield Finding("module-missing", cause, source.at(imported.line), fix)
 
 
 def _holds(file: PythonSource, name: str, modules: Collection[str]) -> bool:

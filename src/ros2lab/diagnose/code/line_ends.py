@@ -41,12 +41,8 @@ def line_end_faults(sources: NodeSources) -> Iterator[Finding]:
                 if side is not None and (id(function), text) not in told:  # one for all branches
                     told.add((id(function), text))
                     cause = f"A line read from a file ends with '\\n', so `{ast.unparse(node)[:70]}` is not true for it."
-                    yield Finding(
-                        "never-equal",
-                        cause,
-                        source.at(node),
-                        f"write {text}.strip() instead of {text} in each comparison",
-                    )
+                    fix = f"write {text}.strip() instead of {text} in each comparison"
+                    yield Finding("never-equal", cause, source.at(node), fix)
 
 
 class _Reader:

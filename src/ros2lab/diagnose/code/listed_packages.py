@@ -54,14 +54,13 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
     folder = folder_of(package, name).relative_to(package.folder).as_posix()
     # A package that is listed by name is installed even without an __init__.py.
     if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
-        return Finding(
-            "init-file-missing",
-            f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed.",
-            package.shown(f"{folder}/__init__.py"),
+        cause = f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed."
+        fix = (
             f"mv {quote(package.shown(called))} {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
             if (called := alike(package.folder, f"{folder}/__init__.py"))
-            else f"touch {quote(package.shown(f'{folder}/__init__.py'))}, and build again",
+            else f"touch {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
         )
+        return Finding("init-file-missing", cause, package.shown(f"{folder}/__init__.py"), fix)
     inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
     below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}
     written = _with(setup, [name, *sorted(below - {name, *names})])

@@ -226,10 +226,8 @@ def _as_parameter(unknown: Unknown) -> Reading | None:
         count=1,
     )
     if not new.endswith(":"):  # its signature spans several lines
-        return (
-            cause,
-            f"write `{name}=None` as the last parameter of {function.name}() (line {function.lineno})",
-        )
+        fix = f"write `{name}=None` as the last parameter of {function.name}() (line {function.lineno})"
+        return cause, fix
     return cause, f"write `{new}` on line {function.lineno}"
 
 
@@ -256,10 +254,8 @@ def _as_package(unknown: Unknown) -> Reading | None:
     if not unknown.package or not any(_names_package(unknown, use) for use in unknown.uses):
         return None
     line = f"`{unknown.name} = '{unknown.package}'`"
-    return (
-        f"{cause_of(unknown)} It stands for the name of the package.",
-        f"write {line} above line {unknown.statement.lineno}",
-    )
+    cause = f"{cause_of(unknown)} It stands for the name of the package."
+    return cause, f"write {line} above line {unknown.statement.lineno}"
 
 
 def _names_package(unknown: Unknown, use: ast.AST) -> bool:
@@ -294,10 +290,8 @@ def used_too_early(source: PythonSource, name: str, node: ast.AST) -> Reading | 
     is_global = any(isinstance(n, ast.Global) and name in n.names for n in source.nodes)
     top = min((n.lineno for n in source.tree.body if isinstance(n, (Function, ast.ClassDef))), default=1)
     number = top if is_global else _outside_loops(unknown).lineno
-    return (
-        f"Nothing gives {name} a value before this line runs.",
-        f"write `{name} = {value}` above line {number}",
-    )
+    cause = f"Nothing gives {name} a value before this line runs."
+    return cause, f"write `{name} = {value}` above line {number}"
 
 
 def _outside_loops(unknown: Unknown) -> ast.stmt:
@@ -376,10 +370,8 @@ def _as_text(unknown: Unknown) -> Reading | None:
     if len(unknown.uses) > 1 or not _may_be_text(unknown, unknown.node):
         return None
     fix = unknown.with_text(unknown.node, repr(unknown.name))
-    return (
-        cause_of(unknown),
-        f"{fix} if it is meant as a string; otherwise import or define {unknown.name} above",
-    )
+    cause = cause_of(unknown)
+    return cause, f"{fix} if it is meant as a string; otherwise import or define {unknown.name} above"
 
 
 def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:

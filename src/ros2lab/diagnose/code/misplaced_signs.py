@@ -27,12 +27,11 @@ def sign_fault(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
     is_value = ast.unparse(node.value.operand) in plain or any(isinstance(v, ast.UnaryOp) for v in others)
     is_value = is_value or _is_set_by_case(source, node, target)
     if is_apart and others and not is_value and _goes_on(source, node):
-        yield Finding(
-            "no-effect",
-            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time instead of changing it by that.",
-            source.at(node),
-            f"write {target} {sign}= {ast.unparse(node.value.operand)}",
+        cause = (
+            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time instead of changing it by that."
         )
+        fix = f"write {target} {sign}= {ast.unparse(node.value.operand)}"
+        yield Finding("no-effect", cause, source.at(node), fix)
 
 
 def _goes_on(source: PythonSource, node: ast.Assign) -> bool:

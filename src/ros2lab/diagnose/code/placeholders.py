@@ -36,12 +36,8 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
             fields = _FIELD.findall(node.value)
             if all(fields) and fields and [*_known(names, node.value)] == fields:
                 cause = f"The f before the string is missing, so {{{fields[0]}}} is shown as it is and no value is filled in."
-                yield Finding(
-                    "text-not-filled",
-                    cause,
-                    source.at(node),
-                    f"write f before the quote: f{node.value[:40]!r}",
-                )
+                fix = f"write f before the quote: f{node.value[:40]!r}"
+                yield Finding("text-not-filled", cause, source.at(node), fix)
     for text in _shown(source.nodes):
         if (found := _EMPTY.search(str(text.value))) and id(text) not in filled:
             cause = f"{found[0]} is shown as it is: nothing says which value belongs there."

@@ -67,12 +67,8 @@ class _Times:
         said = f"is in {_NAMES[coarse]}" if len(sides) == 2 else f"is {value:g}"
         cause = f"{text} is in {_NAMES[fine]}, but {against} {said}, so `{ast.unparse(node)}` mixes units."
         factor = f"1e{round(math.log10(coarse / fine))}"
-        yield Finding(
-            "unit-mixed",
-            cause,
-            self._source.at(node),
-            f"write {_in_parentheses(text)} / {factor} instead of {text}",
-        )
+        fix = f"write {_in_parentheses(text)} / {factor} instead of {text}"
+        yield Finding("unit-mixed", cause, self._source.at(node), fix)
 
     def too_short(self, call: ast.Call) -> Iterator[Finding]:
         """Yield Durations of so few nanoseconds that no node could keep to them."""

@@ -239,12 +239,8 @@ def _called_modules(source: PythonSource, own: Mapping[str, Collection[str]]) ->
                 else f", and {meant} instead of {imported.local} where it is used"
             )
             cause = f"{imported.target} is a module; the class {meant} is in {homes[0]}."
-            yield Finding(
-                "import-wrong",
-                cause,
-                source.at(imported.line),
-                f"write `from {homes[0]} import {meant}{alias}`{used}",
-            )
+            fix = f"write `from {homes[0]} import {meant}{alias}`{used}"
+            yield Finding("import-wrong", cause, source.at(imported.line), fix)
 
 
 def _of_modules(

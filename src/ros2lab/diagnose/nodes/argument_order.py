@@ -31,12 +31,9 @@ def order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
         if isinstance(inner, ast.Constant) and isinstance(inner.value, (int, float)) and inner is not value:
             text = ast.unparse(value)
             number = ast.unparse(inner)
-            return Finding(
-                "dot-for-comma",
-                f"In `{text}` there is a dot where a comma should be.",
-                creation.source.at(value),
-                f"write {number}, {text.removeprefix(number).removeprefix('.')}",
-            )
+            cause = f"In `{text}` there is a dot where a comma should be."
+            fix = f"write {number}, {text.removeprefix(number).removeprefix('.')}"
+            return Finding("dot-for-comma", cause, creation.source.at(value), fix)
     missing = [name for name in CREATORS[creation.method] if name not in kinds]
     # One argument of the wrong kind may be just that; two are swapped, or one before them is missing.
     if (
@@ -45,13 +42,12 @@ def order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
         and not (wrong == ["callback"] and missing == ["qos_profile"] and kinds["callback"] != "number")
     ):
         return None
-    return Finding(
-        "argument-order",
-        f"The arguments of {creation.method} are in the wrong order, or one is missing: {' and '.join(wrong)} {'do' if len(wrong) > 1 else 'does'} not belong there.",
-        creation.source.at(creation.call),
+    cause = f"The arguments of {creation.method} are in the wrong order, or one is missing: {' and '.join(wrong)} {'do' if len(wrong) > 1 else 'does'} not belong there."
+    fix = (
         _in_order(sources, creation, wanted, kinds)
-        or f"write them in the order of {EXAMPLES[creation.method]}",
+        or f"write them in the order of {EXAMPLES[creation.method]}"
     )
+    return Finding("argument-order", cause, creation.source.at(creation.call), fix)
 
 
 def _is_displaced(

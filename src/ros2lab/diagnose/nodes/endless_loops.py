@@ -95,12 +95,9 @@ def rate_faults(sources: NodeSources) -> Iterator[Finding]:
             sleeps = [n for n in source.calls if ast.unparse(n.func) == f"{name}.sleep"]
             is_rate = getattr(made.func, "attr", "") == "create_rate"
             if is_rate and any(id(sleep) not in spinning for sleep in sleeps):
-                yield Finding(
-                    "rate-without-thread",
-                    "A rate can wake up only while the node is being spun, and nothing spins it during the sleep, so it hangs.",
-                    source.at(made),
-                    "use create_timer instead, or spin the node in a separate thread",
-                )
+                cause = "A rate can wake up only while the node is being spun, and nothing spins it during the sleep, so it hangs."
+                fix = "use create_timer instead, or spin the node in a separate thread"
+                yield Finding("rate-without-thread", cause, source.at(made), fix)
                 break
 
 

@@ -69,12 +69,8 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
     assert node is not None
     is_called = any(call.short == "init" for call in entrance.calls) or entrance.inits_at_import
     if not entrance.may_do_more and not is_called:
-        yield Finding(
-            "rclpy-init-missing",
-            "A node is made, but rclpy.init() is not called before it.",
-            node.source.at(node.call),
-            _init_written(entrance),
-        )
+        cause = "A node is made, but rclpy.init() is not called before it."
+        yield Finding("rclpy-init-missing", cause, node.source.at(node.call), _init_written(entrance))
     sure = [
         init
         for init in inits
@@ -90,12 +86,9 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
     if is_in_one_run and not _shutdown_between(sure[0].function, sure[0].call, sure[-1].call):
         kept = next((init for init in sure if init.function is entrance.function), sure[0])
         extra = next(init for init in reversed(sure) if init is not kept)
-        yield Finding(
-            "rclpy-init-twice",
-            "rclpy.init() is called twice in one program.",
-            extra.source.at(extra.call),
-            f"{removal(extra.source, extra.call)} on line {extra.call.lineno}; the one in {kept.function.name}() stays",
-        )
+        cause = "rclpy.init() is called twice in one program."
+        fix = f"{removal(extra.source, extra.call)} on line {extra.call.lineno}; the one in {kept.function.name}() stays"
+        yield Finding("rclpy-init-twice", cause, extra.source.at(extra.call), fix)
 
 
 def _are_in_one_run(entrance: Entrance, asked: list[Call]) -> bool:
@@ -130,12 +123,10 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
     assert node is not None
     waits = entrance.may_do_more or any(call.short in _WAITING for call in entrance.calls)
     if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance):
-        yield Finding(
-            "spin-missing",
-            f"{name} makes a node but never spins it, so the program ends at once and no callback is called.",
-            node.source.at(node.call),
-            _spin_of(entrance, node),
+        cause = (
+            f"{name} makes a node but never spins it, so the program ends at once and no callback is called."
         )
+        yield Finding("spin-missing", cause, node.source.at(node.call), _spin_of(entrance, node))
     if not waits:
         yield from _one_turn(entrance)
     if not entrance.spins and not entrance.may_do_more and not _names_spin(entrance):
@@ -149,12 +140,8 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
 def second_spins(entrance: Entrance) -> Iterator[Finding]:
     """Yield spins that are never reached, because another one runs before them."""
     for inner, function, spins in _in_a_row(entrance):
-        yield Finding(
-            "spin-missing",
-            "A spin runs until Ctrl-C, so the second spin is never reached and its node's callbacks are never called.",
-            inner.at(spins[1]),
-            joined(inner, function, spins),
-        )
+        cause = "A spin runs until Ctrl-C, so the second spin is never reached and its node's callbacks are never called."
+        yield Finding("spin-missing", cause, inner.at(spins[1]), joined(inner, function, spins))
     for spin in entrance.spins:
         loops = (node for node in own_nodes(spin.function) if isinstance(node, ast.For))
         for loop in loops if spin.is_lasting and spin.call.args else ():
@@ -194,12 +181,9 @@ def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
         ):
             continue
         name, length = node.source.name_of(node.call) or "node", ast.unparse(call.call.args[0])
-        yield Finding(
-            "spin-missing",
-            f"This loop sleeps without spinning, so no callback of {name} is ever called.",
-            call.source.at(call.call),
-            f"write rclpy.spin_once({name}, timeout_sec={length}) instead of {ast.unparse(call.call)}",
-        )
+        cause = f"This loop sleeps without spinning, so no callback of {name} is ever called."
+        fix = f"write rclpy.spin_once({name}, timeout_sec={length}) instead of {ast.unparse(call.call)}"
+        yield Finding("spin-missing", cause, call.source.at(call.call), fix)
 
 
 def _one_turn(entrance: Entrance) -> Iterator[Finding]:

@@ -53,12 +53,9 @@ def several_threads(entrance: Entrance) -> Iterator[Finding]:
         is_repeated = thread.is_repeated or len(makers) > 1 or any(_is_in_loop(entrance, n) for n in makers)
         if is_repeated or len(threads) > 1 or others:
             where = "" if is_repeated else f" while line {(threads[1:] or others)[0].call.lineno} does, too"
-            yield Finding(
-                "not-spinning",
-                f"Several threads spin nodes with rclpy.spin(){where}, but all of these use one executor, which only one thread can spin.",
-                thread.source.at(thread.call),
-                _apart(thread, threads, others),
-            )
+            cause = f"Several threads spin nodes with rclpy.spin(){where}, but all of these use one executor, which only one thread can spin."
+            fix = _apart(thread, threads, others)
+            yield Finding("not-spinning", cause, thread.source.at(thread.call), fix)
 
 
 def _apart(thread: Call, threads: Sequence[Call], others: Sequence[Call]) -> str:

@@ -35,49 +35,32 @@ def finding_of(fault: Fault) -> Finding | None:
         return _near_miss(fault)
     if isinstance(fault, TypeMismatch):
         publisher, subscription = fault.publisher, fault.subscription
-        return Finding(
-            "topic-type",
-            f"On {publisher.topic}, {_short(publisher.node)} publishes {publisher.type} but {_short(subscription.node)} subscribes with {subscription.type}, so no messages arrive.",
-            "",
-            "use the same type at both ends",
-            (publisher.topic,),
-        )
+        cause = f"On {publisher.topic}, {_short(publisher.node)} publishes {publisher.type} but {_short(subscription.node)} subscribes with {subscription.type}, so no messages arrive."
+        return Finding("topic-type", cause, "", "use the same type at both ends", (publisher.topic,))
     if isinstance(fault, QosMismatch):
-        return Finding(
-            "qos-mismatch",
+        cause = (
             f"On {fault.publisher.topic}, the quality of service of {_short(fault.publisher.node)} does not fit "
-            f"that of {_short(fault.subscription.node)}, so nothing arrives: {fault.reason}.",
-            "",
-            "give both ends the same quality of service",
-            (fault.publisher.topic,),
+            f"that of {_short(fault.subscription.node)}, so nothing arrives: {fault.reason}."
         )
+        fix = "give both ends the same quality of service"
+        return Finding("qos-mismatch", cause, "", fix, (fault.publisher.topic,))
     if isinstance(fault, SharedName):
-        return Finding(
-            "name-twice",
-            f"{fault.count} nodes are named {fault.node}, so what they publish arrives {fault.count} times.",
-            "",
-            "stop all but one",
+        cause = (
+            f"{fault.count} nodes are named {fault.node}, so what they publish arrives {fault.count} times."
         )
+        return Finding("name-twice", cause, "", "stop all but one")
     return None
 
 
 def _near_miss(fault: NearMiss) -> Finding:
     does, who = _does(fault.ends), _who(fault.ends)
     if fault.meant_ends:
-        return Finding(
-            "topic-near-miss",
-            f"{does} {fault.topic} and {_does(fault.meant_ends)} {fault.meant}: these are two different topics, so they do not connect.",
-            "",
-            f"use the same one of the two names in {who} and in {_who(fault.meant_ends)}",
-            (fault.topic, fault.meant),
-        )
-    return Finding(
-        "topic-near-miss",
-        f"{does} {fault.topic}, but {fault.meant} is a different topic, so they do not connect.",
-        "",
-        f"write {fault.meant} in {who}, then build and start it again",
-        (fault.topic,),
-    )
+        cause = f"{does} {fault.topic} and {_does(fault.meant_ends)} {fault.meant}: these are two different topics, so they do not connect."
+        fix = f"use the same one of the two names in {who} and in {_who(fault.meant_ends)}"
+        return Finding("topic-near-miss", cause, "", fix, (fault.topic, fault.meant))
+    cause = f"{does} {fault.topic}, but {fault.meant} is a different topic, so they do not connect."
+    fix = f"write {fault.meant} in {who}, then build and start it again"
+    return Finding("topic-near-miss", cause, "", fix, (fault.topic,))
 
 
 def _does(ends: tuple[End, ...]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import math
 import re
 from collections.abc import Iterator
 
@@ -22,13 +23,7 @@ from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_call
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, may_leave, own_calls, run_once
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    own_nodes,
-    parameters,
-    walk,
-)
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
@@ -71,11 +66,10 @@ def _spin_not_called(sources: NodeSources, source: PythonSource) -> Iterator[Fin
     for node in source.nodes:
         if isinstance(node, ast.Expr) and source.resolve(node.value) in ("rclpy.spin", "rclpy.init"):
             text = ast.unparse(node.value)
+            cause = f"`{text}` only names the function; without parentheses it is not called."
+            fix = f"write {text}({name})" if text.endswith("spin") else f"write {text}()"
             yield Finding(
-                "spin-missing" if text.endswith("spin") else "rclpy-init-missing",
-                f"`{text}` only names the function; without parentheses it is not called.",
-                source.at(node),
-                f"write {text}({name})" if text.endswith("spin") else f"write {text}()",
+                "spin-missing" if text.endswith("spin") else "rclpy-init-missing", cause, source.at(node), fix
             )
 
 
@@ -161,8 +155,8 @@ def _ended_again(sources: NodeSources, source: PythonSource) -> Iterator[ast.Cal
     for home, function in sources.functions.values():
         calls = calls_in(own_nodes(function)) if home is source else ()
         named = [(source.resolve(call.func), call) for call in calls]
-        first = min((call.lineno for name, call in named if name == "rclpy.spin"), default=None)
-        for name, end in named if first is not None else ():
+        first = min((call.lineno for name, call in named if name == "rclpy.spin"), default=math.inf)
+        for name, end in named:
             if name != "rclpy.shutdown" or end.lineno <= first or end.args:
                 continue
             is_anew = any(name == "rclpy.init" and first <= c.lineno < end.lineno for name, c in named)
@@ -185,12 +179,9 @@ def _needs_asyncio(
             called = node.value if isinstance(node, ast.Await) else None
             name = source.resolve(called.func) or "" if isinstance(called, ast.Call) else ""
             if name.startswith("asyncio."):
-                yield Finding(
-                    "callback-waits",
-                    f"{what[0].upper()}{what[1:]} is run by rclpy, which has no asyncio event loop, so {name}() fails.",
-                    source.at(node),
-                    f"{removal(source, node)}, and use create_timer(period, self.callback) for what should happen later",
-                )
+                cause = f"{what[0].upper()}{what[1:]} is run by rclpy, which has no asyncio event loop, so {name}() fails."
+                fix = f"{removal(source, node)}, and use create_timer(period, self.callback) for what should happen later"
+                yield Finding("callback-waits", cause, source.at(node), fix)
 
 
 def _sent_early(sources: NodeSources) -> Iterator[Finding]:
@@ -337,12 +328,11 @@ def _waits(
             name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
             seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
             if name == "rclpy.spin":
-                yield Finding(
-                    "spin-inside",
-                    f"{what[0].upper()}{what[1:]} spins, so it never returns and nothing after it is reached.",
-                    source.at(node),
-                    f"{removal(source, node)} here, and write rclpy.spin(node) in main, after the node is made",
+                cause = (
+                    f"{what[0].upper()}{what[1:]} spins, so it never returns and nothing after it is reached."
                 )
+                fix = f"{removal(source, node)} here, and write rclpy.spin(node) in main, after the node is made"
+                yield Finding("spin-inside", cause, source.at(node), fix)
             elif is_free or id(node) in repeated:
                 continue
             elif name == "input" or (
@@ -351,14 +341,13 @@ def _waits(
                 and isinstance(seconds.value, (int, float))
                 and seconds.value >= 1
             ):
-                yield Finding(
-                    "callback-waits",
-                    f"{what[0].upper()}{what[1:]} waits in {name}(), and no other callback is called until it continues.",
-                    source.at(node),
+                cause = f"{what[0].upper()}{what[1:]} waits in {name}(), and no other callback is called until it continues."
+                fix = (
                     "do the next step in a timer callback, with create_timer(period, self.callback), instead of waiting"
                     if name == "time.sleep"
-                    else f"call {name}() in a separate thread, and let the callback only use the result",
+                    else f"call {name}() in a separate thread, and let the callback only use the result"
                 )
+                yield Finding("callback-waits", cause, source.at(node), fix)
 
 
 def _waits_for_another(

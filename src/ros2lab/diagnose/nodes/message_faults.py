@@ -161,12 +161,9 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
         cause = f"{which} holds a float, but {text} is two numbers: the comma makes them a tuple."
         yield Finding("field-type", cause, place, f"write {digits[0]!s}.{digits[1]!s}, with a decimal point")
     elif wanted == "float" and given == "int":
-        yield Finding(
-            "int-in-float",
-            f"{which} holds a float, but {text} is an int: ROS does not check it, reads the wrong bytes and sends a number like 4e-323, practically 0.",
-            place,
-            f"write {text}.0 instead of {text}" if text.lstrip("-").isdigit() else f"write float({text})",
-        )
+        cause = f"{which} holds a float, but {text} is an int: ROS does not check it, reads the wrong bytes and sends a number like 4e-323, practically 0."
+        fix = f"write {text}.0 instead of {text}" if text.lstrip("-").isdigit() else f"write float({text})"
+        yield Finding("int-in-float", cause, place, fix)
     elif wanted == "str" and given in PLAIN:
         cause = f"{which} holds a string, but {text} is {_described(given)}."
         yield Finding("string-data-type", cause, place, f"write {fitting('str', value) or f'str({text})'}")
@@ -188,13 +185,11 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             fix = f"write `{short}.from_msg({ast.unparse(node.value)}).{name}` instead of `{ast.unparse(node)}`, with `from rclpy.{short.lower()} import {short}` at the top"
             yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
             return
-        yield Finding(
-            "message-field",
-            f"{short} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
-            scope.source.at(node),
-            _deeper(fields, inner, name, node) if inner else _one_of(fields, name, scope, node),
-            (str(message),),
+        cause = (
+            f"{short} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}"
         )
+        fix = _deeper(fields, inner, name, node) if inner else _one_of(fields, name, scope, node)
+        yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
 
 
 def _one_of(fields: Mapping[str, str], name: str, scope: Scope, node: ast.AST) -> str:
@@ -242,13 +237,9 @@ def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[
     plain = [kind for value in values if (kind := scope.kind(value)) in PLAIN]
     if messages and plain:
         text, kind = ast.unparse(messages[0]), str(scope.kind(messages[0]))
-        yield Finding(
-            "message-compared",
-            f"`{text}` is {_described(kind)}, which never equals {_described(str(plain[0]))}.",
-            scope.source.at(messages[0]),
-            f"compare {text}.{_first_field(kind)[0]}",
-            (kind,),
-        )
+        cause = f"`{text}` is {_described(kind)}, which never equals {_described(str(plain[0]))}."
+        fix = f"compare {text}.{_first_field(kind)[0]}"
+        yield Finding("message-compared", cause, scope.source.at(messages[0]), fix, (kind,))
 
 
 def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
@@ -289,11 +280,9 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
     if method != "publish":
         members = members_of("rclpy.publisher", "Publisher")[0]
         if members and method not in members:
+            cause = f"A publisher has no method {method}.{did_you_mean(method, ['publish'])}"
             yield Finding(
-                "publisher-method",
-                f"A publisher has no method {method}.{did_you_mean(method, ['publish'])}",
-                place,
-                f"write {ast.unparse(node.func.value)}.publish(msg)",
+                "publisher-method", cause, place, f"write {ast.unparse(node.func.value)}.publish(msg)"
             )
         return
     given = scope.kind(node.args[0]) if node.args else None
@@ -331,16 +320,10 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         return
     kind, value = scope.kind(node.args[0]), ast.unparse(node.args[0])
     if len(node.args) > 1:
-        yield Finding(
-            "logger-arguments",
-            f"A logger's {function.attr}() takes one string, but is given {len(node.args)} values.",
-            scope.source.at(node),
-            f"write {function.attr}({joined(node.args)})",
-        )
+        cause = f"A logger's {function.attr}() takes one string, but is given {len(node.args)} values."
+        fix = f"write {function.attr}({joined(node.args)})"
+        yield Finding("logger-arguments", cause, scope.source.at(node), fix)
     elif kind is not None and kind != "str" and not kind.startswith(PUBLISHER):
-        yield Finding(
-            "logger-arguments",
-            f"A logger's {function.attr}() takes a string, but {value} is {_described(kind)}.",
-            scope.source.at(node),
-            f"write {function.attr}(str({value}))",
-        )
+        cause = f"A logger's {function.attr}() takes a string, but {value} is {_described(kind)}."
+        fix = f"write {function.attr}(str({value}))"
+        yield Finding("logger-arguments", cause, scope.source.at(node), fix)

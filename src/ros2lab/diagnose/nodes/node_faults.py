@@ -26,13 +26,7 @@ from ros2lab.diagnose.sources.node_source import (
     is_self_attribute,
 )
 from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    own_nodes,
-    parameters,
-    walk,
-)
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -56,12 +50,9 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from _member_faults(sources, owner)
     for name, (source, node) in sources.node_names().items():
         if name and not _NODE_NAME.fullmatch(name):
-            yield Finding(
-                "node-name-invalid",
-                f"{name!r} is not a valid node name: it may contain only letters, digits and _, and must not begin with a digit.",
-                source.at(node),
-                f"write {re.sub(r'[^A-Za-z0-9_]', '_', name).lstrip('0123456789') or 'a_name'!r}",
-            )
+            cause = f"{name!r} is not a valid node name: it may contain only letters, digits and _, and must not begin with a digit."
+            fix = f"write {re.sub(r'[^A-Za-z0-9_]', '_', name).lstrip('0123456789') or 'a_name'!r}"
+            yield Finding("node-name-invalid", cause, source.at(node), fix)
     for creation in sources.creations:
         if creation.arguments is not None:
             yield from _creation_faults(sources, creation)
@@ -71,22 +62,16 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
     constructor = owner.methods.get("__init__")
     lost = None if constructor else lost_constructor(sources, owner)
     if lost is not None and any(base in NODE_CLASSES for base in owner.bases):
-        yield Finding(
-            "super-misspelt",
-            f"The method {lost.name} is not the constructor, which is __init__, with two underscores on each side of init.",
-            owner.source.at(lost),
-            f"write def __init__({ast.unparse(lost.args)}):",
-        )
+        cause = f"The method {lost.name} is not the constructor, which is __init__, with two underscores on each side of init."
+        fix = f"write def __init__({ast.unparse(lost.args)}):"
+        yield Finding("super-misspelt", cause, owner.source.at(lost), fix)
     function = constructor or lost
     calls = calls_in(walk(function)) if function else []
     for call in calls:
         if function is not None and _is_misspelt_super(owner.source, call.func):
-            yield Finding(
-                "super-misspelt",
-                f"`{ast.unparse(call.func)}` does not call the constructor of Node.",
-                owner.source.at(call),
-                f"write {super_call(sources, owner, given_to_super(function))}",
-            )
+            cause = f"`{ast.unparse(call.func)}` does not call the constructor of Node."
+            fix = f"write {super_call(sources, owner, given_to_super(function))}"
+            yield Finding("super-misspelt", cause, owner.source.at(call), fix)
             return
         if getattr(call.func, "attr", "") == "__init__":
             yield from _init_call_faults(sources, owner, call)
@@ -94,12 +79,9 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
         return
     order = SuperOrder(sources, owner, members_of("rclpy.node", "Node")[0])
     if not order.calls_init():
-        yield Finding(
-            "super-missing",
-            f"The constructor of {owner.definition.name} never calls super().__init__(), so there is no node when it is used.",
-            owner.source.at(constructor),
-            f"write {super_call(sources, owner)} as the first line of __init__",
-        )
+        cause = f"The constructor of {owner.definition.name} never calls super().__init__(), so there is no node when it is used."
+        fix = f"write {super_call(sources, owner)} as the first line of __init__"
+        yield Finding("super-missing", cause, owner.source.at(constructor), fix)
     elif early := order.first_early():
         use, fix = early
         cause = f"`{ast.unparse(use)}` is used before super().__init__() is called."
@@ -220,23 +202,15 @@ def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     if isinstance(name, str) and not TOPIC_NAME.fullmatch(name):
         better = re.sub(r"[_/]*/[_/]*", "/", re.sub(r"[^A-Za-z0-9_~{}/]+", "_", name.strip())).rstrip("/_")
         better = re.sub(r"(^|/)(?=\d)", r"\1topic_", re.sub(r"(?<=[\w}])/(?=\d)", "_", better)) or "topic"
-        yield Finding(
-            "topic-name-invalid",
-            f"{name!r} is not a valid topic name: between slashes it may contain only letters, digits and _, and no part may begin with a digit.",
-            creation.source.at(value),
-            f"write {better!r}",
-        )
+        cause = f"{name!r} is not a valid topic name: between slashes it may contain only letters, digits and _, and no part may begin with a digit."
+        yield Finding("topic-name-invalid", cause, creation.source.at(value), f"write {better!r}")
 
 
 def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -> Iterator[Finding]:
     place = creation.source.at(given)
     if isinstance(given, ast.Constant):
-        yield Finding(
-            "callback-missing",
-            f"{ast.unparse(given)} is not a function that ROS could call.",
-            place,
-            "pass a method, such as self.callback",
-        )
+        cause = f"{ast.unparse(given)} is not a function that ROS could call."
+        yield Finding("callback-missing", cause, place, "pass a method, such as self.callback")
         return
     if isinstance(given, ast.Call):
         inner = sources.function_of(creation, given.func)

@@ -56,12 +56,11 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                     f"`self.declare_parameter({name!r}, {default})` in the constructor, before it is read"
                 )
                 declare += ", with a default value where the dots are" * (default == "...")
-                yield Finding(
-                    "parameter-undeclared",
-                    f"The parameter {name!r} is read but never declared.{there}",
-                    source.at(node),
-                    f"write {close!r} if that is meant; otherwise {declare}" if close else f"write {declare}",
+                cause = f"The parameter {name!r} is read but never declared.{there}"
+                fix = (
+                    f"write {close!r} if that is meant; otherwise {declare}" if close else f"write {declare}"
                 )
+                yield Finding("parameter-undeclared", cause, source.at(node), fix)
 
 
 _FIELDS = {bool: "bool_value", int: "integer_value", float: "double_value", str: "string_value"}
@@ -147,12 +146,8 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
     place = at(shown, int(match["line"]) if match["line"] else None)
     if "opening" in said:
         cause = f"There is no parameter file {match['file']} in the folder where the command was typed."
-        return Finding(
-            "file-not-found",
-            cause,
-            "",
-            f"give it as {shown}, from the workspace folder" if files else "give the full path of the file",
-        )
+        fix = f"give it as {shown}, from the workspace folder" if files else "give the full path of the file"
+        return Finding("file-not-found", cause, "", fix)
     try:
         for _, path in files[:1]:
             read_parameter_file(read_text(path))
@@ -160,12 +155,8 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
         pass  # ROS's own message is shown below
     except ParameterFileError as error:
         return unread_file(shown, read_text(files[0][1]), error)
-    return Finding(
-        "parameter-file-syntax",
-        f"{shown} cannot be read as parameters: {said}.",
-        place,
-        "indent with spaces, write a space after each colon, and put the node's name and then ros__parameters: above the values",
-    )
+    fix = "indent with spaces, write a space after each colon, and put the node's name and then ros__parameters: above the values"
+    return Finding("parameter-file-syntax", f"{shown} cannot be read as parameters: {said}.", place, fix)
 
 
 def unread_file(shown: str, text: str, error: ParameterFileError) -> Finding:
@@ -252,19 +243,12 @@ def file_faults(
             yield from replaced_values(shown, text)
         elif isinstance(content, Mapping) and (near := _nearly_below(content)):
             cause = f"In {shown} the line above the parameters is {near}:, but ROS reads only what is below {BELOW}:."
-            yield Finding(
-                "parameter-file-node",
-                cause,
-                lines_of.at(near),
-                f"write {BELOW}: (two underscores) instead of {near}:",
-            )
+            fix = f"write {BELOW}: (two underscores) instead of {near}:"
+            yield Finding("parameter-file-node", cause, lines_of.at(near), fix)
         elif isinstance(content, Mapping) and any(is_node(str(key), names) for key in content):
-            yield Finding(
-                "parameter-file-node",
-                f"In {shown} the line `ros__parameters:` is missing between the node's name and its parameters.",
-                at(shown, 1),
-                "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it",
-            )
+            cause = f"In {shown} the line `ros__parameters:` is missing between the node's name and its parameters."
+            fix = "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it"
+            yield Finding("parameter-file-node", cause, at(shown, 1), fix)
 
 
 def _nearly_below(content: Mapping[Any, Any]) -> str:
@@ -343,13 +327,11 @@ def _other_nodes(
         if near or (sections[key] and declared and sections[key].keys() <= declared.keys()):
             alike = [name for name in free if {*name.split("_")} & {*short.split("_")}]
             likely = near or " or ".join(alike if len(alike) == 1 else free)
-            yield Finding(
-                "parameter-file-node",
+            cause = (
                 f"{lines.shown} sets parameters for a node called {short}, but {'the node is' if len(own) == 1 else 'the nodes are'} "
-                f"called {', '.join(own)} here, so the defaults are kept silently.",
-                lines.at(key),
-                f"write {likely} instead of {short}",
+                f"called {', '.join(own)} here, so the defaults are kept silently."
             )
+            yield Finding("parameter-file-node", cause, lines.at(key), f"write {likely} instead of {short}")
 
 
 def _value_faults(
@@ -360,20 +342,12 @@ def _value_faults(
     wanted, given = kind_of(default), kind_of(value)
     if wanted and given and wanted != given:
         shown = lines.written(name) or str(value)
-        yield Finding(
-            "parameter-type",
-            f"The parameter {name} is declared as {wanted}, but the file gives it {shown}, of type {given}, so the node does not start.",
-            lines.at(name),
-            value_fix(name, shown, given, wanted),
-        )
+        cause = f"The parameter {name} is declared as {wanted}, but the file gives it {shown}, of type {given}, so the node does not start."
+        yield Finding("parameter-type", cause, lines.at(name), value_fix(name, shown, given, wanted))
     near = next((known for known in declared if is_near_miss(name, known)), None)
     if near and name not in declared:
-        yield Finding(
-            "parameter-name",
-            f"The file sets the parameter {name}, but the node declares {near}{', which keeps its default' * (near not in section)}.",
-            lines.at(name),
-            write_instead(near, name, section),
-        )
+        cause = f"The file sets the parameter {name}, but the node declares {near}{', which keeps its default' * (near not in section)}."
+        yield Finding("parameter-name", cause, lines.at(name), write_instead(near, name, section))
 
 
 def sections_of(content: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:

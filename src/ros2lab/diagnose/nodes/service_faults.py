@@ -127,10 +127,7 @@ def server_for(
 
 
 def _only_one_of_its_type(
-    client: ServiceEnd,
-    of_kind: Collection[ServiceEnd],
-    lone: Collection[ServiceEnd],
-    served: Collection[str],
+    client: ServiceEnd, of_kind: Collection[ServiceEnd], lone: Collection[ServiceEnd], served: Collection[str]
 ) -> ServiceEnd | None:
     """Return the only server of a client's type, if the client is the only one of that type without a server."""
     alike = [server for server in lone if client.type and server.type == client.type]

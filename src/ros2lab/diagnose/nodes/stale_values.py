@@ -36,12 +36,11 @@ def computed_once(state: State) -> Iterator[Finding]:
         if _is_of_use(state, attribute, value):
             continue  # it changes for others, and this may be what it was at first
         line = f"{text} = {ast.unparse(value)}"
-        yield Finding(
-            "computed-once",
-            f"{text} is computed only once, in __init__, and is not updated when {by}() changes {attribute}.",
-            state.at(state.stores[text][0][1]),
-            f"write `{line}` as the first line of {readers[0][0].name}()",
+        cause = (
+            f"{text} is computed only once, in __init__, and is not updated when {by}() changes {attribute}."
         )
+        fix = f"write `{line}` as the first line of {readers[0][0].name}()"
+        yield Finding("computed-once", cause, state.at(state.stores[text][0][1]), fix)
 
 
 def _is_of_use(state: State, attribute: str, value: ast.expr) -> bool:

@@ -370,9 +370,6 @@ def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
             ):
                 users = {reader.name for reader, _ in state.loads.get(f"self.{name}", ())} - {method.name}
                 if not users - {"__init__"}:
-                    yield Finding(
-                        "begun-anew",
-                        f"{method.name}() resets self.{name} with `{ast.unparse(begun[name])}` each time, so it never grows.",
-                        state.at(begun[name]),
-                        f"remove the line `{ast.unparse(begun[name])}` here; it belongs in __init__",
-                    )
+                    cause = f"{method.name}() resets self.{name} with `{ast.unparse(begun[name])}` each time, so it never grows."
+                    fix = f"remove the line `{ast.unparse(begun[name])}` here; it belongs in __init__"
+                    yield Finding("begun-anew", cause, state.at(begun[name]), fix)

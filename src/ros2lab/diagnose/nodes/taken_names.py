@@ -81,12 +81,9 @@ def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding:
     maker = getattr(getattr(made, "func", None), "attr", "").partition("create_")[2]
     better = f"{name}_{maker.partition('_')[0] or 'value'}"
     also = f" and on line{'s' * (len(lines) > 1)} {' and '.join(map(str, lines))}" if lines else ""
-    return Finding(
-        "callback-missing",
-        f"self.{name} is assigned here, which hides the method {name}().",
-        owner.source.at(stored),
-        f"write self.{better} instead of self.{name} on this line{also}",
-    )
+    cause = f"self.{name} is assigned here, which hides the method {name}()."
+    fix = f"write self.{better} instead of self.{name} on this line{also}"
+    return Finding("callback-missing", cause, owner.source.at(stored), fix)
 
 
 def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:

@@ -185,13 +185,9 @@ def _near_misses(
             verb = "publishes on" if end.is_publisher else "subscribes to"
             reached = "reach subscribers to" if end.is_publisher else "receive what is published on"
             contrast = f"it does not {reached} {wanted!r}" if others else f"the course's topic is {wanted!r}"
-            yield Finding(
-                "topic-near-miss",
-                f"This node {verb} {end.name!r}, but {contrast}: the names differ.",
-                end.place,
-                f"write {wanted!r} if that is meant (a leading slash may stay)",
-                (end.name, wanted),
-            )
+            cause = f"This node {verb} {end.name!r}, but {contrast}: the names differ."
+            fix = f"write {wanted!r} if that is meant (a leading slash may stay)"
+            yield Finding("topic-near-miss", cause, end.place, fix, (end.name, wanted))
 
 
 def _may_face(there: list[End], others: list[End]) -> bool:
@@ -270,13 +266,9 @@ def _types(topic: str, there: list[End], unnamed: list[End], partners: Partners)
         if not right or end.type == right or _has_partner(topic, [end], unnamed, partners):
             continue
         kind = right.rpartition(".")[2]
-        yield Finding(
-            "topic-type",
-            f"On {end.name!r} this node uses {end.type}, but {'the course' if wanted else 'another node'} uses {right}, so no messages arrive.",
-            end.place,
-            f"write {kind}, with `from {right.rpartition('.')[0]} import {kind}`",
-            (end.name, right),
-        )
+        cause = f"On {end.name!r} this node uses {end.type}, but {'the course' if wanted else 'another node'} uses {right}, so no messages arrive."
+        fix = f"write {kind}, with `from {right.rpartition('.')[0]} import {kind}`"
+        yield Finding("topic-type", cause, end.place, fix, (end.name, right))
 
 
 def _right_type(end: End, others: list[End], there: list[End], alone: list[End]) -> str | None:
@@ -302,12 +294,8 @@ def _qualities(topic: str, there: list[End], partners: Partners) -> Iterator[Fin
                 for end in offers
             )
             if is_refused and not partners.may_be_elsewhere(topic):
-                yield Finding(
-                    "qos-mismatch",
-                    f"The subscription to {topic!r} requires {policy} {strict}, but the publisher offers {weak}, so nothing arrives.",
-                    listener.place,
-                    _alike(offers[0], listener, policy),
-                )
+                cause = f"The subscription to {topic!r} requires {policy} {strict}, but the publisher offers {weak}, so nothing arrives."
+                yield Finding("qos-mismatch", cause, listener.place, _alike(offers[0], listener, policy))
 
 
 def _alike(publisher: End, listener: End, policy: str) -> str:
@@ -324,13 +312,11 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
     for end in there:
         for timer, seconds in timers_of(end):
             if not has_period(seconds, period):
-                yield Finding(
-                    "period",
-                    f"{topic!r} is published every {seconds:g} s, but the course asks for every {period:g} s.",
-                    timer.source.at(timer.call),
-                    f"write create_timer({period}, ...)",
-                    (topic,),
+                cause = (
+                    f"{topic!r} is published every {seconds:g} s, but the course asks for every {period:g} s."
                 )
+                fix = f"write create_timer({period}, ...)"
+                yield Finding("period", cause, timer.source.at(timer.call), fix, (topic,))
 
 
 def timers_of(end: End) -> Iterator[tuple[Creation, float]]:

@@ -166,24 +166,18 @@ def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
         holder = next((h for h in owner.source.nodes if node in getattr(h, "body", [])), None)
         line = f"line {node.lineno}"
         if isinstance(holder, ast.ClassDef):
-            return (
-                f": it belongs to {holder.name} ({line}).",
-                f"move the method {name} into the class {owner.definition.name}",
-            )
+            cause = f": it belongs to {holder.name} ({line})."
+            return cause, f"move the method {name} into the class {owner.definition.name}"
         if holder is owner.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
-            return (
-                f": {name} is a function outside the class ({line}).",
-                f"write {name} instead of self.{name}",
-            )
+            cause = f": {name} is a function outside the class ({line})."
+            return cause, f"write {name} instead of self.{name}"
         inside = (
             f"too far, so it is a function inside {holder.name}()"
             if isinstance(holder, Function)
             else "too little, so it is a function outside the class"
         )
-        return (
-            f": it is indented {inside} ({line}).",
-            f"indent def {name} and its body like the other methods of {owner.definition.name}",
-        )
+        cause = f": it is indented {inside} ({line})."
+        return cause, f"indent def {name} and its body like the other methods of {owner.definition.name}"
     for local in owner.methods.values():
         set_here = [n for n in own_nodes(local) if isinstance(n, ast.stmt) and name in _assigned(n)]
         if set_here:

@@ -54,8 +54,7 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
         if any(uses.sources.resolve(source, node) in names for node in loads):
             continue  # it uses another node class
         made = next(
-            (node for node in calls_in(walk(main)) if uses.sources.makes_node(source, None, main, node)),
-            None,
+            (node for node in calls_in(walk(main)) if uses.sources.makes_node(source, None, main, node)), None
         )
         spun = next((dotted(n.func) or "" for n in calls_in(walk(main))), "")
         if made is None and not spun.startswith("rclpy."):
@@ -97,12 +96,9 @@ def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
         for reader in sorted(loads.get(variable, set()) - set(by)):
             name, node = next(iter(by.items()))
             shown = [sources.sources[program].shown.rpartition("/")[2] for program in (name, reader)]
-            yield Finding(
-                "never-passed",
-                f"{shown[0]} changes {ast.unparse(node)} and {shown[1]} reads it, but they are two programs, each with its own copy.",
-                sources.sources[name].at(node),
-                f"publish it on its own topic in {shown[0]}, such as /robot/state, and subscribe to that in {shown[1]}",
-            )
+            cause = f"{shown[0]} changes {ast.unparse(node)} and {shown[1]} reads it, but they are two programs, each with its own copy."
+            fix = f"publish it on its own topic in {shown[0]}, such as /robot/state, and subscribe to that in {shown[1]}"
+            yield Finding("never-passed", cause, sources.sources[name].at(node), fix)
 
 
 def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef) -> Iterator[Finding]:
@@ -138,13 +134,8 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             fix = f"move the lines from line {first.lineno} on into this one, or remove this one"
         else:
             fix = f"merge the two, and remove the one on line {first.lineno}"
-        yield Finding(
-            "replaced",
-            f"{what}{where} is defined twice: this one replaces the one on line {first.lineno}, which is never called.",
-            source.at(statement),
-            fix,
-            never=(source.at(first),),
-        )
+        cause = f"{what}{where} is defined twice: this one replaces the one on line {first.lineno}, which is never called."
+        yield Finding("replaced", cause, source.at(statement), fix, never=(source.at(first),))
 
 
 def _parameters_unread(uses: Uses) -> Iterator[Finding]:

@@ -11,14 +11,7 @@ from functools import cached_property
 
 from ros2lab.diagnose.sources.node_source import CREATORS, NODE_CLASSES, NodeSources
 from ros2lab.diagnose.sources.one_run import in_loops
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    children,
-    given_to,
-    last_name,
-    walk,
-)
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, given_to, last_name, walk
 from ros2lab.diagnose.sources.static_value import dotted, holds
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 

@@ -7,13 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    assigned_to,
-    own_nodes,
-    walk,
-)
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, assigned_to, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.sources.syntax_parts import all_parameters, stores_in
 

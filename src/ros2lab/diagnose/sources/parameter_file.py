@@ -220,9 +220,7 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
             )
         else:
             raise _error(
-                key,
-                f"{key.value} is not below {BELOW}:",
-                f"indent it like the parameters below {BELOW}:",
+                key, f"{key.value} is not below {BELOW}:", f"indent it like the parameters below {BELOW}:"
             )
 
 

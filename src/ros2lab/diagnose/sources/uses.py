@@ -111,10 +111,7 @@ class State:
                         self.stores.setdefault(text, []).append((method, node, values.get(id(node))))
                     else:
                         self.loads.setdefault(text, []).append((method, node))
-        self.read = {
-            *(text.split(".")[1] for text in self.loads),
-            *uses.read_of_others,
-        }
+        self.read = {*(text.split(".")[1] for text in self.loads), *uses.read_of_others}
 
     def at(self, node: ast.AST | None) -> str:
         """Return the place of a syntax node in the class, its bases or the classes derived from it."""

@@ -41,9 +41,7 @@ class _Loader(getattr(yaml, "CBaseLoader", yaml.BaseLoader)):  # type: ignore[mi
 
 
 def yaml_repair(
-    text: str,
-    vocabulary: Vocabulary,
-    check: Callable[[yaml.Node], object] = lambda _: None,
+    text: str, vocabulary: Vocabulary, check: Callable[[yaml.Node], object] = lambda _: None
 ) -> Slip | None:
     """Return the likeliest change after which a text is the YAML that it should be; None if no small one helps.
 
