@@ -132,8 +132,7 @@ def _is_callback(source: PythonSource, given: _Given) -> bool:
     index = next((n for n, value in enumerate(given.outer.args) if value is given.call), -1)
     if signature is None or (index < 0 and not given.name):
         return given.name.endswith("callback")
-    positional = [parameter for parameter in signature.parameters if parameter.is_positional]
-    name = given.name or (positional[index].name if index < len(positional) else "")
+    name = given.name or "".join(parameter.name for parameter in signature.places[index:][:1])
     return name.endswith("callback")
 
 

@@ -12,7 +12,7 @@ import yaml
 from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted
 from ros2lab.diagnose.checking.edits import Edit, all_applied, copied
-from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, message_annotations
+from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, kinds_in, message_annotations
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
@@ -88,21 +88,14 @@ def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
     """Return the types of the sides as the type checker writes them, in file order; empty if unknown."""
     known = _edited(source, [*message_annotations(source, look), *parameter_casts(source, sources)])
     asked = _comparisons(known)
-    written = [known.segment(comparison.side) for comparison in asked]
-    revealing = [
-        Edit(comparison.side, f"reveal_type({text})") for comparison, text in zip(asked, written, strict=True)
-    ]
+    sides = [comparison.side for comparison in asked]
+    revealing = [Edit(side, f"reveal_type({known.segment(side)})") for side in sides]
     rows: list[Row] = checked(source, [_edited(known, revealing).text.encode()])[0]
-    kinds = [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
+    kinds = kinds_in(rows)
     denied = contradicted(known, ((row.line, row.said) for row in rows))
-    return (
-        [
-            "Unknown" if is_contradicted(known, comparison.node.lineno, denied) else kind
-            for comparison, kind in zip(asked, kinds, strict=True)
-        ]
-        if len(kinds) == len(asked)
-        else []
-    )
+    doubted = [is_contradicted(known, comparison.node.lineno, denied) for comparison in asked]
+    told = zip(doubted, kinds, strict=True) if len(kinds) == len(asked) else ()
+    return ["Unknown" if is_doubted else kind for is_doubted, kind in told]
 
 
 def _edited(source: PythonSource, edits: Sequence[Edit]) -> PythonSource:
@@ -134,10 +127,9 @@ def _family(kind: str, own: Collection[str]) -> str:
     """Return a type in plain words; empty if it is unknown, or if its instances may equal anything."""
     if UNKNOWN_TYPE.search(kind):
         return ""
-    found = next((name for name, pattern in _FAMILIES if pattern.fullmatch(kind)), "")
-    return found or (
-        f"an instance of the class {kind}" if _OBJECT.fullmatch(kind) and kind not in own else ""
-    )
+    if found := next((name for name, pattern in _FAMILIES if pattern.fullmatch(kind)), ""):
+        return found
+    return f"an instance of the class {kind}" if _OBJECT.fullmatch(kind) and kind not in own else ""
 
 
 def _family_of(value: object) -> str:
@@ -160,11 +152,8 @@ def _fix(comparison: _Compared, families: Collection[str], wanted: str) -> str:
     sign, word = ("==", "in") if comparison.is_equal else ("!=", "not in")
     if len(meant) > 1:
         are_numbers = family == "a number" and all(isinstance(m, (int, float)) for m in meant)
-        return (
-            f"write `{text} {word} {tuple(meant)!r}`"
-            if are_numbers
-            else f"compare what is {wanted} on both sides"
-        )
+        both = f"compare what is {wanted} on both sides"
+        return f"write `{text} {word} {tuple(meant)!r}`" if are_numbers else both
     match (family, value):
         case "a function", _:
             fix = f"write {text}() instead of {text}"

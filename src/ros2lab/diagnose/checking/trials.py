@@ -173,8 +173,13 @@ def revealed_by(source: PythonSource, edit: Edit) -> str:
 
 
 def _revealed(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, str]:
-    kinds = [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
+    kinds = kinds_in(rows)
     return dict(zip(texts, kinds, strict=True)) if len(kinds) == len(texts) else {}
+
+
+def kinds_in(rows: Sequence[Row]) -> list[str]:
+    """Return the types that the type checker was asked for, in the order of the lines."""
+    return [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
 
 
 def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:

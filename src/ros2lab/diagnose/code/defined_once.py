@@ -7,7 +7,14 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assignments,
+    names_bound,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import defaults_of
 
@@ -69,13 +76,9 @@ def _changed(owner: NodeClass | None, function: Function, name: str) -> int:
     # Setting items of a dict or a list by key is how a cache works.
     if line := _line_of_change([node for node in nodes if not isinstance(node, ast.Subscript)], name):
         return line
-    kept = [
-        target
-        for node in nodes
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name) and node.value.id == name
-        for target in map(dotted, node.targets)
-        if target and target.startswith("self.")
-    ]
+    pairs = assignments(nodes)
+    targets = [dotted(target) or "" for target, value in pairs if getattr(value, "id", "") == name]
+    kept = [target for target in targets if target.startswith("self.")]
     if owner is None or len(kept) != 1:
         return 0
     found = [node for method in owner.functions for node in walk(method)]
@@ -97,11 +100,8 @@ def _line_of_change(nodes: Iterable[ast.AST], name: str) -> int:
 
 def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> Iterator[Finding]:
     """Yield class fields that are computed once, although each object reads them as its own."""
-    decorators = [
-        decorator.func if isinstance(decorator, ast.Call) else decorator
-        for decorator in definition.decorator_list
-    ]
-    is_data = any((source.resolve(decorator) or "") == "dataclasses.dataclass" for decorator in decorators)
+    decorators = [getattr(decorator, "func", decorator) for decorator in definition.decorator_list]
+    is_data = "dataclasses.dataclass" in map(source.resolve, decorators)
     for statement in definition.body:
         if not isinstance(statement, (ast.Assign, ast.AnnAssign)) or statement.value is None:
             continue

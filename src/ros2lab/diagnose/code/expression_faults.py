@@ -333,12 +333,8 @@ def _read(*nodes: ast.AST) -> set[str]:
 
 
 def _stored(body: list[ast.stmt]) -> set[str]:
-    return {
-        ast.unparse(target)
-        for statement in body
-        if isinstance(statement, ast.Assign)
-        for target in statement.targets
-    }
+    assigned = (statement for statement in body if isinstance(statement, ast.Assign))
+    return {ast.unparse(target) for statement in assigned for target in statement.targets}
 
 
 def keys_twice(source: PythonSource) -> Iterator[Finding]:

@@ -145,10 +145,10 @@ def lost_by(definition: Definition, calls: Sequence[ast.Call], lacking: int = 0)
     """
     function = definition.function
     names = [n for n in unbound_names(definition.source, function) if n not in _of_self(definition)]
-    stars = _starred(function, names, function.args.vararg), _double_starred(function, names)
-    plain = [name for name in names if name not in stars]
     if not names or function.args.vararg:
         return None
+    stars = _starred(function, names)
+    plain = [name for name in names if name not in stars]
     fitting = [call for call in calls if _passes(call, definition, plain, stars, lacking)]
     if not fitting and lacking != len(plain) and not (calls and any(stars) and lacking):
         return None
@@ -217,17 +217,17 @@ def named_by(call: ast.Call, number: int) -> list[str]:
     return found
 
 
-def _starred(function: Function, names: Sequence[str], known: ast.arg | None) -> str:
-    given = [n.value for n in walk(function) if isinstance(n, ast.Starred) and known is None]
-    by_use = next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
+def _starred(function: Function, names: Sequence[str]) -> tuple[str, str]:
+    """Return which of some names a function passes on as `*args` and as `**kwargs`; empty for none."""
+    found = ["", ""]
+    for node in walk(function):
+        is_double = isinstance(node, ast.keyword) and node.arg is None
+        if isinstance(node, ast.Starred) or is_double:
+            name = getattr(getattr(node, "value", None), "id", "")
+            found[is_double] = found[is_double] or (name if name in names else "")
     # By itself, `args` may be a plain parameter, as that of main() is.
-    return by_use or ("args" if {"args", "kwargs"} <= {*names} and known is None else "")
-
-
-def _double_starred(function: Function, names: Sequence[str]) -> str:
-    given = [n.value for n in walk(function) if isinstance(n, ast.keyword) and n.arg is None]
-    by_use = next((n.id for n in given if isinstance(n, ast.Name) and n.id in names), "")
-    return by_use or ("kwargs" if "kwargs" in names else "")
+    args = found[0] or ("args" if {"args", "kwargs"} <= {*names} else "")
+    return args, found[1] or ("kwargs" if "kwargs" in names else "")
 
 
 def _uses_self(definition: Definition) -> bool:

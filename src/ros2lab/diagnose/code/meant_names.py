@@ -379,11 +379,10 @@ def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
     around = unknown.above(whole)
     if isinstance(around, ast.Call):
         signature = signature_of(unknown.source, around) if whole in around.args else None
-        wanted = (
-            [parameter for parameter in signature.parameters if parameter.is_positional] if signature else []
-        )
-        index = around.args.index(whole) if whole in around.args else len(wanted)
-        return whole in around.args and (index >= len(wanted) or wanted[index].takes(ast.Constant("")))
+        if whole not in around.args:
+            return False
+        wanted = signature.places[around.args.index(whole) :][:1] if signature else []
+        return all(parameter.takes(ast.Constant("")) for parameter in wanted)
     if isinstance(around, ast.keyword):
         call = unknown.above(around)
         signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None

@@ -112,12 +112,8 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
         if first is None or (name.startswith("_") and not name.startswith("__")):
             continue
         between = scope.body[scope.body.index(first) + 1 : scope.body.index(statement)]
-        if any(
-            name in named(node)
-            for middle in between
-            if not isinstance(middle, Function)
-            for node in walk(middle)
-        ):
+        others = (node for middle in between if not isinstance(middle, Function) for node in walk(middle))
+        if any(name in named(node) for node in others):
             continue  # the first one is used in between
         given = [creation for creation, function in uses.sources.callbacks() if function is statement]
         where = f" of {scope.name}" if isinstance(scope, ast.ClassDef) else ""
@@ -138,19 +134,15 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
         yield Finding("replaced", cause, source.at(statement), fix, never=(source.at(first),))
 
 
+# What may read a parameter without its name.
+_READS_ANY = frozenset(("get_parameters", "get_parameters_by_prefix", "get_parameter_or", "_parameters"))
+_READS_ANY |= {"has_parameter", "add_on_set_parameters_callback", "add_post_set_parameters_callback"}
+
+
 def _parameters_unread(uses: Uses) -> Iterator[Finding]:
     """Yield declared parameters that nothing reads, where an attribute is set to the default instead."""
     declared = declared_in(uses.sources) or {}
-    asked = {
-        "get_parameters",
-        "get_parameters_by_prefix",
-        "add_on_set_parameters_callback",
-        "get_parameter_or",
-        "has_parameter",
-        "add_post_set_parameters_callback",
-        "_parameters",
-    }
-    if asked & set(uses.named):
+    if not _READS_ANY.isdisjoint(uses.named):
         return
     for source in uses.sources.sources.values():
         for owner, function, node in uses.sources.scoped(source):

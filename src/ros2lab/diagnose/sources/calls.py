@@ -134,7 +134,7 @@ def _change(old: list[str], new: list[str], right: list[str], wrong: list[str]) 
 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:
     """Return the arguments of the corrected call."""
-    places = [parameter for parameter in signature.parameters if parameter.is_positional]
+    places = signature.places
     if _lacks_brackets(places, call.args):
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
     slid = _with_gaps(places, list(call.args), {keyword.arg for keyword in call.keywords})

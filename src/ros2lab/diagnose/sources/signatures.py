@@ -75,6 +75,11 @@ class Signature:
     parameters: tuple[Parameter, ...]
     is_open: bool = False  # whether it accepts any keyword argument
 
+    @property
+    def places(self) -> list[Parameter]:
+        """The parameters that may be given by position."""
+        return [parameter for parameter in self.parameters if parameter.is_positional]
+
     def named(self, name: str) -> Parameter | None:
         """Return the parameter with this name; None if there is none."""
         return next((parameter for parameter in self.parameters if parameter.name == name), None)
@@ -84,7 +89,7 @@ class Signature:
         keywords = {keyword.arg for keyword in call.keywords}
         if None in keywords or any(isinstance(value, ast.Starred) for value in call.args):
             return True
-        places = [parameter.name for parameter in self.parameters if parameter.is_positional]
+        places = [parameter.name for parameter in self.places]
         given = {*places[: len(call.args)], *keywords}
         needed = {parameter.name for parameter in self.parameters if not parameter.default}
         known = self.is_open or keywords <= {parameter.name for parameter in self.parameters}
