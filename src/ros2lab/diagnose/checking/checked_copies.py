@@ -42,11 +42,6 @@ def said_of(
     """Return the messages of the type checker about some files: file, line, column, rule and text.
 
     Empty if it is not installed or fails.
-
-    Args:
-        files: their paths.
-        homes: more folders from which they import modules.
-        packages: the folders of the packages in which files are.
     """
     checker = shutil.which(
         "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"

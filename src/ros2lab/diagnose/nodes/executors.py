@@ -30,24 +30,16 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
                 fix = f"{removal(later.source, later.call)}, or add another node there"
                 yield Finding("not-spinning", cause, later.source.at(later.call), fix)
         for turn in entrance.calls:
-            if (
-                turn.name in _FOR_A_WHILE
-                and _has_no_executor(turn.call)
-                and _comes_after(entrance, added, turn)
-            ):
+            is_alone = turn.name in _FOR_A_WHILE and _has_no_executor(turn.call)
+            if is_alone and _comes_after(entrance, added, turn):
                 yield _taken_away(added, turn, entrance)
 
 
 def several_threads(entrance: Entrance) -> Iterator[Finding]:
     """Yield threads that call rclpy.spin() while another one does: only one can spin rclpy's executor."""
-    threads = [
-        reached for reached in entrance.calls if reached.short == "Thread" and _spins_in_thread(reached)
-    ]
-    others = [
-        reached
-        for reached in entrance.calls
-        if reached.name.startswith("rclpy.spin") and _has_no_executor(reached.call)
-    ]
+    threads = [call for call in entrance.calls if call.short == "Thread" and _spins_in_thread(call)]
+    spins = [call for call in entrance.calls if call.name.startswith("rclpy.spin")]
+    others = [spin for spin in spins if _has_no_executor(spin.call)]
     for thread in threads[:1]:
         makers = _made(entrance, thread)
         is_repeated = thread.is_repeated or len(makers) > 1 or any(_is_in_loop(entrance, n) for n in makers)

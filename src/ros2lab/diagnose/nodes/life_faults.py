@@ -37,12 +37,7 @@ _TRANSITIONS = frozenset(
 
 
 def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Finding]:
-    """Yield faults in how programs and their nodes start, run and end.
-
-    Args:
-        sources: the package's files.
-        mains: the functions that its executables call, such as `pk.talk:main`; None for every `main`.
-    """
+    """Yield faults in how programs and their nodes start, run and end; `mains` are what executables call, None any `main`."""
     for name in (
         mains if mains is not None else [main for main in sources.functions if main.endswith(".main")]
     ):

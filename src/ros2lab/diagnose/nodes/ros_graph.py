@@ -206,13 +206,7 @@ class Graph:
 
 
 def observe(node: RclpyNode, *, services: bool = False, everything: bool = False) -> Observation:
-    """Read the graph as a node sees it.
-
-    Args:
-        node: the node that looks; its own ends are included.
-        services: whether to read services, which takes two more queries per node.
-        everything: whether to also read what every node has.
-    """
+    """Read the graph as a node sees it, with its own ends; if asked, with services, which takes time, or what every node has."""
     names = [(name, space) for name, space in node.get_node_names_and_namespaces()]
     topics = [name for name, _ in node.get_topic_names_and_types()]
     ends = [

@@ -145,15 +145,7 @@ def service_faults(
     *,
     is_alone: bool = True,
 ) -> Iterator[Finding]:
-    """Yield clients of a service that no node of the workspace offers, while another name is probably meant.
-
-    Args:
-        files: the Python files of each package.
-        own: the names of the packages.
-        moved: packages and names that launch files remap or put into a namespace.
-        partners: what else may offer a service, and which packages are used together.
-        is_alone: whether no other program, such as a simulator, may offer a service.
-    """
+    """Yield clients of a service that no node of the workspace offers, while another name is probably meant."""
     partners = partners or Partners()
     ends = [end for sources in files for end in service_ends(sources)]
     for client in ends:

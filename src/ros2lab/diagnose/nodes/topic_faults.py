@@ -90,16 +90,9 @@ def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
             kind = sources.resolve(creation.source, creation.arguments.get("msg_type"))
             name = kind if _is_there(kind) else None
             qos = policies_of(sources, creation)
-            found.append(
-                End(
-                    topic.lstrip("/") if is_named else "",
-                    name,
-                    creation.method == "create_publisher",
-                    qos,
-                    creation,
-                    sources,
-                )
-            )
+            topic = topic.lstrip("/") if is_named else ""
+            is_publisher = creation.method == "create_publisher"
+            found.append(End(topic, name, is_publisher, qos, creation, sources))
     return found
 
 

@@ -79,14 +79,10 @@ def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
     stores: dict[str, dict[str, ast.Attribute]] = {}
     loads: dict[str, set[str]] = {}
     for name in sorted(programs):
-        for node in sources.sources[name].nodes:
-            variable = (
-                sources.resolve(sources.sources[name], node) if isinstance(node, ast.Attribute) else None
-            )
-            shared = variable is not None and any(
-                variable.startswith(f"{module}.") for module in sources.sources if module not in programs
-            )
-            if not shared or not isinstance(node, ast.Attribute) or variable is None:
+        source = sources.sources[name]
+        for node in (node for node in source.nodes if isinstance(node, ast.Attribute)):
+            variable = sources.resolve(source, node) or ""
+            if not any(variable.startswith(f"{module}.") for module in sources.sources.keys() - programs):
                 continue
             if isinstance(node.ctx, ast.Store):
                 stores.setdefault(variable, {}).setdefault(name, node)
