@@ -263,15 +263,10 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
 def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> tuple[str, str]:
     cause = f"{plain(owner)} has no {name}."
     if close := in_place_of(name, owner, spot, look, said):
-        is_name = close.isidentifier()
-        return (
-            (
-                f"{cause} Did you mean {close}?",
-                f"write {close} instead of {name}{_imported(owner, close, spot)}",
-            )
-            if is_name
-            else (cause, f"write {close}")
-        )
+        if not close.isidentifier():
+            return cause, f"write {close}"
+        fix = f"write {close} instead of {name}{_imported(owner, close, spot)}"
+        return f"{cause} Did you mean {close}?", fix
     if owner.startswith("Self@"):
         around = spot.source.class_at(spot.line) if spot.source else None
         if spot.source and around and (told := unset(spot.source, around, name)):

@@ -33,21 +33,8 @@ _NAMES = {
 # What is inserted between two tokens: none after which a space belongs stands without it.
 _INSERTED = {sign: {",": ", ", "+": " + ", "=": "="}.get(sign, sign) for sign in _NAMES if sign != "=="}
 _CLOSERS, _OPENERS, _QUOTES = ")]}", "([{", "'\""
-_ENDS = (
-    ":",
-    ",",
-    ")",
-    "]",
-    "}",
-    "))",
-    "):",
-    "),",
-    "],",
-    "},",
-    ")),",
-    ")]",
-    "])",
-)  # what a line's end may lack
+# What a line's end may lack.
+_ENDS = (":", ",", ")", "]", "}", "))", "):", "),", "],", "},", ")),", ")]", "])")
 _WORDS = (*keyword.kwlist, "match", "case")
 _MOST_TOKENS = 80  # of a line that is edited everywhere
 

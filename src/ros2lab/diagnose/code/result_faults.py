@@ -263,14 +263,10 @@ def _is_text(uses: Uses, source: PythonSource, value: ast.expr) -> bool:
     is_field = (
         isinstance(value, ast.Attribute) and value.attr == "data" and _of_string(uses, source, value.value)
     )
-    return is_field or (
-        isinstance(value, ast.Attribute)
-        and bool(values)
-        and all(
-            isinstance(text, ast.JoinedStr) or isinstance(getattr(text, "value", None), str)
-            for text in values
-        )
-    )
+    texts = [
+        isinstance(given, ast.JoinedStr) or isinstance(getattr(given, "value", None), str) for given in values
+    ]
+    return is_field or (isinstance(value, ast.Attribute) and bool(texts) and all(texts))
 
 
 def _of_string(uses: Uses, source: PythonSource, message: ast.expr) -> bool:

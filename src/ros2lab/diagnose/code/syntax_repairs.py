@@ -119,14 +119,8 @@ _BEGINS = re.compile(r"\s*(?:async def|def|class|@|import|from|if|for|while|try|
 def _part(lines: list[str], place: int, reader: _Reader) -> _Part | None:
     """Return the function or statement around a line, by its indentation; None if it has another fault by itself."""
     for pattern in (r"\s+(?:async )?def\b", r"\S"):
-        begin = next(
-            (
-                n
-                for n in range(place, 0, -1)
-                if re.match(pattern, lines[n - 1]) and _BEGINS.match(lines[n - 1])
-            ),
-            1,
-        )
+        above = (n for n in range(place, 0, -1) if _BEGINS.match(lines[n - 1]))
+        begin = next((n for n in above if re.match(pattern, lines[n - 1])), 1)
         depth = depth_of(lines[begin - 1])
         ends = (n for n in range(place + 1, len(lines) + 1) if _BEGINS.match(lines[n - 1]))
         end = next((n for n in ends if depth_of(lines[n - 1]) <= depth), len(lines) + 1)

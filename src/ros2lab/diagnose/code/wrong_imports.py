@@ -80,13 +80,8 @@ def _of_names(
     homes = _homes(module, wrong, names, source)
     if is_absent and not homes:
         return None  # a library that is not installed here
-    cause = (
-        f"There is no module {module}"
-        if names is None
-        else f"{wrong[0]} is not in {module}"
-        if len(wrong) == 1
-        else f"{' and '.join(wrong)} are not in {module}"
-    )
+    cause = f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} not in {module}"
+    cause = f"There is no module {module}" if names is None else cause
     return Finding(
         "import-wrong",
         cause + _meant(module, wrong, homes, is_module=names is not None),

@@ -299,13 +299,8 @@ def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, Function, list
     for function in entrance.functions:
         for node in walk(function):
             for block in blocks(node):
-                calls = [
-                    statement.value
-                    for statement in block
-                    if isinstance(statement, ast.Expr)
-                    and isinstance(statement.value, ast.Call)
-                    and id(statement.value) in spinning
-                ]
+                values = (statement.value for statement in block if isinstance(statement, ast.Expr))
+                calls = [call for call in calls_in(values) if id(call) in spinning]
                 if len(calls) > 1 and not _may_end(entrance, function, calls):
                     yield spinning[id(calls[1])], function, calls
 

@@ -185,15 +185,10 @@ def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     is_module = bool(name and re.fullmatch(r"\w+\.msg", name))
     if name in _BUILTIN_TYPES or is_text or is_instance or is_module:
         text = ast.unparse(value)
-        fix = text.removesuffix("()") if is_instance else "String"
-        yield Finding(
-            "type-not-a-message",
-            f"{creation.method} needs a message type such as String, and {text} is not one.",
-            creation.source.at(value),
-            f"write {fix}, with `from std_msgs.msg import String` at the top"
-            if fix == "String"
-            else f"write {fix}",
-        )
+        better = text.removesuffix("()") if is_instance else "String"
+        more = ", with `from std_msgs.msg import String` at the top" if better == "String" else ""
+        cause = f"{creation.method} needs a message type such as String, and {text} is not one."
+        yield Finding("type-not-a-message", cause, creation.source.at(value), f"write {better}{more}")
 
 
 def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
@@ -216,14 +211,10 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         inner = sources.function_of(creation, given.func)
         if inner is not None and gives_no_function(inner, given):
             clause, written = as_function(inner, given, _CALLED_WITH.get(creation.method, ()))
-            yield Finding(
-                "callback-called",
-                f"`{ast.unparse(given)}` calls the function right here, {clause}, but ROS needs the function itself, to call it later.",
-                place,
-                f"write {written} without parentheses"
-                if written.isidentifier() or "lambda" not in written
-                else f"write `{written}`",
-            )
+            cause = f"`{ast.unparse(given)}` calls the function right here, {clause}, but ROS needs the function itself, to call it later."
+            fix = f"write `{written}`" if "lambda" in written else f"write {written} without parentheses"
+            fix = f"write {written} without parentheses" if written.isidentifier() else fix
+            yield Finding("callback-called", cause, place, fix)
         return
     if isinstance(given, ast.Lambda):
         yield from _lambda_fault(creation, given)

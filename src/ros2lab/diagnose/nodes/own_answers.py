@@ -84,7 +84,5 @@ def _is_stable(written: ast.expr, function: Function) -> bool:
 def _is_kept_alone(end: End) -> bool:
     """Return whether nothing else is assigned to what a publisher is kept as."""
     owner, kept = end.creation.owner, end.creation.kept
-    stores = [
-        node for node in stores_in(walk(owner.definition) if owner else ()) if ast.unparse(node) == kept
-    ]
-    return len(stores) == 1
+    stored = stores_in(walk(owner.definition)) if owner else ()
+    return [*map(ast.unparse, stored)].count(kept) == 1

@@ -45,14 +45,9 @@ def type_in_words(kind: str) -> str:
 
 def value_in_words(value: str, kind: str) -> str:
     """Return a value with its type as far as the value does not show it."""
-    is_shown = kind in ("INTEGER", "DOUBLE", "BOOL")
-    return (
-        value
-        if is_shown
-        else f"the text {value!r}"
-        if kind == "STRING"
-        else f"{value}, {type_in_words(kind)}"
-    )
+    if kind == "STRING":
+        return f"the text {value!r}"
+    return value if kind in ("INTEGER", "DOUBLE", "BOOL") else f"{value}, {type_in_words(kind)}"
 
 
 def retyped(name: str, value: str, wanted: str, typed: Collection[str]) -> str:

@@ -22,13 +22,8 @@ if TYPE_CHECKING:
 
 _EVERY_NODES_SERVICES = frozenset(
     (
-        "describe_parameters",
-        "get_parameter_types",
-        "get_parameters",
-        "get_type_description",
-        "list_parameters",
-        "set_parameters",
-        "set_parameters_atomically",
+        *("describe_parameters", "get_parameter_types", "get_parameters", "get_type_description"),
+        *("list_parameters", "set_parameters", "set_parameters_atomically"),
     )
 )
 
@@ -302,11 +297,7 @@ def _without_hidden(seen: Observation) -> Observation:
     return Observation(
         tuple(name for name in seen.nodes if not _is_hidden_node(name)),
         tuple(end for end in seen.ends if not (is_hidden_topic(end.topic) or _is_hidden_node(end.node))),
-        tuple(
-            end
-            for end in seen.service_ends
-            if not (_is_hidden_service(end.service) or _is_hidden_node(end.node))
-        ),
+        tuple(e for e in seen.service_ends if not (_is_hidden_service(e.service) or _is_hidden_node(e.node))),
     )
 
 

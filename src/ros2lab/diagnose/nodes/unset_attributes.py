@@ -192,15 +192,10 @@ def _elsewhere(owner: NodeClass, name: str) -> tuple[str, str]:
 
 def _assigned(statement: ast.stmt) -> set[str]:
     """Return the names that an assignment gives a value."""
-    targets = getattr(statement, "targets", None) or [getattr(statement, "target", None)]
-    kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign)
-    return {
-        n.id
-        for target in targets
-        if target and isinstance(statement, kinds)
-        for n in ast.walk(target)
-        if isinstance(n, ast.Name)
-    }
+    if not isinstance(statement, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
+        return set()
+    targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+    return {n.id for target in targets for n in ast.walk(target) if isinstance(n, ast.Name)}
 
 
 def chain_fault(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> Finding | None:

@@ -180,13 +180,9 @@ def _filled_with(owner: NodeClass, name: str, default: ast.expr | None) -> ast.A
     """
     if not isinstance(default, ast.Constant):
         return None
-    pairs = [
-        (node, node.targets[0])
-        for node in walk(owner.definition)
-        if isinstance(node, ast.Assign)
-        and isinstance(node.targets[0], ast.Attribute)
-        and ast.dump(node.value) == ast.dump(default)
-    ]
+    assigned = [node for node in walk(owner.definition) if isinstance(node, ast.Assign)]
+    alike = [(node, node.targets[0]) for node in assigned if ast.dump(node.value) == ast.dump(default)]
+    pairs = [(node, target) for node, target in alike if isinstance(target, ast.Attribute)]
     fit = [
         node
         for node, target in pairs

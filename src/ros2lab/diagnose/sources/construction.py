@@ -70,14 +70,8 @@ def lost_constructor(sources: NodeSources, node_class: NodeClass) -> Function | 
     )
     if slip := next(slips, None):
         return slip
-    return next(
-        (
-            method
-            for method in node_class.functions
-            if not method.name.startswith("__init_sub") and _begins(method)
-        ),
-        None,
-    )
+    others = (method for method in node_class.functions if not method.name.startswith("__init_sub"))
+    return next(filter(_begins, others), None)
 
 
 def _has_its_own(source: PythonSource, node_class: NodeClass, owner: ast.expr) -> bool:

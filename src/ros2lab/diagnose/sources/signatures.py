@@ -213,18 +213,12 @@ def _of_properties(node: ast.ClassDef) -> Signature:
 
 def _of_function(node: Function, *, is_method: bool) -> Signature:
     places, defaults = parameters(node), defaults_of(node)
-    return Signature(
-        tuple(
-            Parameter(
-                argument.arg,
-                ast.unparse(argument.annotation) if argument.annotation else "",
-                ast.unparse(defaults[argument.arg]) if argument.arg in defaults else "",
-                is_positional=argument in places,
-            )
-            for argument in all_parameters(node)[is_method:]
-        ),
-        node.args.kwarg is not None,
-    )
+    found = []
+    for argument in all_parameters(node)[is_method:]:
+        kind = ast.unparse(argument.annotation) if argument.annotation else ""
+        default = ast.unparse(defaults[argument.arg]) if argument.arg in defaults else ""
+        found.append(Parameter(argument.arg, kind, default, is_positional=argument in places))
+    return Signature(tuple(found), node.args.kwarg is not None)
 
 
 @lru_cache(maxsize=256)

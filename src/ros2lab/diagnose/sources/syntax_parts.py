@@ -25,11 +25,6 @@ def stores_in(nodes: Iterable[ast.AST]) -> Iterator[ast.Name | ast.Attribute]:
             yield node
 
 
-def is_alone(node: ast.AST) -> bool:
-    """Return whether a node is a statement that is only a call."""
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
-
-
 def all_parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     """Return a function's parameters, also those that are only given by keyword."""
     return [*parameters(function), *function.args.kwonlyargs]
