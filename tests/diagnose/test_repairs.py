@@ -11,8 +11,8 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import Finding, of_text, of_workspace
-from ros2lab.diagnose.checking.trials import Trial
 from ros2lab.diagnose.checking.edits import Edit
+from ros2lab.diagnose.checking.trials import Trial
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import PythonSource
