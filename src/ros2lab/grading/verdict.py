@@ -34,6 +34,7 @@ NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
 DOUBTED = "Only {share:.0%} of it counts, because little tells that this node is meant for {wanted}."
 MEANT = "Use the topic {wanted} and the type {wanted_type}."
+TYPES = ("has_its_type", "service_has_its_type")  # a message of another type is of no use
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -118,13 +119,15 @@ def _weighed(
     rubric: Rubric, answers: Mapping[str, Answer], judged: Sequence[Judgement]
 ) -> Iterator[Judgement]:
     """Yield the judgements; what any node does counts less where little tells that the part's node is meant."""
-    telling = {criterion.id for criterion in rubric.criteria if QUESTIONS[criterion.question].tells_node}
+    asked = {criterion.id: criterion.question for criterion in rubric.criteria}
+    telling = {name for name, question in asked.items() if QUESTIONS[question].tells_node}
     for judgement in judged:
         known_by = [
             other for other in judged if other.component == judgement.component and other.id in telling
         ]
         earned, most = sum(other.points for other in known_by), sum(other.max for other in known_by)
-        is_doubted = judgement.component in rubric.assignment.parts and earned < most / 2
+        has_wrong_type = any(asked[other.id] in TYPES and not other.points for other in known_by)
+        is_doubted = judgement.component in rubric.assignment.parts and (has_wrong_type or earned < most / 2)
         if is_doubted and judgement.points and judgement.id not in telling and rubric.doubted < 1:
             seen = answers[judgement.id].seen
             yield replace(
