@@ -1088,6 +1088,7 @@ def test_a_subscriber_on_another_topic_has_what_it_does(
         ("/topic", evidences.STRING, 0.5, 8.5),
         ("/robot/status", "std_msgs/msg/Int32", 2.0, 14.5),  # what nobody can take counts half
         ("/robot/status", evidences.STRING, 0.5, 14.75),
+        ("/robot_status", evidences.STRING, 0.5, 12.25),
     ],
 )
 def test_what_any_node_does_counts_half_where_little_tells_that_it_is_meant(

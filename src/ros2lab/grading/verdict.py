@@ -34,7 +34,7 @@ NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
 DOUBTED = "Only {share:.0%} of it counts, because little tells that this node is meant for {wanted}."
 MEANT = "Use the topic {wanted} and the type {wanted_type}."
-TYPES = ("has_its_type", "service_has_its_type")  # a message of another type is of no use
+OTHER_TOPIC, WRONG_TYPE = "other", "wrong"  # answers about a node's topic, and its type
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -119,16 +119,15 @@ def _weighed(
     rubric: Rubric, answers: Mapping[str, Answer], judged: Sequence[Judgement]
 ) -> Iterator[Judgement]:
     """Yield the judgements; what any node does counts less where little tells that the part's node is meant."""
-    asked = {criterion.id: criterion.question for criterion in rubric.criteria}
-    telling = {name for name, question in asked.items() if QUESTIONS[question].tells_node}
+    telling = {criterion.id for criterion in rubric.criteria if QUESTIONS[criterion.question].tells_node}
+    doubted = {
+        part
+        for part in rubric.assignment.parts
+        if _is_doubted([each for each in judged if each.component == part and each.id in telling], answers)
+    }
     for judgement in judged:
-        known_by = [
-            other for other in judged if other.component == judgement.component and other.id in telling
-        ]
-        earned, most = sum(other.points for other in known_by), sum(other.max for other in known_by)
-        has_wrong_type = any(asked[other.id] in TYPES and not other.points for other in known_by)
-        is_doubted = judgement.component in rubric.assignment.parts and (has_wrong_type or earned < most / 2)
-        if is_doubted and judgement.points and judgement.id not in telling and rubric.doubted < 1:
+        is_doubted = judgement.component in doubted and judgement.id not in telling
+        if is_doubted and judgement.points and rubric.doubted < 1:
             seen = answers[judgement.id].seen
             yield replace(
                 judgement,
@@ -138,6 +137,13 @@ def _weighed(
             )
         else:
             yield judgement
+
+
+def _is_doubted(telling: Sequence[Judgement], answers: Mapping[str, Answer]) -> bool:
+    """Return whether a node has another type, or another topic and less than half of what tells of its part."""
+    levels = {answers[judgement.id].level for judgement in telling}
+    earned, most = sum(judgement.points for judgement in telling), sum(judgement.max for judgement in telling)
+    return WRONG_TYPE in levels or (OTHER_TOPIC in levels and earned < most / 2)
 
 
 def _decided(judgement: Judgement, decision: Decision | None) -> Judgement:
