@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.code.repair import RARE, USUAL, Repair
 
-_STEP = 4  # spaces of a level
-_EACH = 0.02  # what each further line adds to a cost
+_LEVELS = (" " * 4, "\t")  # what a file indents its levels by
+_EACH, _MOST = 0.02, 0.3  # what each further line adds to a cost, and what all of them add at most
+_CUT = 0.5  # what it costs to leave the next line behind
+_DEFINITION = re.compile(r"\s*(?:(?:async )?def\b|class\b|@)")
+_METHOD = re.compile(r"\s*(?:async )?def \w+\(\s*self\b")
 _SHOWN = 60
 
 
 def depth_of(line: str) -> int:
     """Return the number of spaces and tabs with which a line begins."""
     return len(line) - len(line.lstrip())
+
+
+def level_of(lines: Sequence[str]) -> str:
+    """Return what most lines of a file are indented by: a tab, or else four spaces."""
+    indents = Counter(line[0] for line in lines if line.strip() and line[0] in " \t")
+    return max(_LEVELS, key=lambda level: indents[level[0]])
+
+
+def in_words(indent: str) -> str:
+    """Return the beginning of a line in words, such as "8 spaces" or "1 tab"."""
+    sign = "tab" if "\t" in indent else "space"
+    return f"{len(indent)} {sign}" if len(indent) == 1 else f"{len(indent)} {sign}s"
 
 
 def moves_of(lines: Sequence[str], place: int, above: int, said: str) -> Iterator[Repair]:
@@ -39,13 +55,18 @@ def _with_something_below(lines: Sequence[str], place: int, above: int) -> Itera
 
 def _depths(lines: Sequence[str], number: int) -> list[int]:
     """Return the depths that a line may have had, the nearest to its own first."""
-    now = depth_of(lines[number - 1])
+    now, level = depth_of(lines[number - 1]), level_of(lines)
     found = {depth_of(line) for line in lines[: number - 1] if line.strip()}
     above = [line for line in lines[: number - 1] if line.strip()]
     if above and above[-1].rstrip().endswith(":"):
-        found.add(depth_of(above[-1]) + _STEP)
-    is_tabbed = "\t" in lines[number - 1][:now]
-    return sorted((found | {0}) - (set() if is_tabbed else {now}), key=lambda depth: abs(depth - now))
+        found.add(depth_of(above[-1]) + len(level))
+    is_mixed = _is_mixed(lines[number - 1], level)
+    return sorted((found | {0}) - (set() if is_mixed else {now}), key=lambda depth: abs(depth - now))
+
+
+def _is_mixed(line: str, level: str) -> bool:
+    """Return whether a line begins with other signs than its file."""
+    return not {*line[: depth_of(line)]} <= {level[0]}
 
 
 def _ends(lines: Sequence[str], number: int) -> Iterator[int]:
@@ -57,13 +78,12 @@ def _ends(lines: Sequence[str], number: int) -> Iterator[int]:
         if not line.strip():
             continue
         # A block ends where its level does; a definition may be the next one of what the first belongs to.
-        is_next = re.match(r"\s*(def|class|@|async def)\b", line) is not None
+        is_next = _DEFINITION.match(line) is not None
         if (depth_of(line) <= now or is_next) and end not in seen:
             seen.add(end)
             yield end
-        if depth_of(line) < now or (
-            depth_of(line) == now and re.match(r"(def|class|@|async def|if __name__)\b", line)
-        ):
+        is_top = re.match(r"(def|class|@|async def|if __name__)\b", line) and not _METHOD.match(line)
+        if depth_of(line) < now or (depth_of(line) == now and is_top):
             return
         end = other
     if end not in seen:
@@ -71,20 +91,23 @@ def _ends(lines: Sequence[str], number: int) -> Iterator[int]:
 
 
 def _moved(lines: Sequence[str], first: int, last: int, depth: int, head: int) -> Repair:
-    now = depth_of(lines[first - 1])
-    moved = [
-        _at(line, depth_of(line) + depth - now) if line.strip() else line for line in lines[first - 1 : last]
+    now, level = depth_of(lines[first - 1]), level_of(lines)
+    signs = level[0] * depth
+    below = [
+        level[0] * max(depth_of(line) + depth - now, 0) + line.lstrip() if line.strip() else line
+        for line in lines[first:last]
     ]
-    moved[0] = _at(lines[first - 1], depth)
-    code = lines[first - 1].strip()
-    why = f"`{code[:_SHOWN]}` begins with {now} spaces, but the lines it belongs with begin with {depth}"
-    if head:
+    code, new = lines[first - 1].strip(), signs + lines[first - 1].lstrip()
+    is_mixed = _is_mixed(lines[first - 1], level)
+    why = f"`{code[:_SHOWN]}` begins with {in_words(level[0] * now)}, but the lines it belongs with begin with {depth}"
+    if is_mixed:
+        why = "tabs and spaces are mixed in the indentation"
+    elif head:
         why = (
             f"the lines that belong to `{lines[head - 1].strip()[:_SHOWN]}` must be indented further than it"
         )
-    why = "tabs and spaces are mixed in the indentation" if "\t" in lines[first - 1][:now] else why
-    return Repair(first, moved[0], why, USUAL + _EACH * (last - first), tuple(moved[1:]), is_move=True)
-
-
-def _at(line: str, depth: int) -> str:
-    return " " * max(depth, 0) + line.lstrip()
+    # The body of a definition goes on to an empty line at least.
+    rest = lines[last] if head and last < len(lines) and _DEFINITION.match(lines[head - 1]) else ""
+    is_cut = bool(rest.strip()) and depth_of(rest) == now and not _DEFINITION.match(rest)
+    cost = USUAL + min(_EACH * (last - first), _MOST) + _CUT * is_cut
+    return Repair(first, new, why, cost, tuple(below), is_move=True)

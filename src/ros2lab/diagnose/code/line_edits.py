@@ -9,6 +9,7 @@ import re
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.repair import RARE, SELDOM, USUAL, Repair
+from ros2lab.diagnose.sources import interfaces
 
 _TOKEN = re.compile(
     r"""(?P<comment>\#.*)|(?P<text>[rbfuRBFU]{0,2}(?:"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'))|(?P<word>[A-Za-z_]\w*)"""
@@ -84,6 +85,7 @@ def edits_of(number: int, text: str, known: Collection[str]) -> Iterator[Repair]
         ):
             yield from edits(line)
         yield from _parted(line, known)
+        yield from _joined(line, known)
 
 
 def ends_of(number: int, text: str) -> Iterator[Repair]:
@@ -190,7 +192,8 @@ def _quoted_through(line: _Line) -> Iterator[Repair]:
     ends = [line.end, *(before.end() for before, after in pairs if after.lastgroup == "sign")]
     for begin, end in itertools.product(begins, ends):
         inner = line.text[begin:end]
-        if inner and not any(quote in inner for quote in _QUOTES):
+        is_statement = begin == line.tokens[0].start() and keyword.iskeyword(line.tokens[0][0])
+        if inner and not is_statement and not any(quote in inner for quote in _QUOTES):
             why = f"there are no quotes around the text `{_short(inner)}`"
             # The shortest is meant: a value, and not what it is called.
             yield line.spliced(begin, end, f"'{inner}'", why, SELDOM + len(inner) / 1000)
@@ -250,3 +253,24 @@ def _parted(line: _Line, known: Collection[str]) -> Iterator[Repair]:
                 why = f"{_NAMES.get(sign.strip(), 'a space')} is missing between `{left}` and `{right}`"
                 at = token.start() + cut
                 yield line.spliced(at, at, sign, why, USUAL if count > 1 else SELDOM - 0.3)
+
+
+def _joined(line: _Line, known: Collection[str]) -> Iterator[Repair]:
+    """Yield a line with two words joined to a name that its file, or ROS, knows: `self.create timer(...)`."""
+    for before, left, right in zip([None, *line.tokens], line.tokens, line.tokens[1:], strict=False):
+        is_part = before is not None and before[0] == "."
+        if left.lastgroup != "word" or right.lastgroup != "word" or keyword.iskeyword(right[0]):
+            continue
+        if keyword.iskeyword(left[0]) and not is_part:
+            continue
+        for name in (f"{left[0]}{right[0]}", f"{left[0]}_{right[0]}"):
+            if name in known or name in _of_ros() or interfaces.homes_of(name):
+                why = f"there is a space in the name `{name}`"
+                yield line.spliced(left.start(), right.end(), name, why, USUAL - 0.2)
+
+
+def _of_ros() -> Collection[str]:
+    """Return the names of rclpy, and of what a node has."""
+    return interfaces.members_of("rclpy.node", "Node")[0] | (
+        interfaces.importable_names("rclpy") or frozenset()
+    )

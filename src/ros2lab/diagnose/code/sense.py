@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import itertools
 import re
 from collections.abc import Callable, Collection, Iterator
 
@@ -21,8 +22,15 @@ _PLAIN = (ast.Constant, ast.JoinedStr, ast.List, ast.Dict, ast.Set, ast.Tuple)
 _IDLE = (ast.Name, ast.Attribute, ast.Compare, ast.BinOp, ast.Subscript, ast.Lambda, *_PLAIN)
 
 
-def nonsense(tree: ast.Module, first: int, last: int, before: str, after: str) -> float:
-    """Return what the oddities of some repaired lines cost: unknown names, idle values, calls of plain values."""
+def nonsense(
+    tree: ast.Module, first: int, last: int, before: str, after: str, *, is_move: bool = False
+) -> float:
+    """Return what the oddities of some repaired lines cost: unknown names, idle values, calls of plain values.
+
+    Lines that are only indented in another way were odd in themselves before.
+    """
+    if is_move:
+        return _PENALTY * sum(1 for _ in _out_of_place(tree, first, last))
     known = _bound(tree) | _BUILTINS
     near = [node for node in ast.walk(tree) if _is_within(node, first, last)]
     new = _texts(near) - {text[1:-1] for text in _TEXT.findall(before)}
@@ -31,6 +39,47 @@ def nonsense(tree: ast.Module, first: int, last: int, before: str, after: str) -
     odd += sum(2 if new & _texts([node.value]) else 1 for node in _idle(tree, first, last, new))
     odd += sum(1 for _ in _lost(tree, first, last)) + _members(tree, near) / 10
     return _PENALTY * (odd + max(len(_JOINED.findall(after)) - len(_JOINED.findall(before)), 0))
+
+
+def _out_of_place(tree: ast.Module, first: int, last: int) -> Iterator[ast.stmt]:
+    """Yield moved statements, and those that were left behind below them, in a body in which they mean little.
+
+    A method outside a class, a call in the body of a class, and what reads a name there that only functions bind.
+    """
+    around = (
+        n for n in ast.walk(tree) if isinstance(n, Function) and n.lineno <= last <= (n.end_lineno or 0)
+    )
+    yield from filter(_holds_a_method, around)
+    classes = (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
+    owners: Iterator[ast.Module | ast.ClassDef] = itertools.chain([tree], classes)
+    for owner in owners:
+        known = _bound_at_top(tree) | {name for node in owner.body for name in _names_of(node)}
+        is_below = False
+        for node in owner.body:
+            is_definition = isinstance(node, (Function, ast.ClassDef))
+            is_moved = node.lineno >= first and node.lineno <= last
+            is_left = is_below and (not is_definition or _is_method(node))
+            is_below = is_left or node.lineno <= last <= (node.end_lineno or 0)
+            if not (is_moved or is_below):
+                continue
+            is_value = isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)
+            if is_value and isinstance(owner, ast.ClassDef):
+                yield node
+            elif is_definition:
+                if owner is tree and _is_method(node):
+                    yield node
+            elif any(isinstance(n, ast.Name) and n.id not in known for n in ast.walk(node)):
+                yield node
+
+
+def _bound_at_top(tree: ast.Module) -> set[str]:
+    """Return the names that a file binds outside of its functions and classes, and those of Python."""
+    return {name for node in tree.body for name in _names_of(node)} | _BUILTINS
+
+
+def _names_of(node: ast.stmt) -> set[str]:
+    """Return the names that a statement binds where it stands."""
+    return {node.name} if isinstance(node, (Function, ast.ClassDef)) else _bound(node)
 
 
 def _unknown(tree: ast.Module, near: list[ast.AST], known: set[str], *, is_one_line: bool) -> int:
@@ -135,9 +184,11 @@ def _is_annotated_in_vain(node: ast.AST) -> bool:
 
 def _holds_a_method(node: ast.AST) -> bool:
     """Return whether a function contains one with a parameter `self`, which was to be a method."""
-    inner = [n for n in ast.walk(node) if isinstance(n, Function) and n is not node]
-    is_function = isinstance(node, Function)
-    return is_function and any(n.args.args and n.args.args[0].arg == "self" for n in inner)
+    return isinstance(node, Function) and any(_is_method(n) for n in ast.walk(node) if n is not node)
+
+
+def _is_method(node: ast.AST) -> bool:
+    return isinstance(node, Function) and bool(node.args.args) and node.args.args[0].arg == "self"
 
 
 _ODDITIES: tuple[Callable[[ast.AST], bool], ...] = (
@@ -167,7 +218,7 @@ def _idle(tree: ast.Module, first: int, last: int, new: set[str]) -> Iterator[as
 def _lost(tree: ast.Module, first: int, last: int) -> Iterator[str]:
     """Yield names in statements at the top of a file that only its functions bind."""
     at_top = [node for node in tree.body if not isinstance(node, (Function, ast.ClassDef))]
-    bound = _bound(ast.Module(at_top, [])) | {getattr(node, "name", "") for node in tree.body} | _BUILTINS
+    bound = _bound_at_top(tree)
     for statement in at_top:
         if _is_within(statement, first, last):
             yield from (n.id for n in ast.walk(statement) if isinstance(n, ast.Name) and n.id not in bound)

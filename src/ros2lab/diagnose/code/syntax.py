@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from ros2lab.diagnose.code.block_edits import depth_of, in_words, level_of
 from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.syntax_repairs import repairs_of
 from ros2lab.diagnose.finding import Finding, at
@@ -30,18 +31,24 @@ def explained(
     if not repairs:
         return Finding(code, f"{what}: {_said(fault)}.", place, _fix(fault, source))
     first, *more = repairs
-    steps = [_step(first), *(f"on line {repair.line} {_step(repair)}" for repair in more)]
+    steps = [
+        _step(first),
+        *(_step(repair, "" if repair.is_move else f"on line {repair.line} ") for repair in more),
+    ]
     cause = f"{what}: {first.why}."
     return Finding(code, cause, f"{place.rpartition(':')[0]}:{first.line}", "; ".join(steps))
 
 
-def _step(repair: Repair) -> str:
-    depth = len(repair.new) - len(repair.new.lstrip())
+def _step(repair: Repair, where: str = "") -> str:
+    indent = repair.new[: depth_of(repair.new)]
     if repair.below:
-        return f"indent lines {repair.line} to {repair.last} together, so that line {repair.line} begins with {depth} spaces"
+        return f"indent lines {repair.line} to {repair.last} together, so that line {repair.line} begins with {in_words(indent)}"
     if repair.is_move:
-        return f"begin line {repair.line} with {depth} spaces and no tab"
-    return f"write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else "remove the line"
+        other = "space" if "\t" in indent else "tab"
+        return f"begin line {repair.line} with {in_words(indent)} and no {other}"
+    return (
+        f"{where}write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else f"{where}remove the line"
+    )
 
 
 def _said(fault: SyntaxError) -> str:
@@ -59,6 +66,9 @@ def _said(fault: SyntaxError) -> str:
 def _fix(fault: SyntaxError, source: PythonSource | None) -> str:
     """Say what to do about a syntax error for which no change of the line is known."""
     if isinstance(fault, IndentationError):
+        level = level_of(source.text.splitlines()) if source else ""
+        if level == "\t" and not isinstance(fault, TabError):
+            return "indent what belongs to the line above by one tab more than that line"
         return "indent with four spaces everywhere, never with tabs"
     if "codec" in (fault.msg or ""):
         return "save the file again with the encoding UTF-8"

@@ -140,7 +140,11 @@ def _options(lines: list[str], number: int, reader: _Reader) -> list[tuple[float
         if repair.cost < same.cost:
             changes[repair.line, repair.new, repair.below] = repair
     part = _part(lines, place, reader)
-    some = [repair for repair in changes.values() if part is None or part.is_mended_by(repair, reader)]
+    some = [
+        repair
+        for repair in changes.values()
+        if part is None or repair.is_move or part.is_mended_by(repair, reader)
+    ]
     for repairs in (some, changes.values()):
         if found := _further(lines, max(reach, place), repairs, reader):
             return sorted(found, key=lambda option: option[0])
@@ -154,7 +158,8 @@ def _further(
     whole, further = list[tuple[float, Repair]](), list[tuple[float, Repair]]()
     for repair in repairs:
         end = reader.stops_at(repair.applied(lines))
-        if reader.reach > max(before, repair.last):
+        # What moves along was not read before, and may have faults of its own.
+        if reader.reach > max(before, repair.line if repair.is_move else repair.last):
             (whole if end == _END else further).append((_cost(repair, reader.tree, lines), repair))
     return [option for option in whole or further if option[0] < _NO_SENSE]
 
@@ -163,7 +168,8 @@ def _cost(repair: Repair, tree: ast.Module | None, lines: list[str]) -> float:
     before, after = "\n".join(lines[repair.line - 1 : repair.last]), "\n".join((repair.new, *repair.below))
     # Whoever leaves a bracket out leaves a line with more of one kind than of the other.
     more_open = max(_unpaired(after) - _unpaired(before), 0)
-    odd = nonsense(tree, repair.line, repair.last, before, after) if tree else 0.0
+    lines_of, texts = (repair.line, repair.last), (before, after)
+    odd = nonsense(tree, *lines_of, *texts, is_move=repair.is_move) if tree else 0.0
     return repair.cost + more_open / 5 + odd
 
 
@@ -175,20 +181,19 @@ def _unpaired(text: str) -> int:
 def _changes(lines: list[str], place: int, said: str) -> Iterator[Repair]:
     """Yield the changes near a fault that may mend it."""
     above = next((n for n in range(place - 1, 0, -1) if lines[n - 1].strip()), 0)
-    known = _names(lines, {place, above})
     yield from _left_out(place, lines[place - 1])
     yield from moves_of(lines, place, above, said)
     for number in dict.fromkeys((place, above, *map(int, re.findall(r"on line (\d+)", said)))):
         if number and not ("indent" in said and number != above):
             yield from in_pythons_words(number, lines[number - 1])
-            yield from edits_of(number, lines[number - 1], known)
+            yield from edits_of(number, lines[number - 1], _names(lines, number))
     for number in _around(lines, place):
         yield from ends_of(number, lines[number - 1])
 
 
-def _names(lines: list[str], but: set[int]) -> set[str]:
-    """Return the names in all lines but the faulty ones."""
-    text = "\n".join(line for number, line in enumerate(lines, 1) if number not in but)
+def _names(lines: list[str], but: int) -> set[str]:
+    """Return the names in all lines but the faulty one."""
+    text = "\n".join(line for number, line in enumerate(lines, 1) if number != but)
     return {*re.findall(r"[A-Za-z_]\w*", text), *dir(builtins)}
 
 
