@@ -241,3 +241,41 @@ def test_an_executable_of_a_package_that_is_there_twice(
     (copy / "setup.py").write_text(setup.replace(f"'{NAME.module} = ", "'older = "), encoding="utf-8")
     found = [finding.code for finding in of_workspace(root) if finding.code == "launch-executable"]
     assert found == ["launch-executable"] * is_told
+
+
+COUNTED = """
+def near(x0, y0, r0, x1, y1, r1):
+    return x0, y0, r0, x1, y1, r1
+
+
+def pair(left1, left2):
+    return left1, left2
+
+
+def clip(speed, limit):
+    return min(speed, limit)
+
+
+def more(found, x1, y1, x2, y2, r1, r2, left2, left3, limit, speed):
+    CALL
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "is_told"),
+    [
+        ("near(found.x, found.y, r1, x2, y2, r2)", False),
+        ("near(x1, y1, r1, x2, y2, r2)", False),
+        ("pair(left2, left3)", False),
+        ("pair(left2, 0)", False),
+        ("clip(limit, 2 * limit)", False),
+        ("clip(limit, found)", False),
+        ("clip(limit, speed)", True),
+        ("pair(left2, left1)", True),
+    ],
+)
+def test_names_that_are_counted_from_another_number_are_not_swapped(
+    tmp_path: Path, call: str, is_told: bool
+) -> None:
+    found = [*argument_name_faults(sources_of(COUNTED.replace("CALL", call), tmp_path))]
+    assert [finding.code for finding in found] == ["argument-order"] * is_told

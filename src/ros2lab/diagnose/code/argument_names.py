@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
@@ -70,23 +71,20 @@ def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
         second = takes.index(name) if name in takes else first
         if second in (first, *range(len(given), len(takes))) or names[second] == takes[second]:
             continue
-        if names[second] != takes[first] and not (
-            _is_own_name(given[first]) and _is_strange(name, takes[first], given[second])
-        ):
-            continue  # what another object calls its value says little of what it is here
-        # The argument it is swapped with may have any name except that of a third parameter.
-        if names[second] in ("", takes[first]) or names[second] not in takes:
+        # Each is named after the other's parameter; a number has no name, so that one alone must tell.
+        is_number = isinstance(getattr(given[second], "operand", given[second]), ast.Constant)
+        is_alone = is_number and _is_own_name(given[first]) and _is_strange(name, takes[first])
+        if names[second] == takes[first] or is_alone:
             right = list(given)
             right[first], right[second] = right[second], right[first]
             return right
     return None
 
 
-def _is_strange(name: str, parameter: str, other: ast.expr) -> bool:
-    """Return whether an argument's name does not fit its parameter's, and the other is not made of it as well."""
-    fits = {*name.split("_")} <= {*parameter.split("_")}
-    inner = (node for node in walk(other) if isinstance(node, ast.expr))
-    return not fits and all(_name_of(node) != name for node in inner)
+def _is_strange(name: str, parameter: str) -> bool:
+    """Return whether an argument's name is another word than its parameter's, and not only another number of it."""
+    words, known = ({*re.findall("[a-z]+", text.lower())} for text in (name, parameter))
+    return not words <= known
 
 
 def _is_own_name(node: ast.expr) -> bool:
