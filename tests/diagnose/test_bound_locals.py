@@ -19,6 +19,12 @@ BY_CHANCE = (
     "with open('a') as count:\n            pass",
     "self.name = count = 3",
     "names = [3 for count in range(3)]\n        msg.data = str(names)",
+    "count = self.count",
+    "count: int = int(self.count)",
+    "count, limit = self.count, self.limit",
+    "(count, _), limit = (self.count, 1), float(self.limit)",
+    "count = self.count if self.limit else 0",
+    "count = 2 * self.count",
 )
 MEANT = (
     "count = 7",
@@ -26,6 +32,10 @@ MEANT = (
     "count, limit = self.described()",
     "count = limit = 7",
     "[count, limit] = 1, 2",
+    "count = self.count + 1",
+    "count = -self.count",
+    "count, limit = self.limit, self.count",
+    "count = self.limit",
 )
 
 

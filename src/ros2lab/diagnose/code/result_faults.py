@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     assigned_to,
+    assignments,
     last_name,
     own_nodes,
     parameters,
@@ -165,11 +166,12 @@ def _lost_locals(
     }
     kept = State(uses, owner).read & uses.sources.attributes(owner) if owner else frozenset()
     values = values_in(function)
+    given = {id(n): part for to, value in assignments(walk(function)) for n, part in _parts(to, value)}
     # What it sets itself may be kept under this name as well.
     kept -= own_stores(function)
     for node in _never_read(function, names):
         name, said = node.id, f"{function.name}() sets {node.id}, which is a local variable; "
-        if name in kept:
+        if name in kept and not _is_read_only(given.get(id(node)), f"self.{name}"):
             fix = f"write self.{name} instead of {name}"
             yield Finding("not-kept", f"{said}self.{name} does not change.", source.at(node), fix)
             return
@@ -188,6 +190,28 @@ def _lost_locals(
             cause = f"{function.name}() computes {name} but never uses it; {target} is always {ast.unparse(zero)}."
             yield Finding("never-read", cause, source.at(zero), f"write {target} = {name}")
             return
+
+
+def _parts(target: ast.expr, value: ast.expr) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """Yield what a target binds, each with the part of the value that it gets, or with all of it."""
+    inner, given = getattr(target, "elts", None), getattr(value, "elts", [])
+    if inner is None:
+        yield target, value
+    for number, part in enumerate(inner or ()):
+        yield from _parts(part, given[number] if len(given) == len(inner or ()) else value)
+
+
+def _is_read_only(value: ast.expr | None, name: str) -> bool:
+    """Return whether a value is made of an attribute's own without being its next one, such as one more or less."""
+    match value:
+        case ast.UnaryOp(operand=side) if dotted(side) == name:
+            return False
+        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right) if name in (
+            dotted(left),
+            dotted(right),
+        ):
+            return False
+    return value is not None and any(dotted(inner) == name for inner in walk(value))
 
 
 def _never_read(function: Function, names: Sequence[ast.Name]) -> Iterator[ast.Name]:
