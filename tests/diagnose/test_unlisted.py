@@ -39,12 +39,19 @@ WRONG = [
     f"talk = {PLAIN}\nended = RegisterEventHandler(OnProcessExit(target_action=talk, on_exit=[LogInfo(msg='end')]))\nreturn LaunchDescription([talk])",
     f"ld = LaunchDescription([{PLAIN}])\nnote = LogInfo(msg='up')\nreturn ld",
     f"nodes = [{PLAIN}]\nreturn LaunchDescription()",
+    f"# talk\ntalk = {PLAIN}\nnote = LogInfo(msg='up')\nreturn LaunchDescription([note])",
+    f"talk = {PLAIN}\nnote = LogInfo(msg='up')\n# start talk as well\nreturn LaunchDescription([note])",
 ]
 RIGHT = [
     f"pace = {PACE}\ntalk = {TALK}\nreturn LaunchDescription([pace, talk])",
     f"items = []\nitems.append({PACE})\nitems.append({TALK})\nreturn LaunchDescription(items)",
     f"ld = LaunchDescription()\nfor item in ({PACE}, {TALK}):\n    ld.add_action(item)\nreturn ld",
     f"note = LogInfo(msg='up')\nreturn LaunchDescription([\n    {PLAIN},\n    # note,\n])",
+    f"talk = {PLAIN}\nnote = LogInfo(msg='up')\nreturn LaunchDescription([\n    # talk,\n    note,\n])",
+    f"talk = {PLAIN}\nnote = LogInfo(msg='up')\nreturn LaunchDescription([note])  # [note, talk]",
+    f"ld = LaunchDescription()\ntalk = {PLAIN}\n#ld.add_action( talk )  # not today\nreturn ld",
+    f"items = []\ntalk = {PLAIN}\n# items.append(talk)\nreturn LaunchDescription(items)",
+    f"talk = {PLAIN}\nnote = LogInfo(msg='up')\n# return LaunchDescription([note, talk])\nreturn LaunchDescription([note])",
 ]
 
 

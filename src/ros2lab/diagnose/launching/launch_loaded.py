@@ -221,7 +221,6 @@ def _never_added(source: PythonSource, lines: Sequence[int]) -> Iterator[Finding
     An argument that is declared in vain is told where something needs it.
     """
     for action in unlisted(source):
-        is_commented = re.search(rf"#.*\b{re.escape(action.name)}\b", source.text) if action.name else None
         what = f"The node {action.name}".rstrip()
         effect = "launch does not start it"
         if action.kind != "Node":
@@ -231,7 +230,7 @@ def _never_added(source: PythonSource, lines: Sequence[int]) -> Iterator[Finding
                 ),
                 "launch never does it",
             )
-        if action.kind == "DeclareLaunchArgument" or (action.kind != "Node" and is_commented):
+        if action.kind == "DeclareLaunchArgument" or action.is_commented_out:
             continue
         if action.kind != "Node" or {call.lineno for call in action.made} & {*lines}:
             cause = f"{what} is made here but is not in the launch description, so {effect}."

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import lines_in_words
+from ros2lab.diagnose.sources.commented_out import comments_in
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 
 _ACTIONS = ("launch.actions.", "launch_ros.actions.")
@@ -25,6 +27,16 @@ class Unlisted:
     def kind(self) -> str:
         """The class of the action, such as `Node`."""
         return last_name(self.made[0].func)
+
+    @property
+    def is_commented_out(self) -> bool:
+        """Whether a comment below it is code that names it, so that it is left out on purpose."""
+        below = ast.parse("")
+        for number, text in comments_in(self.source.text):
+            if number > self._last and self.name in text:
+                with contextlib.suppress(SyntaxError, ValueError):
+                    below.body += ast.parse(text.strip()).body
+        return any(isinstance(n, ast.Name) and n.id == self.name for n in walk(below))
 
     @property
     def listing(self) -> str:

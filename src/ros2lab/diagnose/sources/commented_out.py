@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ast
+import io
 import re
+import tokenize
 import warnings
+from collections.abc import Iterator
 
 
 def without_comments(text: str) -> str:
@@ -26,3 +29,10 @@ def without_texts(text: str) -> str:
             last = node.end_lineno or node.lineno
             lines[node.lineno - 1 : last] = [""] * (last - node.lineno + 1)
     return "\n".join(lines)
+
+
+def comments_in(code: str) -> Iterator[tuple[int, str]]:
+    """Yield the comments of Python code that can be read, each with its line and without its `#`."""
+    for token in tokenize.generate_tokens(io.StringIO(code).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string.lstrip("#")
