@@ -44,6 +44,7 @@ from ros2lab.diagnose.nodes.service_faults import service_faults
 from ros2lab.diagnose.nodes.taken_names import taken_packages
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of, topic_faults
 from ros2lab.diagnose.nodes.use_faults import use_faults
+from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.for_ros import is_for_ros
 from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.packaging.layout_faults import layout_faults
@@ -136,10 +137,12 @@ class Look:
         yield from guarded(layout_faults, self.root, self.packages, self.passed_over)
         started = [*guarded(self._started_faults)]
         told = {(finding.code, finding.place) for finding in started}
+        order = BuildOrder(self.packages)
         for package in self.packages:
             is_plain = package.name in plain
             if not is_plain:
-                yield from _each_once(guarded(manifest_faults, package, by_name, plain))
+                of_manifest = _each_once(guarded(manifest_faults, package, by_name, plain))
+                yield from order.proposed(package, of_manifest)
             yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
             yield from source_faults(self.sources(package), _mains(package))
             yield from guarded(bare_imports, package, self.sources(package))

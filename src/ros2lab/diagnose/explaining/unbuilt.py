@@ -9,6 +9,7 @@ from ros2lab.diagnose.explaining.commands import corrected
 from ros2lab.diagnose.explaining.needed import uses
 from ros2lab.diagnose.finding import Finding, stops_build
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.installed import changed_sources, prefix_of
 from ros2lab.diagnose.packaging.manifest_faults import mentions
 from ros2lab.diagnose.printed.error_text import ErrorText
@@ -57,7 +58,7 @@ def not_yet_built(package: SourcePackage, look: Look, error: ErrorText) -> Findi
     built = (user for user in look.packages if user.name in asked)
     users = [user for user in built if name in uses(user, look) or mentions(user, name)]
     for user in users if name not in asked else ():
-        if name not in _declared(user):
+        if name not in _declared(user) and not BuildOrder(look.packages).reaches(name, user.name):
             cause = f"{user.name} uses {name}, but its package.xml does not declare it, so colcon does not build {name} with it."
             again = typed if _UP_TO.search(typed) else _up_to(typed, [user.name])
             fix = f"add <exec_depend>{name}</exec_depend> to {user.shown('package.xml')}, then {again}, and source install/setup.bash"

@@ -12,10 +12,10 @@ from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from shlex import quote
-from typing import Any
 
 from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.packaging.build_order import needed
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import build_type_written, repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
@@ -74,7 +74,7 @@ def no_manifest(package: SourcePackage) -> Finding:
 
 def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
     """Yield a circle of packages that depend on each other: colcon finds no order to build them in."""
-    needs = {package.name: [dependency.name for dependency in _needed(package)] for package in packages}
+    needs = {package.name: [dependency.name for dependency in needed(package)] for package in packages}
     try:
         TopologicalSorter(needs).prepare()
     except CycleError as error:
@@ -97,12 +97,6 @@ def mentions(package: SourcePackage, name: str) -> bool:
     texts = [source.text for source in package.sources.values()]
     texts += [read_text(path) for path in package.launch_files]
     return any(re.search(rf"\b{re.escape(name)}\b", text) for text in texts)
-
-
-def _needed(package: SourcePackage) -> list[Any]:
-    manifest = package.manifest
-    kinds = ("buildtool_depends", "build_depends", "build_export_depends", "exec_depends", "test_depends")
-    return [dependency for kind in kinds for dependency in getattr(manifest, kind, ())]
 
 
 def _no_setup(package: SourcePackage) -> Finding:
