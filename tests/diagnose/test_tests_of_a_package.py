@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -71,3 +73,65 @@ def test_what_pytest_need_not_run_is_no_fault(tmp_path: Path, way: str) -> None:
 def test_what_pytest_never_runs_is_told(tmp_path: Path, way: str) -> None:
     texts, *wanted = WRONG[way]
     assert found(texts, tmp_path) == [tuple(wanted)]
+
+
+KEYWORDS = {
+    "none": ("", ["pytest"]),
+    "empty": ("extras_require={},", ["pytest"]),
+    "empty list": ("extras_require={\n        'test': [],\n    },", ["pytest"]),
+    "another one": ("extras_require={'dev': ['black']},", ["pytest"]),
+    "others": ("extras_require={'test': ['flake8']},", ["flake8", "pytest"]),
+    "as a text": ("extras_require={'test': 'flake8'},", ["flake8", "pytest"]),
+    "a variable": ("extras_require=extras,", ["pytest"]),
+    "a call": ("extras_require=dict(dev=['black']),", ["pytest"]),
+    "on a line with others": ("zip_safe=True, extras_require={'dev': ['a']},", ["pytest"]),
+}
+
+
+@pytest.mark.parametrize("way", KEYWORDS)
+def test_pytest_is_named_once_for_the_tests(tmp_path: Path, way: str) -> None:
+    """The fix, applied, is a call of setup() that names it."""
+    row, wanted = KEYWORDS[way]
+    Files.right(NAMES[1]).write(tmp_path)
+    (setup,) = tmp_path.glob("src/*/setup.py")
+    text = re.sub(r" +(?:tests_require|extras_require|zip_safe)=.*\n", "", setup.read_text())
+    text = text.replace("    packages=", f"    {row}\n    packages=").replace(
+        "setup(\n", "extras = {}\nsetup(\n"
+    )
+    setup.write_text(text)
+    (setup.parent / "test").mkdir(exist_ok=True)
+    (setup.parent / "test/test_a.py").write_text(ONE)
+    (finding,) = [f for f in of_workspace(tmp_path) if f.code == "tests-not-run"]
+    new, _, old = re.split(r"write `([^`]+)`( on its own line above | instead of )", finding.fix)[1:]
+    if old.startswith("`"):
+        text = text.replace(old.split("`")[1], new)
+    elif lines := re.findall(r"\d+", old):
+        rows = text.split("\n")
+        rows[int(lines[0]) - 1 : int(lines[-1])] = [f"    {new},"]
+        text = "\n".join(rows)
+    else:
+        text = text.replace(f"    {old.split('=')[0]}=", f"    {new}\n    {old.split('=')[0]}=")
+    calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
+    (call,) = [node for node in calls if getattr(node.func, "id", "") == "setup"]
+    (extras,) = [keyword.value for keyword in call.keywords if keyword.arg == "extras_require"]
+    assert eval(ast.unparse(extras), {"extras": {}})["test"] == wanted
+
+
+@pytest.mark.parametrize(
+    ("section", "wanted"),
+    [
+        ("", "write `extras_require="),
+        ("[options.extras_require]\ndev = black\n", "write test = pytest below [options.extras_require] in"),
+        ("[options.extras_require]\ntest = flake8\n", "with flake8, pytest below it"),
+    ],
+)
+def test_a_section_of_setup_cfg_is_written_once(tmp_path: Path, section: str, wanted: str) -> None:
+    Files.right(NAMES[1]).write(tmp_path)
+    (setup,) = tmp_path.glob("src/*/setup.py")
+    setup.write_text(re.sub(r" +(?:tests_require|extras_require)=.*\n", "", setup.read_text()))
+    with (setup.parent / "setup.cfg").open("a") as file:
+        file.write(section)
+    (setup.parent / "test").mkdir(exist_ok=True)
+    (setup.parent / "test/test_a.py").write_text(ONE)
+    (finding,) = [f for f in of_workspace(tmp_path) if f.code == "tests-not-run"]
+    assert wanted in finding.fix

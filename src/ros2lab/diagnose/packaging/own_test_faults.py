@@ -11,10 +11,11 @@ from importlib.metadata import entry_points
 from shlex import quote
 
 from ros2lab.diagnose.code.main_guards import is_guard
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, lines_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, read_text
+from ros2lab.diagnose.sources.setup_script import SetupScript
 
 _FIXTURE = re.compile(
     r"^ {,4}@(?:pytest\.)?fixture\b.*\n(?: *@.*\n)* *(?:async )?def (\w+)",
@@ -116,15 +117,61 @@ def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Fun
     if setup is None or "pytest" in setup.source.text + read_text(package.folder / "setup.cfg"):
         return
     cause = f"setup.py does not name pytest, so `colcon test` uses unittest, which does not find {test.name}() in {source.shown}."
+    place, fix = _with_pytest(package, setup)
+    yield Finding(
+        "tests-not-run", cause, place, f"{fix}, {'then' if 'setup.cfg' in fix else 'and'} build again"
+    )
+
+
+def _with_pytest(package: SourcePackage, setup: SetupScript) -> tuple[str, str]:
+    """Return where a package names what its tests need, and how to name pytest there; a keyword is given only once."""
     above = next(
         (name for name in ("install_requires", "packages", *setup.lines) if name in setup.lines), None
     )
-    if above is None:  # setup.cfg holds everything
-        fix = "write [options.extras_require] at the end of setup.cfg, with test = pytest below it, then build again"
-        yield Finding("tests-not-run", cause, package.shown("setup.cfg"), fix)
-        return
-    fix = f"write `extras_require={{'test': ['pytest']}},` on its own line above {above}=..., and build again"
-    yield Finding("tests-not-run", cause, at(setup.source.shown, setup.line(above)), fix)
+    options = package.setup_cfg.sections() if package.setup_cfg else []
+    if "options.extras_require" in options or above is None:
+        return package.shown("setup.cfg"), _in_cfg(package)
+    given = setup.given("extras_require")
+    if given is None:
+        row = "extras_require={'test': ['pytest']},"
+        return at(setup.source.shown, setup.line(above)), f"write `{row}` on its own line above {above}=..."
+    written = ast.get_source_segment(setup.source.text, given) or ""
+    old = f"`extras_require={written}`"
+    if given.end_lineno != given.lineno:
+        old = lines_in_words(setup.line("extras_require") or given.lineno, given.end_lineno or given.lineno)
+    place = at(setup.source.shown, setup.line("extras_require"))
+    return place, f"write `extras_require={ast.unparse(_and_pytest(given))}` instead of {old}"
+
+
+def _and_pytest(given: ast.expr) -> ast.expr:
+    """Return an expression of extras with pytest among what is for tests."""
+    pytest = ast.Constant("pytest")
+    if not isinstance(given, ast.Dict):
+        return ast.Dict([None, ast.Constant("test")], [given, ast.List([pytest])])
+    extras = {
+        ast.unparse(key) if key else f"**{n}": (key, value)
+        for n, (key, value) in enumerate(zip(given.keys, given.values, strict=True))
+    }
+    old = extras.get("'test'", (None, ast.List([])))[1]
+    items = (
+        old.elts
+        if isinstance(old, (ast.List, ast.Tuple))
+        else [old if isinstance(old, ast.Constant) else ast.Starred(old)]
+    )
+    extras["'test'"] = (ast.Constant("test"), ast.List([*items, pytest]))
+    return ast.Dict([key for key, _ in extras.values()], [value for _, value in extras.values()])
+
+
+def _in_cfg(package: SourcePackage) -> str:
+    """Say how to name pytest in setup.cfg, in a section of which there may be only one."""
+    section = "options.extras_require"
+    options = package.setup_cfg
+    if options is None or not options.has_section(section):
+        return f"write [{section}] at the end of setup.cfg, with test = pytest below it"
+    if not options.has_option(section, "test"):
+        return f"write test = pytest below [{section}] in setup.cfg"
+    named = ["", *options.get(section, "test").split(), "pytest"]
+    return f"write test = below [{section}] in setup.cfg, with {', '.join(named[1:])} below it, each on an indented line of its own"
 
 
 def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str]) -> Iterator[Finding]:
