@@ -21,7 +21,9 @@ from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.ros_calls import of_callback, of_class_method
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
 from ros2lab.diagnose.checking.wrong_owners import of_another_owner
+from ros2lab.diagnose.code.moved_keywords import moved_keyword
 from ros2lab.diagnose.code.refused_keywords import moved_keyword
+from ros2lab.diagnose.code.wrong_imports import other_home
 from ros2lab.diagnose.finding import SAID, Finding, stops_node
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.unset_attributes import unset
@@ -262,6 +264,8 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
 
 def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> tuple[str, str]:
     cause = f"{plain(owner)} has no {name}."
+    if elsewhere := _of_another_module(owner, name, spot):
+        return elsewhere
     if close := in_place_of(name, owner, spot, look, said):
         if not close.isidentifier():
             return cause, f"write {close}"
@@ -280,3 +284,16 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> t
         if methods
         else f"fix the spelling of {name}, or define it",
     )
+
+
+def _of_another_module(owner: str, name: str, spot: Spot) -> tuple[str, str] | None:
+    """Return cause and fix of a name that one module is asked for and another has, as for an import of it."""
+    source = spot.source if interfaces.is_module(owner) else None
+    home = other_home(owner, name, source) if source else ""
+    if not source or not home:
+        return None
+    whole = next((ast.unparse(n) for n in spot.nodes if getattr(n, "attr", "") == name), f"{owner}.{name}")
+    known = [imported for imported in source.imports if not imported.is_from and imported.target == home]
+    more = "" if known else f", with `import {home}` at the top"
+    local = known[0].local if known and known[0].local != home.partition(".")[0] else home
+    return f"{name} is not in {owner}; it is in {home}.", f"write {local}.{name} instead of {whole}{more}"

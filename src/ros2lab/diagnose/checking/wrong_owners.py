@@ -81,7 +81,7 @@ def _functions(source: PythonSource, name: str) -> Iterator[tuple[str, str]]:
     for imported in source.imports:
         is_known = not imported.is_from and imported.target.partition(".")[0] in _KNOWN
         if is_known and interfaces.has_name(imported.target, name):
-            yield f"{imported.local}.{name}", f"it is a function of {imported.target}"
+            yield f"{imported.local}.{name}", f"it is in {imported.target}"
     if callable(getattr(builtins, name, None)):
         yield name, "it is a function of Python"
 

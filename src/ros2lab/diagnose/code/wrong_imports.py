@@ -97,6 +97,17 @@ def _lacks(module: str) -> bool:
     return names is not None and last not in names and not interfaces.is_module(module)
 
 
+def other_home(module: str, name: str, source: PythonSource) -> str:
+    """Return the module that has a class which another module is asked for; empty if none has it.
+
+    A function may be meant as that of an object; it counts if the file imports its module.
+    """
+    names = interfaces.importable_names(module) or ()
+    home, meant = _homes(module, [name], names, source).get(name, ("", ""))
+    is_known = name[:1].isupper() or home in [imported.target for imported in source.imports]
+    return home if home != module and meant == name and is_known else ""
+
+
 def _homes(
     module: str, wrong: Sequence[str], names: Collection[str] | None, source: PythonSource
 ) -> dict[str, _Home]:
@@ -105,7 +116,7 @@ def _homes(
     known = (names or interfaces.importable_names(meant) or ()) if meant else ()
     taken = {
         name for name in known if interfaces.is_module(whole := f"{meant}.{name}") or whole in sys.modules
-    }
+    } | sys.stdlib_module_names
     found: dict[str, _Home] = {}
     for name in wrong:
         if names is None and name in known:

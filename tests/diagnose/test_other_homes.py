@@ -1,0 +1,95 @@
+"""A class that one module is asked for, after a dot, and another has: as for an import of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+
+NAME = NAMES[1]
+
+
+def told(folder: Path, imports: str, use: str) -> list[tuple[str, str]]:
+    files = Files.right(NAME).change("PACKAGE/MODULE.py", "import rclpy\n", f"import rclpy\n{imports}\n")
+    files.change("node", "self.count += 1", f"self.count += 1\n        self.made = {use}")
+    return [
+        (finding.cause, finding.fix)
+        for finding in of_workspace(files.write(folder))
+        if finding.code in ("attribute-missing", "import-wrong")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("imports", "use", "home", "fix"),
+    [
+        (
+            "import geometry_msgs.msg",
+            "geometry_msgs.msg.LaserScan",
+            "sensor_msgs.msg",
+            "write sensor_msgs.msg.LaserScan instead of geometry_msgs.msg.LaserScan, with `import sensor_msgs.msg` at the top",
+        ),
+        (
+            "import std_msgs.msg as std\nimport geometry_msgs.msg as geometry",
+            "std.Twist()",
+            "geometry_msgs.msg",
+            "write `geometry.Twist()` instead of `std.Twist()`",
+        ),
+        (
+            "import std_msgs.msg\nimport geometry_msgs.msg",
+            "std_msgs.msg.Twist()",
+            "geometry_msgs.msg",
+            "write geometry_msgs.msg.Twist instead of std_msgs.msg.Twist",
+        ),
+        (
+            "from std_msgs import msg as kinds",
+            "kinds.Twist()",
+            "geometry_msgs.msg",
+            "write geometry_msgs.msg.Twist instead of kinds.Twist, with `import geometry_msgs.msg` at the top",
+        ),
+        (
+            "import rclpy.parameter",
+            "rclpy.parameter.SetParametersResult(successful=True)",
+            "rcl_interfaces.msg",
+            "write rcl_interfaces.msg.SetParametersResult instead of rclpy.parameter.SetParametersResult, with `import rcl_interfaces.msg` at the top",
+        ),
+        (
+            "import rclpy.node",
+            "rclpy.node.Time",
+            "rclpy.time",
+            "write rclpy.time.Time instead of rclpy.node.Time, with `import rclpy.time` at the top",
+        ),
+        (
+            "import rclpy.qos",
+            "rclpy.qos.MultiThreadedExecutor()",
+            "rclpy.executors",
+            "write rclpy.executors.MultiThreadedExecutor instead of rclpy.qos.MultiThreadedExecutor, with `import rclpy.executors` at the top",
+        ),
+        ("import os\nimport time", "os.sleep(1)", "time", "write `time.sleep(1)` instead of `os.sleep(1)`"),
+    ],
+)
+def test_a_class_is_told_where_it_is(tmp_path: Path, imports: str, use: str, home: str, fix: str) -> None:
+    ((cause, said),) = told(tmp_path, imports, use)
+    assert f"it is in {home}." in cause
+    assert said == fix
+
+
+@pytest.mark.parametrize(
+    ("imports", "use"),
+    [
+        ("import geometry_msgs.msg", "geometry_msgs.msg.Twist()"),
+        ("import rclpy.qos", "rclpy.qos.QoSProfile(depth=1)"),
+        ("import rclpy.time", "rclpy.time.Time()"),
+        ("import os", "os.environ"),
+        ("import geometry_msgs.msg as geometry", "geometry.TwistStamped()"),
+    ],
+)
+def test_what_a_module_has_is_right(tmp_path: Path, imports: str, use: str) -> None:
+    assert told(tmp_path, imports, use) == []
+
+
+def test_another_spelling_in_the_same_module_comes_first(tmp_path: Path) -> None:
+    ((cause, _),) = told(tmp_path, "import geometry_msgs.msg", "geometry_msgs.msg.twist()")
+    assert "Did you mean Twist?" in cause
