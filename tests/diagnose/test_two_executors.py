@@ -45,6 +45,8 @@ WRONG = [
     (ADD + "rclpy.spin_once(node, timeout_sec=1.0)\n" + SPIN, "write `executor.spin_once(timeout_sec=1.0)`"),
     (ADD + UNTIL + SPIN, "write `executor.spin_until_future_complete(future)`"),
     (ADD + "while not node.done:\n    rclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
+    (ADD + "while rclpy.ok():\n    executor.spin_once()\n    rclpy.spin_once(node)\n", "write `executor.spin_once()`"),
+    (ADD + UNTIL + "while rclpy.ok():\n    executor.spin_once()\n", "write `executor.spin_until_future_complete(future)`"),
     (ADD + THREAD + UNTIL, "write `while not future.done(): time.sleep(0.01)`"),
     (ADD + "second = SingleThreadedExecutor()\nsecond.add_node(node)\n" + SPIN, "remove `second.add_node(node)`"),
     ("for one in (node, other):\n    executor.add_node(one)\nrclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
@@ -60,6 +62,13 @@ RIGHT = [
     ADD + "executor.spin_until_future_complete(future)\n" + SPIN,
     ADD + "second = SingleThreadedExecutor()\nsecond.add_node(other)\n" + SPIN,
     "rclpy.spin(node)",
+    ADD + f"try:\n    {SPIN}\nfinally:\n    {UNTIL}",
+    ADD + f"try:\n    {SPIN}\nexcept KeyboardInterrupt:\n    node.ready()\n",
+    ADD + f"try:\n    {SPIN}\nfinally:\n    executor.shutdown()\n    {UNTIL}",
+    ADD + "executor.spin_once()\n" + UNTIL,
+    ADD + "executor.spin_once()\nexecutor.remove_node(node)\n" + UNTIL + SPIN,
+    ADD + "executor.add_node(node.nav)\ntry:\n    " + SPIN + "\nfinally:\n    rclpy.spin_once(node.nav)\n",
+    ADD + "executor.add_node(node.nav)\nrclpy.spin_once(node.map)\n" + SPIN,
 ]
 
 

@@ -21,7 +21,6 @@ from ros2lab.diagnose.checking.operands import as_template, unwrapped
 from ros2lab.diagnose.checking.ros_calls import of_callback, of_class_method
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
 from ros2lab.diagnose.checking.wrong_owners import of_another_owner
-from ros2lab.diagnose.code.moved_keywords import moved_keyword
 from ros2lab.diagnose.code.refused_keywords import moved_keyword
 from ros2lab.diagnose.code.wrong_imports import other_home
 from ros2lab.diagnose.finding import SAID, Finding, stops_node

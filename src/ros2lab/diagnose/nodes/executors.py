@@ -31,7 +31,8 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
                 yield Finding("not-spinning", cause, later.source.at(later.call), fix)
         for turn in entrance.calls:
             is_alone = turn.name in _FOR_A_WHILE and _has_no_executor(turn.call)
-            if is_alone and _comes_after(entrance, added, turn):
+            is_between = _comes_after(entrance, added, turn) and _is_spun_again(entrance, added, turn)
+            if is_alone and is_between:
                 yield _taken_away(added, turn, entrance)
 
 
@@ -111,7 +112,11 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
     """Return whether a spin runs after a node was added, and spins the same node as far as is known."""
     made = [reached for reached in entrance.calls if entrance.makes_node(reached)]
     node = ast.unparse(turn.call.args[0])
-    if node not in _nodes(added) and len(made) != 1:
+    several = {
+        _node(reached) for reached in entrance.calls if reached.short == "add_node" and reached.call.args
+    }
+    is_only = len(made) == 1 == len(several) and isinstance(turn.call.args[0], ast.Name)
+    if node not in _nodes(added) and not is_only:
         return False
     early = _called(n for n in walk(added.function) if getattr(n, "lineno", 0) < added.call.lineno)
     if added.function.name == "__init__" and node == _node(added) == "self" and turn.source is added.source:
@@ -119,17 +124,51 @@ def _comes_after(entrance: Entrance, added: Call, turn: Call) -> bool:
         return turn.function.name not in early | given  # what is passed on is called while they spin
     if turn.function is added.function:
         return turn.call.lineno > added.call.lineno
-    later = {n for n in walk(added.function) if getattr(n, "lineno", 0) > added.call.lineno}
-    names = _called(later)
-    seen: set[str] = set()
-    while new := [
-        f for f in entrance.functions if _names(f, entrance) & names and f.name not in seen | {"main"}
-    ]:
-        seen |= {function.name for function in new}
-        names = names.union(*(_called(own_nodes(function)) for function in new))
-        if turn.function in new:
-            return True
-    return False
+    return next(_leading_to(entrance, added, turn), None) is not None
+
+
+def _is_spun_again(entrance: Entrance, added: Call, turn: Call) -> bool:
+    """Return whether an executor spins after a node was taken from it, as far as the function that added it tells."""
+    nodes = [*walk(added.function)]
+    spins = [
+        node
+        for node in nodes
+        if isinstance(node, ast.Attribute)
+        and node.attr.startswith("spin")
+        and ast.unparse(node.value) == _executor(added)
+    ]
+    if not spins or _begun_before(entrance, added):
+        return True
+    turns = [turn.call] if turn.function is added.function else [*_leading_to(entrance, added, turn)]
+    removed = [
+        node.lineno
+        for node in nodes
+        if isinstance(node, ast.Call)
+        and last_name(node.func) == "remove_node"
+        and node.lineno > added.call.lineno
+    ]
+    loops = [node for node in nodes if isinstance(node, (ast.While, ast.For))]
+    pairs = [(call, spin) for call in turns for spin in spins if not any(n < call.lineno for n in removed)]
+    return not turns or any(
+        spin.lineno > call.lineno
+        or any(loop.lineno <= spin.lineno <= call.lineno <= (loop.end_lineno or 0) for loop in loops)
+        for call, spin in pairs
+    )
+
+
+def _leading_to(entrance: Entrance, added: Call, turn: Call) -> Iterator[ast.Call]:
+    """Yield the calls in the function that added a node from which another function is reached."""
+    for node in walk(added.function):
+        if isinstance(node, ast.Call) and node.lineno > added.call.lineno:
+            names, seen = _called([node]), set[str]()
+            while new := [
+                f for f in entrance.functions if _names(f, entrance) & names and f.name not in seen
+            ]:
+                if turn.function in new:
+                    yield node
+                    break
+                seen |= {function.name for function in new}
+                names = names.union(*(_called(own_nodes(function)) for function in new))
 
 
 def _called(nodes: Iterable[ast.AST]) -> set[str]:
