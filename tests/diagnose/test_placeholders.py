@@ -12,6 +12,10 @@ from ros2lab.diagnose.sources.python_source import read_source
 
 NODE = """\
 class Counter(Node):
+    def other(self, place):
+        for number in range(3):
+            print(number, place)
+
     def tick(self, msg):
         self.count, name = 0, 'robot'
         LINE
@@ -31,6 +35,8 @@ def told(line: str, folder: Path) -> list[Finding]:
         ("print('{name} is here')", "write f before the quote"),
         ("msg.data = f'at {{self.count}}'", "write {self.count} instead of {{self.count}}"),
         ("self.get_logger().info(f'{name}: {{msg.data}}')", "write {msg.data} instead of {{msg.data}}"),
+        ("msg.data = f'{{name}} at {{self.count}}'", "write {name} instead of {{name}}"),
+        ("print(f'{{self.count}} of {name}')", "write {self.count} instead of {{self.count}}"),
         ("msg.data = 'at {}'", "the value's name in braces instead of {}"),
         ("self.get_logger().info('at %d')", "instead of %d"),
         ("print('at {:.2f} m')", "instead of {:.2f}"),
@@ -64,6 +70,12 @@ def test_a_place_that_nothing_fills_is_told(tmp_path: Path, line: str, fix: str)
         "self.topic = 'robot_{}'",
         "msg.data = '{}' if name else ''",
         "print('set {1, 2}')",
+        "msg.data = f'at {{place}}'",  # of another function
+        "print('at {number}')",
+        "self.page = f'https://{{name}}.org/{{z}}/{{place}}.png'",
+        "self.page = f'.box {{color: {name}}} #{{name}}'",
+        "self.page = f'{{name}} is {name}'",
+        "self.text = f'{name}: {{name, msg}}'",
     ],
 )
 def test_what_is_filled_or_means_itself_is_left_alone(tmp_path: Path, line: str) -> None:

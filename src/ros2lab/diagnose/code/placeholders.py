@@ -6,9 +6,10 @@ import ast
 import re
 from collections.abc import Collection, Iterable, Iterator
 
+from ros2lab.diagnose.code.bound_names import bound_in, global_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource, names_bound
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, contains
 from ros2lab.diagnose.sources.uses import is_log
 
 # Braces after `$`, `^` or a command of TeX belong to another language.
@@ -20,22 +21,22 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
     """Yield strings that show a placeholder where its value was meant."""
     filled = {id(n) for node in source.nodes for n in _filled_in(node)}
     is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
-    names = _names(source)
     read = {id(n) for node in source.nodes for n in _read_by_people(node)}
     for node in source.nodes if not is_formatted else ():
         if id(node) not in read:
             continue
         if isinstance(node, ast.JoinedStr):
             texts = [value.value for value in node.values if isinstance(value, ast.Constant)]
-            for name in _known(names, "".join(map(str, texts))):
+            given = {ast.unparse(v.value) for v in node.values if isinstance(v, ast.FormattedValue)}
+            fields = _meant(source, node, "".join(map(str, texts)))
+            # A text with the value itself as well shows its name on purpose.
+            for name in fields[:1] if given.isdisjoint(fields) else ():
                 cause = f"In an f-string, doubled braces mean literal braces, so {{{name}}} is shown as it is and no value is filled in."
                 fix = f"write {{{name}}} instead of {{{{{name}}}}}"
                 yield Finding("text-not-filled", cause, source.at(node), fix)
-                break
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
-            fields = _FIELD.findall(node.value)
-            if all(fields) and fields and [*_known(names, node.value)] == fields:
-                cause = f"The f before the string is missing, so {{{fields[0]}}} is shown as it is and no value is filled in."
+            for name in _meant(source, node, node.value)[:1]:
+                cause = f"The f before the string is missing, so {{{name}}} is shown as it is and no value is filled in."
                 fix = f"write f before the quote: f{node.value[:40]!r}"
                 yield Finding("text-not-filled", cause, source.at(node), fix)
     for text in _shown(source.nodes):
@@ -45,19 +46,28 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
             yield Finding("text-not-filled", cause, source.at(text), fix)
 
 
-def _names(source: PythonSource) -> set[str]:
-    """Return the names that a file defines, such as `count` and `self.count`."""
-    own = {f"self.{n.attr}" for n in source.nodes if is_self_attribute(n)}
-    bound = names_bound(source.nodes)
-    return own | bound | {n.arg for n in source.nodes if isinstance(n, ast.arg)}
+def _meant(source: PythonSource, node: ast.expr, text: str) -> list[str]:
+    """Return the names in braces in a string, if each is known where it stands; other braces mean themselves."""
+    fields = _FIELD.findall(text)
+    known = _names(source, node.lineno) if all(fields) else frozenset()
+    are_known = all(known.intersection(_beginnings(name)) for name in fields)
+    return fields if are_known and text.count("{") == len(fields) else []
 
 
-def _known(names: Collection[str], text: str) -> Iterator[str]:
-    """Yield the names in braces in a string that the file defines."""
-    for name in _FIELD.findall(text):
-        first, *others = name.replace("()", "").split(".")
-        if (f"self.{others[0]}" if first == "self" and others else first) in names:
-            yield name
+def _beginnings(name: str) -> set[str]:
+    """Return what must be known for a name such as `count` or `self.count.real`."""
+    first, *others = name.replace("()", "").split(".")
+    return {f"self.{others[0]}" if first == "self" and others else first}
+
+
+def _names(source: PythonSource, line: int) -> Collection[str]:
+    """Return the names that are known on a line, such as `count` and `self.count`."""
+    own = source.class_at(line)
+    found = {f"self.{n.attr}" for n in ast.walk(own) if is_self_attribute(n)} if own else set()
+    functions = [node for node in source.nodes if isinstance(node, Function) and contains(node, line)]
+    for function in functions:
+        found |= bound_in(function) | {n.arg for n in ast.walk(function.args) if isinstance(n, ast.arg)}
+    return found | global_names(source)
 
 
 def _read_by_people(node: ast.AST) -> Iterator[ast.AST]:
