@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.code.bare_imports import bare_sibling, by_folders
 from ros2lab.diagnose.code.bound_names import MODULE_NAMES, global_names, undefined_names
+from ros2lab.diagnose.code.called_back import called_back
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding
@@ -93,7 +94,11 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             continue  # whether Python finds it depends on how the file is started
     yield from misspelt_packages(source, own_modules)
     yield from wrong_imports(source, names_of(source, own_modules))
-    for name, node in undefined_names(source):
+    undefined = undefined_names(source)
+    lost = {id(called.function): called.lacks for called in (called_back(sources) if undefined else ())}
+    for name, node in undefined:
+        if name in lost.get(id(source.function_at(getattr(node, "lineno", 0))), ()):
+            continue  # the def of a callback lacks it, which is told there
         cause, fix = meant(source, name, node, members=sources.members_at(source, node), own=own_modules)
         yield Finding("name-undefined", cause, source.at(node), fix)
 

@@ -14,7 +14,9 @@ from ros2lab.diagnose.code.similar_names import as_another, as_foreign
 from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of, compared, first_value
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 Reading = tuple[str, str]  # the cause, and the fix
@@ -189,10 +191,16 @@ def _as_own(unknown: Unknown) -> Reading | None:
 
 def _as_of_module(unknown: Unknown) -> Reading | None:
     """`shutdown()` for `rclpy.shutdown()`."""
-    for imported in unknown.source.imports:
-        if not imported.is_from and unknown.is_called and interfaces.has_name(imported.target, unknown.name):
+    is_alone = getattr(unknown.statement, "value", None) is unknown.node and isinstance(
+        unknown.statement, ast.Expr
+    )
+    for imported in unknown.source.imports if unknown.is_called or is_alone else ():
+        is_ros = imported.target.partition(".")[0] in interfaces.PACKAGES
+        is_meant = not imported.is_from and (unknown.is_called or is_ros)
+        if is_meant and interfaces.has_name(imported.target, unknown.name):
             cause = f"{unknown.name} belongs to the module {imported.local}."
-            return cause, unknown.with_text(unknown.node, f"{imported.local}.{unknown.name}")
+            call = "()" * is_alone
+            return cause, unknown.with_text(unknown.node, f"{imported.local}.{unknown.name}{call}")
     return None
 
 
@@ -411,6 +419,10 @@ def _whole(unknown: Unknown) -> tuple[ast.AST, str]:
 
 
 def _unexplained(unknown: Unknown) -> Reading:
+    alone = getattr(unknown.statement, "value", None)
+    if isinstance(unknown.statement, ast.Expr) and dotted(alone):
+        cause = f"{cause_of(unknown)} Alone on its line, it would do nothing."
+        return cause, removal(unknown.source, alone or unknown.node, "this line")
     if unknown.is_called:
         fix = f"write the object that {unknown.name} belongs to, and a dot, before it; otherwise import or define it above"
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.code.bound_names import bound_in, global_names
 from ros2lab.diagnose.finding import Finding
@@ -60,14 +60,14 @@ def _beginnings(name: str) -> set[str]:
     return {f"self.{others[0]}" if first == "self" and others else first}
 
 
-def _names(source: PythonSource, line: int) -> Collection[str]:
+def _names(source: PythonSource, line: int) -> frozenset[str]:
     """Return the names that are known on a line, such as `count` and `self.count`."""
     own = source.class_at(line)
     found = {f"self.{n.attr}" for n in ast.walk(own) if is_self_attribute(n)} if own else set()
     functions = [node for node in source.nodes if isinstance(node, Function) and contains(node, line)]
     for function in functions:
         found |= bound_in(function) | {n.arg for n in ast.walk(function.args) if isinstance(n, ast.arg)}
-    return found | global_names(source)
+    return global_names(source) | found
 
 
 def _read_by_people(node: ast.AST) -> Iterator[ast.AST]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
+from ros2lab.diagnose.code.called_back import CALLED_WITH, accepted, executed, named_in_body
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
 from ros2lab.diagnose.nodes.super_order import SuperOrder
@@ -34,12 +35,6 @@ _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)
 # What asks for, or sets, the attributes of an object by their names as strings.
 _BY_TEXT = frozenset(("getattr", "setattr", "hasattr", "delattr", "vars", "attrgetter", "methodcaller"))
-# What ROS calls the callbacks with; a subscription's may take the message's information, too.
-_CALLED_WITH: Mapping[str, Sequence[str]] = {
-    "create_subscription": ("msg",),
-    "create_timer": (),
-    "create_service": ("request", "response"),
-}
 _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tuple", "bytes"))
 
 
@@ -56,6 +51,7 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
     for creation in sources.creations:
         if creation.arguments is not None:
             yield from _creation_faults(sources, creation)
+    yield from _action_faults(sources)
 
 
 def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
@@ -210,7 +206,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
     if isinstance(given, ast.Call):
         inner = sources.function_of(creation, given.func)
         if inner is not None and gives_no_function(inner, given):
-            clause, written = as_function(inner, given, _CALLED_WITH.get(creation.method, ()))
+            clause, written = as_function(inner, given, CALLED_WITH.get(creation.method, ()))
             cause = f"`{ast.unparse(given)}` calls the function right here, {clause}, but ROS needs the function itself, to call it later."
             fix = f"write `{written}`" if "lambda" in written else f"write {written} without parentheses"
             fix = f"write {written} without parentheses" if written.isidentifier() else fix
@@ -246,9 +242,9 @@ def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
 
 def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
     """Yield lambdas that take a different number of arguments from what they are called with."""
-    if _fits(creation, _accepts(given)):
+    if _fits(creation, accepted(given)):
         return
-    wanted = _CALLED_WITH[creation.method]
+    wanted = CALLED_WITH[creation.method]
     what = f"with {' and '.join(wanted)}" if wanted else "without arguments"
     right = f"lambda {', '.join(wanted)}".strip()
     cause = f"The callback of {creation.method} is called {what}, but `{ast.unparse(given)}` takes {len(given.args.args) or 'none'}."
@@ -267,32 +263,32 @@ def _parameter_fault(
     is_method = isinstance(given, ast.Attribute) and not is_static
     if is_method and (not names or "self" in unbound_names(creation.source, function)):
         return  # told of every method that lacks self
-    accepts = _accepts(function, is_method=is_method)
+    accepts = accepted(function, is_method=is_method)
     if _fits(creation, accepts) or "TimerInfo" in ast.dump(function.args):
         return
-    rest = ", ".join(_CALLED_WITH[creation.method])
-    right = ", ".join(filter(None, ("self" * is_method, _named_in_body(creation, function, rest))))
+    wanted = CALLED_WITH[creation.method]
+    rest = ", ".join(wanted)
+    right = ", ".join(
+        [*["self"] * is_method, *named_in_body(creation.source, function, wanted, is_method=is_method)]
+    )
     called_with = "the message" if rest == "msg" else rest or "nothing"
     cause = f"{function.name} takes ({', '.join(names) or 'nothing'}), but the callback of {creation.method} is called with {called_with}."
-    place, fix = f"{creation.source.shown}:{function.lineno}", f"write def {function.name}({right}):"
+    place, fix = (
+        f"{creation.source.shown}:{function.lineno}",
+        f"write {_def(function)} {function.name}({right}):",
+    )
     for other in _with_callback(sources, function):
-        if other is not creation and other.method in _CALLED_WITH and _fits(other, accepts):
+        if other is not creation and other.method in CALLED_WITH and _fits(other, accepts):
             place = creation.source.at(creation.call)
             fix = f"{removal(creation.source, creation.call, 'this line')}, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
             break
     yield Finding("callback-arguments", cause, place, fix)
 
 
-def _accepts(function: Function | ast.Lambda, *, is_method: bool = False) -> range:
-    """Return how many arguments a callback takes, without the self that a method gets."""
-    most = len(parameters(function)) - is_method
-    return range(max(most - len(function.args.defaults), 0), 100 if function.args.vararg else most + 1)
-
-
 def _fits(creation: Creation, accepts: range) -> bool:
     """Return whether a callback that accepts so many arguments can be called by what is made, if that is known."""
-    given = len(_CALLED_WITH.get(creation.method, ()))
-    is_known = creation.method in _CALLED_WITH
+    given = len(CALLED_WITH.get(creation.method, ()))
+    is_known = creation.method in CALLED_WITH
     return not is_known or given in accepts or (creation.method == "create_subscription" and 2 in accepts)
 
 
@@ -304,12 +300,16 @@ def _with_callback(sources: NodeSources, function: Function) -> Iterator[Creatio
             yield creation
 
 
-def _named_in_body(creation: Creation, function: Function, rest: str) -> str:
-    """Return what a callback is called with, by the names that its body uses for that, if it defines none."""
-    wanted = rest.split(", ")
-    used = unbound_names(creation.source, function)
-    returned = [
-        n.value.id for n in own_nodes(function) if isinstance(n, ast.Return) and isinstance(n.value, ast.Name)
-    ]
-    used = sorted(used, key=lambda name: name in returned)  # a service returns its response
-    return ", ".join(used) if rest and len(used) == len(wanted) else rest
+def _action_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield callbacks of an action server that do not take the goal's handle."""
+    for called in executed(sources):
+        function = called.function
+        if len(called.lacks) == 1:
+            names = [parameter.arg for parameter in parameters(function)]
+            cause = f"{function.name} takes ({', '.join(names) or 'nothing'}), but ActionServer calls it with {called.lacks[0]}."
+            fix = f"write {_def(function)} {function.name}({', '.join([*names, *called.lacks])}):"
+            yield Finding("callback-arguments", cause, called.source.at(function), fix)
+
+
+def _def(function: Function) -> str:
+    return "async def" if isinstance(function, ast.AsyncFunctionDef) else "def"

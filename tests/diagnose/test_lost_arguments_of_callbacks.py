@@ -1,0 +1,121 @@
+"""What a callback's def lacks is told there, once; and a word alone on its line is to be removed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from one_file import sources_of
+
+from ros2lab.diagnose.look import source_faults
+
+TEXT = """\
+import math
+
+import rclpy
+from example_interfaces.action import Fibonacci
+from example_interfaces.srv import AddTwoInts
+from rclpy.action import ActionServer
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class Adder(Node):
+    def __init__(self):
+        super().__init__('adder')
+        self.made = MADE
+
+    DEF
+        LINE
+        self.get_logger().info('called')
+        return RETURNED
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Adder())
+    LAST
+
+
+if __name__ == '__main__':
+    main()
+"""
+MADE = {
+    "service": "self.create_service(AddTwoInts, 'add', self.done)",
+    "subscription": "self.create_subscription(String, 'chat', self.done, 10)",
+    "action": "ActionServer(self, Fibonacci, 'fib', self.done)",
+    "named": "ActionServer(self, Fibonacci, 'fib', execute_callback=self.done)",
+}
+
+
+def told(
+    folder: Path, kind: str, head: str, line: str, *, returned: str = "None", last: str = "pass"
+) -> list[tuple[str, str]]:
+    words = {"MADE": MADE[kind], "DEF": head, "LINE": line, "RETURNED": returned, "LAST": last}
+    text = TEXT
+    for word, value in words.items():
+        text = text.replace(word, value)
+    codes = ("callback-arguments", "name-undefined")
+    return [(f.code, f.fix) for f in source_faults(sources_of(text, folder)) if f.code in codes]
+
+
+@pytest.mark.parametrize(
+    ("kind", "head", "line", "fix"),
+    [
+        ("service", "def done(self, request):", "response.sum = request.a", "self, request, response"),
+        ("service", "def done(self):", "response.sum = request.a", "self, request, response"),
+        ("service", "def done(self):", "out.sum = given.a", "self, given, out"),
+        ("service", "def done(self, req):", "response.sum = req.a", "self, req, response"),
+        ("service", "def done(self, req):", "out.sum = req.a", "self, req, out"),
+        ("subscription", "def done(self):", "print(msg.data)", "self, msg"),
+        ("subscription", "def done(self):", "print(message.data)", "self, message"),
+        ("action", "def done(self):", "goal_handle.succeed()", "self, goal_handle"),
+        ("action", "def done(self):", "pass", "self, goal_handle"),
+        ("action", "def done(self):", "goal.succeed()", "self, goal"),
+        ("named", "async def done(self):", "goal_handle.succeed()", "self, goal_handle"),
+    ],
+)  # fmt: skip
+def test_what_a_def_lacks_is_told_once(tmp_path: Path, kind: str, head: str, line: str, fix: str) -> None:
+    returned = {"service": "response", "action": "Fibonacci.Result()"}.get(kind, "None")
+    returned = "out" if "out." in line else returned
+    word = head.partition(" done")[0]
+    assert told(tmp_path, kind, head, line, returned=returned) == [
+        ("callback-arguments", f"write {word} done({fix}):")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("kind", "head", "line"),
+    [
+        ("action", "def done(self, goal_handle):", "goal_handle.succeed()"),
+        ("action", "def done(self, goal, *rest):", "goal.succeed()"),
+        ("action", "def done(self, *given):", "print(given)"),
+        ("named", "async def done(self, handle, more=None):", "print(handle, more)"),
+        ("subscription", "def done(self, msg, info):", "print(msg, info)"),
+    ],
+)
+def test_a_def_that_takes_what_it_is_called_with_is_right(
+    tmp_path: Path, kind: str, head: str, line: str
+) -> None:
+    assert told(tmp_path, kind, head, line) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("stray", "remove this line"),
+        ("stray.more", "remove this line"),
+        ("shutdown", "write `rclpy.shutdown()`"),
+        ("x = stray + 1", "write a line above it that gives stray its value"),
+        ("if rclpy.ok():\n        stray", "write `pass` instead of this line"),
+    ],
+)
+def test_a_word_alone_on_its_line_is_removed(tmp_path: Path, line: str, fix: str) -> None:
+    head = "def done(self, goal_handle):"
+    assert told(tmp_path, "action", head, "pass", last=line) == [("name-undefined", fix)]
+
+
+def test_another_name_that_a_callback_lacks_is_told_too(tmp_path: Path) -> None:
+    line = "response.sum = request.a + stray + more"
+    found = told(tmp_path, "service", "def done(self, request):", line, returned="response")
+    assert [code for code, _ in found] == ["callback-arguments", "name-undefined", "name-undefined"]
