@@ -94,7 +94,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             continue  # whether Python finds it depends on how the file is started
     yield from misspelt_packages(source, own_modules)
     yield from wrong_imports(source, names_of(source, own_modules))
-    undefined = undefined_names(source)
+    undefined = [*undefined_names(source)]
     lost = {id(called.function): called.lacks for called in (called_back(sources) if undefined else ())}
     for name, node in undefined:
         if name in lost.get(id(source.function_at(getattr(node, "lineno", 0))), ()):
