@@ -53,8 +53,11 @@ class Objection:
 
     @property
     def groups(self) -> dict[str, str]:
-        """The parts of the message by name, empty where it has none."""
-        return {key: value or "" for key, value in self.said.groupdict().items()}
+        """The parts of the message by name, empty where it has none; a type variable is what it is bound to."""
+        found = {key: value or "" for key, value in self.said.groupdict().items()}
+        if "owner" in found:
+            found["owner"] = _bound_of(found["owner"], self.source) or found["owner"]
+        return found
 
     def read(self) -> PythonSource:
         """Return the file, read if that was not done before."""
@@ -166,9 +169,25 @@ def _is_sure(said: dict[str, str]) -> bool:
     kinds = [said.get(name, "") for name in ("wanted", "given", "both")]
     if not all(_PLAIN.fullmatch(kind) for kind in kinds):
         return False
-    # The class that a mixin is used with is not known, and functions may have attributes.
-    is_clear = not owner.startswith(("Self@", "def ")) and not re.search(r"Unknown| \| |\[|^object$", owner)
+    # What a type variable stands for is open, as is the class that a mixin is used with; functions may have attributes.
+    is_clear = not re.search(r"Unknown| \| |\[|^object$|^def |@", owner)
     return is_clear or _PLAIN.fullmatch(owner) is not None
+
+
+def _bound_of(kind: str, source: PythonSource | None) -> str:
+    """Return the class to which a type variable is bound where a file makes it; empty for any other type."""
+    name = re.fullmatch(r"(\w+)@\w+", kind)
+    for node in source.nodes if name and source else ():
+        match node:
+            case ast.Call(args=[ast.Constant(value=made), *_], keywords=keywords) if made == name[1]:  # type: ignore[index]
+                bounds = [keyword.value for keyword in keywords if keyword.arg == "bound"]
+            case ast.AST(name=made, bound=bound) if made == name[1]:  # type: ignore[index]
+                bounds = [bound]  # of Python 3.12: def show[T: String]()
+            case _:
+                continue
+        if found := [bound for bound in bounds if isinstance(bound, (ast.Name, ast.Attribute))]:
+            return ast.unparse(found[0]).rpartition(".")[2]
+    return ""
 
 
 def _is_set_from_outside(source: PythonSource, owner: str, name: str) -> bool:

@@ -101,7 +101,7 @@ def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     """Return a type in plain words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the string {text[2]!r}"
-    kind = re.sub(r"^Self@\w+", "self", kind)
+    kind = re.sub(r"\b(\w+)@\w+", r"\1", re.sub(r"^Self@\w+", "self", kind))  # a type variable
     kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
     kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
     if re.match(r"(?:Iterable|list|Sequence)\[.*\[", kind):
