@@ -38,10 +38,9 @@ def of_shadow(error: ErrorText, look: Look) -> Finding | None:
     the name: the student's line or one of a library.
     """
     for report in reversed(error.reports):
-        match = next((found for pattern in _LACKS if (found := pattern.search(report.message))), None)
-        if match is None or match["name"] not in _known(match["module"], look):
+        module, name = module_and_name(report)
+        if not module or name not in _known(module, look):
             continue
-        module, name = match["module"], match["name"]
         is_inner = is_module(f"{module}.{name}")  # the file may only have to import it
         folders = [*dict.fromkeys(_beside(report, look))]
         own = _own_files(module, look)
@@ -52,6 +51,12 @@ def of_shadow(error: ErrorText, look: Look) -> Finding | None:
         if not is_inner and module in sys.stdlib_module_names:
             return _unseen(module, name, report, look)
     return None
+
+
+def module_and_name(report: ErrorReport) -> tuple[str, str]:
+    """Return the module that lacks something, and what it lacks; empty if an error says neither."""
+    match = next((found for pattern in _LACKS if (found := pattern.search(report.message))), None)
+    return (match["module"], match["name"]) if match else ("", "")
 
 
 def _known(module: str, look: Look) -> frozenset[str]:

@@ -12,6 +12,7 @@ from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
 from ros2lab.diagnose.causes.later_calls import of_later_call
+from ros2lab.diagnose.causes.namesakes import of_namesake
 from ros2lab.diagnose.causes.parameters_given import of_parameters
 from ros2lab.diagnose.causes.raised_in_callbacks import of_own_raise
 from ros2lab.diagnose.causes.refused_names import of_refused_name, of_refused_rule
@@ -73,7 +74,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         found = explain(built, workspace, sources, loads=loads)
         if found and found[0].code != UNKNOWN:
             return found
-    if sure := of_earlier(error, look) or of_shadow(error, look) or of_ros_variable(error):
+    sure = of_earlier(error, look) or of_namesake(error, look) or of_shadow(error, look)
+    if sure := sure or of_ros_variable(error):
         return [sure]
     if not look:
         return _of_error(error, text, _beside(error, sources, look), look)

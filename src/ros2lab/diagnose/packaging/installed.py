@@ -69,7 +69,7 @@ def _metadata(prefix: Path, name: str) -> list[Path]:
     """Return the metadata folders of an installed package (`*.dist-info` and `*.egg-info`)."""
     return [
         path
-        for folder in _site_packages(prefix)
+        for folder in site_packages(prefix)
         for version in ("-*", "")  # not those of another package with the same prefix
         for path in folder.glob(f"{name}{version}.*-info")
     ]
@@ -79,13 +79,14 @@ def _linked_metadata(prefix: Path, name: str) -> list[Path]:
     """Return the metadata folders of a package built with links; a failed build may leave them, too."""
     return [
         Path(read_text(link).partition("\n")[0]) / f"{name}.egg-info"
-        for folder in _site_packages(prefix)
+        for folder in site_packages(prefix)
         for link in folder.glob("*.egg-link")
         if link.stem.replace("-", "_") == name
     ]
 
 
-def _site_packages(prefix: Path) -> list[Path]:
+def site_packages(prefix: Path) -> list[Path]:
+    """Return the folders of a prefix in which Python looks for modules."""
     return [*prefix.glob("lib/python3*/site-packages"), *prefix.glob("local/lib/python3*/dist-packages")]
 
 
@@ -94,7 +95,7 @@ def changed_sources(prefix: Path, package: SourcePackage) -> Iterator[tuple[Pyth
     for source in package.sources.values():
         if source.path is None:
             continue
-        for folder in _site_packages(prefix):
+        for folder in site_packages(prefix):
             top = source.name.partition(".")[0]
             if not (folder / top).is_dir():
                 continue  # linked, or never installed
@@ -135,7 +136,7 @@ def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
     pairs = []
     for source in package.sources.values():
         inner = Path(*source.name.split("."), *(["__init__"] if source.is_package else [])).with_suffix(".py")
-        folders = [*_site_packages(prefix), root / "build" / package.name / "build" / "lib"]
+        folders = [*site_packages(prefix), root / "build" / package.name / "build" / "lib"]
         pairs += [(source.shown, source.path, folder / inner) for folder in folders]
     for target, files in package.setup.data_files:
         pairs += [(package.shown(f), package.folder / f, prefix / target / Path(f).name) for f in files]
@@ -153,7 +154,7 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
     walked = (entry for base in (prefix, build) for entry in os.walk(base))
     paths = (Path(folder, name) for folder, names, files in walked for name in (*names, *files))
     links = {path: path.readlink() for path in paths if path.is_symlink()}
-    for folder in _site_packages(prefix):
+    for folder in site_packages(prefix):
         links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
     own, first = (root, root.resolve()), _built_in(root)
     for path, target in links.items():
