@@ -131,6 +131,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("speed-implausible", "word-unanswered", "period"),
     ("test-fixture", "tests-not-run", "test-failed"),
     ("dependency-joined", "build-elsewhere", "edited-in-install"),
+    ("executable-unusable", "script-fails"),
     ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
     ("link-stale", "left-over"),
     (

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.causes.shadowed import module_and_name
 from ros2lab.diagnose.code.bound_names import global_names
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.installed import site_packages
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
@@ -35,8 +35,8 @@ def of_namesake(error: ErrorText, look: Look) -> Finding | None:
         others.sort(key=lambda other: f"/{other.name}/" not in report.message)
         if lacking := [other for other in others if not _has(other.folder, module, name)]:
             first = lacking[0].name
-            *names, last = sorted([asking.name, *(other.name for other in others)])
-            cause = f"{', '.join(names)} and {last} each install a Python module called {module}, and Python finds that of {first} first, which has no {name}."
+            names = in_a_row(sorted([asking.name, *(other.name for other in others)]))
+            cause = f"{names} each install a Python module called {module}, and Python finds that of {first} first, which has no {name}."
             also = [other.name for other in others if other.name != first]
         elif not others and (is_installed(module) or "/install/" not in report.message):
             cause = f"A library of Python is called {module}, too, and Python finds it before the module {module} of {asking.name}."
@@ -46,7 +46,7 @@ def of_namesake(error: ErrorText, look: Look) -> Finding | None:
         places = [*_imports(asking, module)]
         own = [place_of([frame], look) for frame in own_frames(report.frames)]
         place = next((shown for shown in reversed(own) if shown in places), places[0] if places else "")
-        return Finding("name-shadowed", cause, place, _moved(asking, module, look, also), (module,))
+        return Finding("name-shadowed", cause, place, _moved(asking, module, also), (module,))
     return None
 
 
@@ -112,7 +112,7 @@ def _renamed(source: PythonSource, package: SourcePackage, module: str) -> Itera
         yield node, ast.unparse(new)
 
 
-def _moved(package: SourcePackage, module: str, look: Look, also: list[str]) -> str:
+def _moved(package: SourcePackage, module: str, also: list[str]) -> str:
     """Say how to move a module into its package, and what must be written otherwise then."""
     file = _file(package.folder, module)
     assert file is not None
@@ -123,6 +123,6 @@ def _moved(package: SourcePackage, module: str, look: Look, also: list[str]) -> 
         of_setup = f", remove '{module}' from py_modules in {package.shown('setup.py')}"
     elif package.setup and isinstance(package.setup.given("packages"), ast.List):
         of_setup = f", write '{package.name}.{module}' instead of '{module}' in packages of {package.shown('setup.py')}"
-    again = f"; do the same in {' and '.join(also)}" if also else ""
+    again = f"; do the same in {in_a_row(also)}" if also else ""
     move = f"mv {package.shown(moved)} {package.shown(f'{package.name}/{moved}')}"
     return f"`{move}`, write {', '.join(lines)}{of_setup}, then colcon build --packages-select {package.name}{again}"

@@ -39,6 +39,7 @@ from ros2lab.diagnose.explaining.ros_variables import of_ros_variable
 from ros2lab.diagnose.explaining.said import launch_line, lines_of, of_launch, said_by_tools
 from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
+from ros2lab.diagnose.explaining.started_files import of_started_file
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.explaining.unbuilt import failed_build, of_earlier
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
@@ -74,7 +75,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         found = explain(built, workspace, sources, loads=loads)
         if found and found[0].code != UNKNOWN:
             return found
-    sure = of_earlier(error, look) or of_namesake(error, look) or of_shadow(error, look)
+    sure = of_started_file(error, look) or of_earlier(error, look)
+    sure = sure or of_namesake(error, look) or of_shadow(error, look)
     if sure := sure or of_ros_variable(error):
         return [sure]
     if not look:

@@ -16,6 +16,7 @@ from shlex import quote
 
 from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
+from ros2lab.diagnose.explaining.started_files import of_line_ends
 from ros2lab.diagnose.explaining.warnings_told import of_warning
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
@@ -207,13 +208,10 @@ def _of_system(said: re.Match[str], look: Look) -> Finding | None:
         return None
     number = SYSTEM[said["said"]]
     if path.endswith(("\\r", "\r", "^M")):
-        sources = [source for source in look.files if source.path]
-        shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
-        cause = f"The first line of the file has a Windows line ending, so the system looks for a program {path!r}."
-        fix = r"remove the Windows line endings: sed -i 's/\r$//' followed by the file"
-        if shown:
-            fix = rf"sed -i 's/\r$//' {shown}"
-        return Finding(SAID, cause, shown, fix)
+        program = path.removesuffix("\\r").rstrip("\r").removesuffix("^M")
+        cause = f"The first line of the file has a Windows line ending, so the system looks for a program called {program} with a carriage return at its end."
+        fix = r"remove the Windows line endings of that file: sed -i 's/\r$//' FILE, then build again"
+        return (of_line_ends(look) if look else None) or Finding(SAID, cause, "", fix)
     if number == errno.ENOENT:
         return _missing(path, look)
     if number in (errno.EACCES, errno.EPERM):
