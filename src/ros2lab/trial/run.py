@@ -40,7 +40,7 @@ from ros2lab.trial.retold import without_retold
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
 from ros2lab.trial.story import told_of
 from ros2lab.trial.unmade import unmade_faults
-from ros2lab.trial.witnessed import environ_in, witnessed
+from ros2lab.trial.witnessed import environ_in, is_idle, witnessed
 from ros2lab.workspace import Workspace
 
 MOST_PROGRAMS = 10
@@ -105,7 +105,9 @@ def try_out(
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
     shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
     ran = {source.at(line) for source, line in called}
-    read = [finding for finding in read if ran.isdisjoint(finding.never)]
+    read = [
+        finding for finding in read if ran.isdisjoint(finding.never) and not is_idle(finding, look, called)
+    ]
     found = [*without_retold(shown, read, look)]
     # A condition that is never true may be intended, but may also explain other findings.
     story = [

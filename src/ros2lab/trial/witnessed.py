@@ -14,6 +14,7 @@ from typing import Any
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.spots import spot_at
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.trial.witness import WATCHED
@@ -133,8 +134,8 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
             continue
         left, right = ast.unparse(node.left), ast.unparse(node.comparators[0])
         is_equal = isinstance(node.ops[0], ast.Eq)
-        if isinstance(node.ops[0], _DENIALS):
-            continue  # a guard that never fires is as it should be
+        if isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
+            continue  # a guard that never fires is as it should be, and so is an imported module's __name__
         last = [
             f"{text} was {value}" for text, value in ((left, sides[0]), (right, sides[1])) if text != value
         ]
@@ -156,6 +157,20 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
             )
         )
     yield from ((finding, not is_far) for is_far, *_, finding in sorted(found, key=lambda row: row[:4]))
+
+
+def _is_of_module(node: ast.Compare) -> bool:
+    """Return whether a comparison asks how its own file was started."""
+    return any(isinstance(inner, ast.Name) and inner.id == "__name__" for inner in ast.walk(node))
+
+
+def is_idle(finding: Finding, look: Look, called: Called) -> bool:
+    """Return whether a finding says that a function runs again and again which never ran, although its file did."""
+    if finding.code not in ("timer-in-callback", "made-again"):
+        return False
+    spot = spot_at(finding.place, look)
+    ran = {line for source, line in called if source == spot.source}
+    return spot.function is not None and bool(ran) and spot.function.lineno not in ran
 
 
 def _compared(source: PythonSource) -> Iterator[tuple[int, str]]:

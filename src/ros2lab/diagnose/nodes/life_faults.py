@@ -18,6 +18,7 @@ from ros2lab.diagnose.nodes.endless_loops import (
 )
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
+from ros2lab.diagnose.nodes.unreached import unreached, unreached_faults
 from ros2lab.diagnose.sources.answered import plain_returns, unanswered
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
@@ -122,8 +123,9 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
             continue
         if spins_on(sources, source):
             yield from _shut_down(sources, source, function)
-        if id(function) in repeated:
+        if id(function) in repeated and id(function) not in unreached(sources):
             yield from _made_again(sources, source, functions)
+    yield from unreached_faults(sources)
     yield from rate_faults(sources)
     yield from _sent_early(sources)
 
@@ -281,10 +283,13 @@ _AGAIN = {
     **{
         f"create_{what}": (
             "made-again",
-            f"makes a new {what} each time, which is not yet connected when it is used",
+            f"makes one more {what} each time{more}",
             f"move create_{what}(...) into __init__, and keep it as an attribute of self",
         )
-        for what in ("publisher", "subscription")
+        for what, more in (
+            ("publisher", ", to which no subscriber is connected yet when it is used"),
+            ("subscription", ", so that each message is received more and more often"),
+        )
     },
 }
 

@@ -1,0 +1,78 @@
+"""Callbacks that only they themselves would register, or a method that nothing calls; and those that do begin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.finding import Finding
+
+NODE = """\
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+
+class Tea(Node):
+    def __init__(self):
+        super().__init__('tea')
+        self.count = 0
+        BEGIN
+
+    BODY
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    node = Tea()
+    AFTER
+    rclpy.spin(node)
+"""
+TICK = "def tick(self):\n    self.count += 1\n    self.timer = self.create_timer(0.5, self.tick)"
+HEARD = (
+    "def heard(self, msg):\n    self.count += 1\n    self.create_subscription(String, 'tea', self.heard, 10)"
+)
+TWO = "def ping(self):\n    self.count += 1\n    self.a = self.create_timer(1.0, self.pong)\n\ndef pong(self):\n    self.count -= 1\n    self.b = self.create_timer(1.0, self.ping)"
+SETUP = "def set_up(self):\n    self.timer = self.create_timer(0.5, self.tick)\n\ndef tick(self):\n    self.count += 1"
+CODES = ("never-called", "timer-in-callback", "made-again")
+
+
+def found_in(root: Path, body: str, begin: str = "pass", after: str = "pass") -> list[Finding]:
+    code = NODE.replace("BODY", body.replace("\n", "\n    ")).replace("BEGIN", begin).replace("AFTER", after)
+    found = of_workspace(Files.right(NAMES[0]).put("node", code.replace("\n    \n", "\n\n")).write(root))
+    return [finding for finding in found if finding.code in CODES]
+
+
+@pytest.mark.parametrize(
+    ("body", "fix"),
+    [
+        (TICK, "move line 15 to the end of __init__"),
+        (HEARD, "move line 15 to the end of __init__"),
+        (TWO, "move lines 15 and 19 to the end of __init__"),
+        (SETUP, "write `self.set_up()` at the end of __init__"),
+    ],
+)
+def test_what_nothing_begins_is_told(tmp_path: Path, body: str, fix: str) -> None:
+    (found,) = found_in(tmp_path, body)
+    assert (found.code, found.fix) == ("never-called", fix)
+
+
+@pytest.mark.parametrize(
+    ("body", "begin", "after", "codes"),
+    [
+        (TICK, "self.tick()", "pass", ["timer-in-callback"]),
+        (TICK, "pass", "node.tick()", ["timer-in-callback"]),
+        (TICK, "getattr(self, 'tick')()", "pass", ["timer-in-callback"]),
+        (TWO, "self.c = self.create_timer(1.0, self.ping)", "pass", ["timer-in-callback"] * 2),
+        (SETUP, "self.set_up()", "pass", []),
+        (SETUP, "pass", "node.set_up()", []),
+    ],
+)
+def test_what_something_begins_is_called(
+    tmp_path: Path, body: str, begin: str, after: str, codes: list[str]
+) -> None:
+    assert [finding.code for finding in found_in(tmp_path, body, begin, after)] == codes
