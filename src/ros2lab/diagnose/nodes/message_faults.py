@@ -185,11 +185,31 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             fix = f"write `{short}.from_msg({ast.unparse(node.value)}).{name}` instead of `{ast.unparse(node)}`, with `from rclpy.{short.lower()} import {short}` at the top"
             yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
             return
-        cause = (
-            f"{short} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}"
-        )
-        fix = _deeper(fields, inner, name, node) if inner else _one_of(fields, name, scope, node)
+        fits, why = _fitting_use(fields, scope, node)
+        cause = f"{short} has no field {name}; it has {', '.join(fields) or 'none'}{why}.{did_you_mean(name, fits)}"
+        fix = _deeper(fields, inner, name, node) if inner else _one_of(fits, name, scope, node)
         yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
+
+
+def _fitting_use(fields: Mapping[str, str], scope: Scope, node: ast.AST) -> tuple[Mapping[str, str], str]:
+    """Return the fields that fit what is done with the one that is written, and why; all of them if none does.
+
+    What is done is the field of it that is asked for next, or the plain value that it is given.
+    """
+    for used in scope.source.nodes:
+        match used:
+            case ast.Attribute(attr=asked, value=owner) if owner is node:
+                inner = {f: interfaces.fields_of(field_kind(kind)) or {} for f, kind in fields.items()}
+                fits = {f: kind for f, kind in fields.items() if asked in inner[f]}
+                why = f"; only {next(iter(fits))} has {asked}" if len(fits) == 1 else ""
+            case ast.Assign(targets=[target], value=value) if target is node and scope.kind(value) in PLAIN:
+                given = scope.kind(value)
+                fits = {f: kind for f, kind in fields.items() if field_kind(kind) == given}
+                why = f"; only {next(iter(fits))} holds {_described(str(given))}" if len(fits) == 1 else ""
+            case _:
+                continue
+        return (fits, why) if fits else (fields, "")
+    return fields, ""
 
 
 def _one_of(fields: Mapping[str, str], name: str, scope: Scope, node: ast.AST) -> str:
@@ -199,6 +219,8 @@ def _one_of(fields: Mapping[str, str], name: str, scope: Scope, node: ast.AST) -
     if (near := nearest(name, fields)) and near in given:
         return write_instead(near, name, given)
     left = [field for field in fields if field not in given]
+    if len(left) == 1 and isinstance(node, ast.Attribute):
+        return f"write {ast.unparse(node.value)}.{left[0]} instead of {ast.unparse(node)}"
     return f"write one of: {', '.join(left)}" if left else f"remove {name}, or use another message type"
 
 
