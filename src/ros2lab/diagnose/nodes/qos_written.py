@@ -5,25 +5,27 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
+from ros2lab.diagnose.finding import in_a_row
+from ros2lab.diagnose.sources.qualities import POLICIES
 from ros2lab.diagnose.sources.syntax_parts import with_arguments
 
 if TYPE_CHECKING:
     from ros2lab.diagnose.nodes.topic_faults import End
 
-_CLASSES = {"durability": "DurabilityPolicy", "reliability": "ReliabilityPolicy"}
-
 
 def with_policy(end: End, policy: str, value: str) -> str:
     """Return what to write so that an end has a policy, such as `durability` TRANSIENT_LOCAL."""
     source, given = end.creation.source, end.creation.given("qos_profile")
-    added = f"{policy}={_CLASSES[policy]}.{value}"
+    known = POLICIES[policy]
     written = source.written(given)
-    if isinstance(written, ast.Call) and policy not in {keyword.arg for keyword in written.keywords}:
-        profile = f"{ast.unparse(written).removesuffix(')')}, {added})"
+    if isinstance(written, ast.Call):
+        others = [ast.unparse(argument) for argument in written.args]
+        others += [ast.unparse(keyword) for keyword in written.keywords if keyword.arg != policy]
+        profile = f"{ast.unparse(written.func)}({', '.join([*others, f'{policy}={known.code(value)}'])})"
     else:
         depth = end.sources.value(source, given)
-        profile = f"QoSProfile(depth={depth if isinstance(depth, int) else 1}, {added})"
-    return _written(end, profile, [_CLASSES[policy], "QoSProfile"])
+        profile = f"QoSProfile(depth={depth if isinstance(depth, int) else 1}, {policy}={known.code(value)})"
+    return _written(end, profile, [known.home, "QoSProfile"])
 
 
 def with_profile_of(end: End, other: End) -> str:
@@ -38,5 +40,8 @@ def _written(end: End, profile: str, names: list[str]) -> str:
     call, source = end.creation.call, end.creation.source
     changed = with_arguments(call, {id(end.creation.given("qos_profile")): profile})
     lacking = [name for name in sorted(names) if name not in source.names]
-    more = f", with `from rclpy.qos import {', '.join(lacking)}` at the top" if lacking else ""
+    of_time = ["from rclpy.duration import Duration"] if "Duration" in lacking else []
+    of_qos = [name for name in lacking if name != "Duration"]
+    lines = [*of_time, *([f"from rclpy.qos import {', '.join(of_qos)}"] if of_qos else [])]
+    more = f", with {in_a_row([f'`{line}`' for line in lines])} at the top" if lines else ""
     return f"write `{changed}`{more}"

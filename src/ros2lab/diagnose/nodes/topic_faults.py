@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
-from ros2lab.diagnose.sources.qualities import policies_of
+from ros2lab.diagnose.sources.qualities import POLICIES, policies_of
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.rhythm import has_period
 
@@ -278,23 +278,27 @@ def _right_type(end: End, others: list[End], there: list[End], alone: list[End])
 
 def _qualities(topic: str, there: list[End], partners: Partners) -> Iterator[Finding]:
     """Yield subscriptions that no publisher of their type offers what they require."""
-    policies = (("durability", "TRANSIENT_LOCAL", "VOLATILE"), ("reliability", "RELIABLE", "BEST_EFFORT"))
     for listener in (end for end in there if not end.is_publisher):
         offers = [end for end in there if _may_connect(listener, end)]
-        for policy, strict, weak in policies if listener.type and offers else ():
-            is_refused = listener.qos.get(policy) == strict and all(
-                end.type and end.qos.get(policy) == weak and partners.are_together(listener, end, there)
+        for name, policy in POLICIES.items() if listener.type and offers else ():
+            wanted = listener.qos.get(name, "")
+            least = policy.strictness(wanted)
+            is_refused = least is not None and all(
+                end.type
+                and (offered := policy.strictness(end.qos.get(name, ""))) is not None
+                and offered < least
+                and partners.are_together(listener, end, there)
                 for end in offers
             )
             if is_refused and not partners.may_be_elsewhere(topic):
-                cause = f"The subscription to {topic!r} requires {policy} {strict}, but the publisher offers {weak}, so nothing arrives."
-                yield Finding("qos-mismatch", cause, listener.place, _alike(offers[0], listener, policy))
+                cause = f"The subscription to {topic!r} requires {policy.in_words(wanted)}, but the publisher offers {policy.in_words(offers[0].qos[name]).removeprefix(f'{policy.words} ')}, so nothing arrives."
+                yield Finding("qos-mismatch", cause, listener.place, _alike(offers[0], listener, name))
 
 
 def _alike(publisher: End, listener: End, policy: str) -> str:
     """Return what to write so that a subscription gets what it requires, or requires what it gets."""
-    if policy == "durability":
-        return f"{with_policy(publisher, policy, 'TRANSIENT_LOCAL')}, in {publisher.place}"
+    if policy != "reliability":
+        return f"{with_policy(publisher, policy, listener.qos[policy])}, in {publisher.place}"
     return with_profile_of(listener, publisher) or with_policy(listener, policy, "BEST_EFFORT")
 
 
