@@ -112,6 +112,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "launch-function",
         "launch-lost",
         "launch-apart",
+        "environment-apart",
         "launch-package",
         "launch-executable",
         "not-in-data-files",

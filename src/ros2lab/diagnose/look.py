@@ -35,6 +35,7 @@ from ros2lab.diagnose.launching.remapped_names import unknown_names
 from ros2lab.diagnose.launching.started_faults import Started, are_alone, started_faults, started_in
 from ros2lab.diagnose.net import guarded
 from ros2lab.diagnose.nodes.bursts import burst_faults
+from ros2lab.diagnose.nodes.environments import Program, environment_apart
 from ros2lab.diagnose.nodes.life_faults import life_faults
 from ros2lab.diagnose.nodes.message_faults import message_faults
 from ros2lab.diagnose.nodes.node_faults import node_faults
@@ -152,6 +153,7 @@ class Look:
             yield from guarded(install_faults, self.root, package)
         yield from guarded(self._faults_of_launch_files, by_name)
         yield from guarded(self._topic_faults)
+        yield from guarded(environment_apart, self._programs, self._partners)
         yield from guarded(self._service_faults, by_name)
         yield from guarded(lambda: passed_over(self._with_sources, self.launch_files))
         yield from started
@@ -186,6 +188,12 @@ class Look:
         return topic_faults(
             [end for end in ends if not self._is_moved(end)], self._remapped(), self._partners
         )
+
+    @property
+    def _programs(self) -> list[Program]:
+        """What the executables of the packages run."""
+        points = [(self.sources(package), point) for package in self.packages for point in package.points]
+        return [Program(own, p.module, p.function) for own, p in points if p.module in own.sources]
 
     def _is_moved(self, end: End) -> bool:
         """Return whether a launch file puts an end into a namespace in which it does not put the others."""
