@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.service_faults import service_ends
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Heard, Run
 from ros2lab.rhythm import median_gap
@@ -33,8 +34,31 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     if run.ended:
         word = word_that_ended(run)
         parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
+    parts += _offered(seen, seen.main(name))
     parts = [*parts, *_unserved(seen, seen.main(name))] or ["neither published nor subscribed to anything"]
-    return f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
+    shown = f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
+    return " ".join([shown, *_unshown(seen, seen.main(name), called)])
+
+
+def _unshown(seen: Seen, file: str, called: Called) -> list[str]:
+    """Return what is said of messages that the nodes of a file log when they run, and that nobody sees."""
+    found = list[str]()
+    if any("log-level" in read_text(path) for path in seen.look.launch_paths):
+        return found
+    for sources in map(seen.look.sources, seen.look.packages):
+        for owner in (node for node in sources.nodes if node.source.shown == file):
+            hidden = hidden_logs(sources, owner)
+            if hidden and any(source == hidden.source for source, _ in called):
+                place = hidden.source.at(hidden.calls[0])
+                found.append(f"{hidden.why} ({place}): {hidden.fix}.")
+    return found
+
+
+def _offered(seen: Seen, file: str) -> list[str]:
+    """Return what is said of the services and actions that a file offers."""
+    ends = [end for package in seen.look.packages for end in service_ends(seen.look.sources(package))]
+    own = (end for end in ends if end.is_server and end.name and end.creation.source.shown == file)
+    return [f"offers /{name}" for name in dict.fromkeys(end.name.lstrip("/") for end in own)]
 
 
 def _unserved(seen: Seen, file: str) -> list[str]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.read_once import meant_to_change
 from ros2lab.diagnose.nodes.stale_values import computed_once
 from ros2lab.diagnose.sources.interfaces import members_of
@@ -324,12 +325,9 @@ def _never_published(state: State) -> Iterator[Finding]:
 def _never_shown(state: State) -> Iterator[Finding]:
     """Yield nodes that only log, all of it at a level that is not shown."""
     own = [method for method in state.owner.methods.values() if id(method) in state.uses.callbacks]
-    logs = [n for method in own for n in calls_in(own_nodes(method)) if is_log(n)]
-    is_quiet = all(getattr(log.func, "attr", "") == "debug" for log in logs)
-    if logs and is_quiet and all(map(_only_logs, own)) and not state.uses.named["set_level"]:
-        cause = "Messages logged with debug() are not shown: a terminal shows only info() and above."
-        fix = "write info instead of debug; or start the node with --ros-args --log-level debug"
-        yield Finding("never-shown", cause, state.at(logs[0]), fix)
+    hidden = hidden_logs(state.uses.sources, state.owner) if own and all(map(_only_logs, own)) else None
+    if hidden:
+        yield Finding("never-shown", f"{hidden.why}.", hidden.source.at(hidden.calls[0]), hidden.fix)
 
 
 def _overwritten(state: State) -> Iterator[Finding]:
