@@ -210,7 +210,7 @@ def _of_system(said: re.Match[str], look: Look) -> Finding | None:
     if path.endswith(("\\r", "\r", "^M")):
         program = path.removesuffix("\\r").rstrip("\r").removesuffix("^M")
         cause = f"The first line of the file has a Windows line ending, so the system looks for a program called {program} with a carriage return at its end."
-        fix = r"remove the Windows line endings of that file: sed -i 's/\r$//' FILE, then build again"
+        fix = r"remove the Windows line endings of the file that was started, with sed -i 's/\r$//' and its name"
         return (of_line_ends(look) if look else None) or Finding(SAID, cause, "", fix)
     if number == errno.ENOENT:
         return _missing(path, look)

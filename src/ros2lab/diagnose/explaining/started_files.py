@@ -63,10 +63,14 @@ def of_started_file(error: ErrorText, look: Look) -> Finding | None:
 
 
 def of_line_ends(look: Look) -> Finding | None:
-    """Return the finding of an installed script whose first line ends as on Windows; None if there is none."""
-    scripts = (script for package in look.packages for script in _installed(package, look))
-    faults = (_unusable(script, look) for script in scripts if script.first.endswith(b"\r\n"))
-    return next(filter(None, faults), None)
+    """Return the finding of a script whose first line ends as on Windows, an installed one first; None without any."""
+    scripts = [script for package in look.packages for script in _installed(package, look)]
+    files = [path for path in sorted(look.root.iterdir()) if path.is_file()]
+    files += [path for package in look.packages for path in package.own_files()]
+    for script in (*scripts, *(Started(path, path) for path in files)):
+        if script.first.startswith(b"#!") and script.first.endswith(b"\r\n"):
+            return _unusable_line(script, look)
+    return None
 
 
 def _started(step: Step, look: Look) -> Iterator[Started]:
@@ -98,11 +102,16 @@ def _unusable(started: Started, look: Look) -> Finding | None:
     if started.shell:
         return None
     shown, source = (shown_path(path, look.root) for path in (started.path, started.source))
-    first = started.first
     if not os.access(started.path, os.X_OK):
         cause = f"{shown} is there, but has no permission to be executed."
         change = "" if os.access(started.source, os.X_OK) else f"chmod +x {quote(source)}"
         return Finding("executable-unusable", cause, source, started.again(change))
+    return _unusable_line(started, look)
+
+
+def _unusable_line(started: Started, look: Look) -> Finding | None:
+    """Say why the system cannot start a file as its first line is; None if it can."""
+    first, source = started.first, shown_path(started.source, look.root)
     if first.startswith(b"#!") and first.endswith(b"\r\n"):
         files = _of_windows(started, look)
         have = f"{in_a_row(files)} {'has' if len(files) == 1 else 'have'}"
