@@ -54,7 +54,7 @@ def fault_of(error: Exception, text: str) -> str:
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     said = " ".join(lines[1:] or lines)  # the first one only names the file
     tags = _tags_that_differ(text)
-    return f"{said}: <{tags[0]}> is open there, and {tags[1]}> comes" if tags else said
+    return f"{said}: <{tags[0]}> is not closed before {tags[1]}>" if tags else said
 
 
 def _tags_that_differ(text: str) -> tuple[str, str] | None:

@@ -13,11 +13,11 @@ from ros2lab.manifest_words import fault_of
     [
         (
             "<package>\n  <depend>rclpy</exec_depend>\n</package>",
-            ": <depend> is open there, and </exec_depend> comes",
+            ": <depend> is not closed before </exec_depend>",
         ),
-        ("<package>\n  <depend>rclpy\n</package>", ": <depend> is open there, and </package> comes"),
-        ("<package>\n  <depend>rclpy<depend>\n</package>", ": <depend> is open there, and </package> comes"),
-        ("<package>\n  <a>ü</b>\n</package>", ": <a> is open there, and </b> comes"),
+        ("<package>\n  <depend>rclpy\n</package>", ": <depend> is not closed before </package>"),
+        ("<package>\n  <depend>rclpy<depend>\n</package>", ": <depend> is not closed before </package>"),
+        ("<package>\n  <a>ü</b>\n</package>", ": <a> is not closed before </b>"),
         ("<package>\n  <name>a & b</name>\n</package>", "not well-formed"),
         ("<package>\n  <name>a</name>", "no element found"),
         ("", "no element found"),

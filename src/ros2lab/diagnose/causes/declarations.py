@@ -141,7 +141,7 @@ def _undeclared(use: _Use) -> Finding:
     if text != repr(name) and (use.is_in_callback or len(use.calls) > len(given)):
         where = f"above line {here}, and {written} below it, indented"
         written = f"`if not {use.node}.has_parameter({text}):`"
-    more = ", with a default value where the dots are" if "...)" in written + where else ""
+    more = "; replace the dots with its default value" if "...)" in written + where else ""
     close = nearest(name, declared, 0.5)
     fix = f"write {written} {where}{more}"
     fix = f"write {close!r} if that is meant; else {fix}" if close and not comes else fix

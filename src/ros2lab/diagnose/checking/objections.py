@@ -176,16 +176,14 @@ def _is_sure(said: dict[str, str]) -> bool:
 
 def _bound_of(kind: str, source: PythonSource | None) -> str:
     """Return the class to which a type variable is bound where a file makes it; empty for any other type."""
-    name = re.fullmatch(r"(\w+)@\w+", kind)
+    name = kind.partition("@")[0] if re.fullmatch(r"\w+@\w+", kind) else ""
     for node in source.nodes if name and source else ():
-        match node:
-            case ast.Call(args=[ast.Constant(value=made), *_], keywords=keywords) if made == name[1]:  # type: ignore[index]
-                bounds = [keyword.value for keyword in keywords if keyword.arg == "bound"]
-            case ast.AST(name=made, bound=bound) if made == name[1]:  # type: ignore[index]
-                bounds = [bound]  # of Python 3.12: def show[T: String]()
-            case _:
-                continue
-        if found := [bound for bound in bounds if isinstance(bound, (ast.Name, ast.Attribute))]:
+        made, bounds = getattr(node, "name", ""), [getattr(node, "bound", None)]  # def show[T: String]()
+        if isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            made = node.args[0].value
+            bounds = [keyword.value for keyword in node.keywords if keyword.arg == "bound"]
+        found = [bound for bound in bounds if isinstance(bound, (ast.Name, ast.Attribute))]
+        if made == name and found:
             return ast.unparse(found[0]).rpartition(".")[2]
     return ""
 

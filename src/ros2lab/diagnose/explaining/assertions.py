@@ -53,7 +53,7 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
         shown = [match["left"] or match["one"], match["right"] or match["other"]]
         left, right = map(_literal, shown)
         if left != right and _is_near(left, right):
-            cause = f"{shown[0]} and {shown[1]} differ only by floating-point rounding: a Float32 has about 7 digits, and sums can be off in the last one."
+            cause = f"{shown[0]} and {shown[1]} differ only by rounding: floats are binary, so most decimal fractions, and sums of them, are not exact."
             texts = ast.unparse(test.left), ast.unparse(test.comparators[0])
             fix = f"write `assert {texts[0]} == pytest.approx({texts[1]})`, with `import pytest` at the top"
             return Finding("never-equal", cause, place, fix)

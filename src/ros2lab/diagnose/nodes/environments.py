@@ -88,7 +88,7 @@ class Program:
     @cached_property
     def ends(self) -> list[End | ServiceEnd]:
         """Its ends of topics, services and actions."""
-        found = [*ends_of(self.sources), *service_ends(self.sources)]
+        found: list[End | ServiceEnd] = [*ends_of(self.sources), *service_ends(self.sources)]
         return [end for end in found if end.creation.source in self.files and end.name]
 
 
@@ -175,12 +175,9 @@ def _set(sources: NodeSources, source: PythonSource, node: ast.AST) -> Iterator[
                 pairs += [(ast.Constant(keyword.arg), keyword.value) for keyword in call.keywords]
             elif how == "rclpy.init" and "context" not in (named := {k.arg: k.value for k in call.keywords}):
                 pairs = [(ast.Constant("ROS_DOMAIN_ID"), named["domain_id"])] if "domain_id" in named else []
-    for key, given in pairs:
-        match given:
-            case ast.Call(func=ast.Name(id="str"), args=[number]):
-                written = number
-            case _:
-                written = given
-        name, value = sources.value(source, key), sources.value(source, written)
+    for named_by, given in pairs:
+        is_number = isinstance(given, ast.Call) and getattr(given.func, "id", "") == "str" and given.args
+        written = given.args[0] if isinstance(given, ast.Call) and is_number else given
+        name, value = sources.value(source, named_by), sources.value(source, written)
         if name in _DEFAULTS:
             yield Setting(str(name), str(value) if isinstance(value, (str, int)) else "", source, node)

@@ -55,7 +55,7 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                 declare = (
                     f"`self.declare_parameter({name!r}, {default})` in the constructor, before it is read"
                 )
-                declare += ", with a default value where the dots are" * (default == "...")
+                declare += "; replace the dots with its default value" * (default == "...")
                 cause = f"The parameter {name!r} is read but never declared.{there}"
                 fix = (
                     f"write {close!r} if that is meant; otherwise {declare}" if close else f"write {declare}"

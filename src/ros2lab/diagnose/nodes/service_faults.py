@@ -160,7 +160,11 @@ def service_faults(
             continue
         what = "action" if client.is_action else "service"
         name = f"/{server.name}"
-        cause = f"This node calls the {what} '/{client.name}', but the other one offers {name!r}, so nothing responds."
+        shown = [end.creation.source.shown.rpartition("/")[2] for end in (client, server)]
+        who = shown if shown[0] != shown[1] else ["This node", "another one"]
+        cause = (
+            f"{who[0]} calls the {what} '/{client.name}', but {who[1]} offers {name!r}, so nothing responds."
+        )
         other = server.renamed(f"/{client.name}")
         fix = f"write `{client.renamed(name)}` here, or `{other}` in {server.place}"
         yield Finding("topic-near-miss", cause, client.place, fix)
