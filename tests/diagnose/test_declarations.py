@@ -73,7 +73,7 @@ LONE = "def read(self, name):\n    return self.get_parameter(name).value\n"
         ("names = ['kp', 'ki']\nself.a, self.b = self.get_parameters(names)", "", "kp", ["get_parameters(names)"], "'kp'", "`self.declare_parameter('kp', ...)`, and `self.declare_parameter('ki', ...)` above"),
         ("self.a = self.gain('left')", "def gain(self, side):\n    return self.get_parameter(f'{side}.kp').value\n", "left.kp", ["'left'", ".kp"], "'left.kp'", "write `self.declare_parameter(f'{side}.kp', ...)` above"),
         ("self.timer = self.create_timer(self.get_parameter('cycle').value, self.tick)", "def tick(self):\n    pass\n", "cycle", ["'cycle'"], "'cycle'", "write `self.declare_parameter('cycle', 1.0)` above"),
-        ("print(self.get_parameter('turns').value)", "", "turns", ["'turns'"], "Declared are: period, turn.", "write 'turn' if that is meant; else"),
+        ("print(self.get_parameter('turns').value)", "", "turns", ["'turns'"], "Declared are: turn.", "write 'turn' if that is meant; else"),
         ("self.set_parameters([Parameter('speed', value=2.0)])", "", "[]", ["set_parameters"], "'speed'", "write `self.declare_parameter('speed', "),
     ],
 )  # fmt: skip

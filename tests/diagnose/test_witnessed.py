@@ -97,6 +97,11 @@ def test_a_program_does_the_same_and_nothing_is_wrong(tmp_path: Path, body: str,
     assert wrong == []
 
 
+def test_a_name_that_an_imported_file_never_has_is_as_it_should_be(tmp_path: Path) -> None:
+    *_, wrong, never = noted("if __name__ == '__main__': self.turns.append(1)", tmp_path)
+    assert (wrong, never) == ([], [])
+
+
 def test_what_is_long_is_not_shown(tmp_path: Path) -> None:
     """A message or a list may take longer to show than to compare."""
     *_, never = noted("if self.turns == [step] * 9_999: print('never')", tmp_path)

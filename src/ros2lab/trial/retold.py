@@ -28,7 +28,10 @@ def without_retold(found: Iterable[Finding], read: Iterable[Finding], look: Look
     """
     read = [*read]
     causes = [finding for finding in read if keeps_from_working(finding)]
+    apart = {_file(known) for known in read if known.code == "environment-apart"}
     for finding in found:
+        if finding.code == "no-node" and _file(finding) in apart:
+            continue  # it is in another domain than the one that is watched
         if len(finding.about) > 1 and any({*finding.about} <= {*known.about} for known in read):
             continue  # two topics that do not meet, of which reading has said why
         there = [cause for cause in causes if _file(cause) == _file(finding)]

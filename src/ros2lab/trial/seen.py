@@ -222,7 +222,7 @@ def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     elif not run.nodes:
         yield Finding(
             "no-node",
-            f"The program {name} is running, but its node never appears: it is waiting, or doing something else first.",
+            f"The program {name} is running, but its node does not appear: it is waiting, doing something else first, or in another ROS domain.",
             seen.main(name),
             "make the node in main before anything that waits, and spin it",
         )

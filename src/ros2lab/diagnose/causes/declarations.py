@@ -122,7 +122,8 @@ def _about(use: _Use, names: tuple[str, ...]) -> _Use | None:
 
 def _undeclared(use: _Use) -> Finding:
     """Return a finding about an undeclared parameter, with a declaration in the terms of the line."""
-    name, declared = use.names[0], declared_in(use.sources) or {}
+    together = use.sources.around(use.source.name) or use.sources  # not the parameters of other programs
+    name, declared = use.names[0], declared_in(together) or {}
     given = names_given(use.sources, use.source, use.function, use.named)
     _, origin = given[name]
     comes = ""
