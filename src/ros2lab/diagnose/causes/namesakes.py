@@ -25,15 +25,16 @@ def of_namesake(error: ErrorText, look: Look) -> Finding | None:
     library, has a module of the same name without it.
     """
     for report in reversed(error.reports) if look else ():
-        module, name = module_and_name(report)
+        whole, name = module_and_name(report)
+        module = whole.partition(".")[0]
         asking = _package_of(report, look)
         if not module or asking is None or module == asking.name:
             continue
-        if not _has(asking.folder, module, name) or not _is_installed_with(asking, module, name, look):
+        if not _has(asking.folder, whole, name) or not _is_installed_with(asking, whole, name, look):
             continue
         others = [other for other in look.packages if other is not asking and _is_in(other.folder, module)]
         others.sort(key=lambda other: f"/{other.name}/" not in report.message)
-        if lacking := [other for other in others if not _has(other.folder, module, name)]:
+        if lacking := [other for other in others if not _has(other.folder, whole, name)]:
             first = lacking[0].name
             names = in_a_row(sorted([asking.name, *(other.name for other in others)]))
             cause = f"{names} each install a Python module called {module}, and Python finds that of {first} first, which has no {name}."
@@ -61,8 +62,9 @@ def _package_of(report: ErrorReport, look: Look) -> SourcePackage | None:
 
 
 def _file(folder: Path, module: str) -> Path | None:
-    """Return the file of a top-level module in a folder; None if there is none."""
-    files = (folder / f"{module}.py", folder / module / "__init__.py")
+    """Return the file of a module in a folder; None if there is none."""
+    path = folder.joinpath(*module.split("."))
+    files = (path.with_name(f"{path.name}.py"), path / "__init__.py")
     return next((file for file in files if file.is_file()), None)
 
 

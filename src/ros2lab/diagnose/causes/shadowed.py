@@ -21,9 +21,9 @@ from ros2lab.diagnose.sources.spelling import snake_case
 
 # What Python says when a module lacks a name, or has nothing inside because it is no package.
 _LACKS = (
-    re.compile(r"module '(?P<module>\w+)' has no attribute '(?P<name>\w+)'"),
+    re.compile(r"module '(?P<module>[\w.]+)' has no attribute '(?P<name>\w+)'"),
     re.compile(
-        r"cannot import name '(?P<name>\w+)' from (?:partially initialized module )?'(?P<module>\w+)'"
+        r"cannot import name '(?P<name>\w+)' from (?:partially initialized module )?'(?P<module>[\w.]+)'"
     ),
     re.compile(r"No module named '(?P<module>\w+)\.(?P<name>\w+)(?:\.\w+)*'"),
 )

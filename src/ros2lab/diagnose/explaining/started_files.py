@@ -57,7 +57,7 @@ def of_started_file(error: ErrorText, look: Look) -> Finding | None:
         return None  # it was started
     for step in reversed(unsettled(error.steps)):
         for started in _started(step, look) if step.lines else ():
-            if found := _unusable(started, look) or _misread(started, step, look):
+            if found := _unusable(started, look, step.text) or _misread(started, step, look):
                 return found
     return None
 
@@ -97,7 +97,7 @@ def _installed(package: SourcePackage, look: Look) -> Iterator[Started]:
             yield Started(path, package.folder / places[0], package)
 
 
-def _unusable(started: Started, look: Look) -> Finding | None:
+def _unusable(started: Started, look: Look, said: str) -> Finding | None:
     """Say what keeps the system from starting a file that is there; None if nothing does, or a shell reads it."""
     if started.shell:
         return None
@@ -106,10 +106,10 @@ def _unusable(started: Started, look: Look) -> Finding | None:
         cause = f"{shown} is there, but has no permission to be executed."
         change = "" if os.access(started.source, os.X_OK) else f"chmod +x {quote(source)}"
         return Finding("executable-unusable", cause, source, started.again(change))
-    return _unusable_line(started, look)
+    return _unusable_line(started, look, said)
 
 
-def _unusable_line(started: Started, look: Look) -> Finding | None:
+def _unusable_line(started: Started, look: Look, said: str = "") -> Finding | None:
     """Say why the system cannot start a file as its first line is; None if it can."""
     first, source = started.first, shown_path(started.source, look.root)
     if first.startswith(b"#!") and first.endswith(b"\r\n"):
@@ -117,14 +117,14 @@ def _unusable_line(started: Started, look: Look) -> Finding | None:
         have = f"{in_a_row(files)} {'has' if len(files) == 1 else 'have'}"
         cause = f"{have} Windows line endings, so the system looks for a program called {_program(first)} with a carriage return at its end."
         change = rf"sed -i 's/\r$//' {' '.join(map(quote, files))}"
-    elif told := _of_program(started, source):
+    elif told := _of_program(started, source, said):
         cause, change = told
     else:
         return None
     return Finding("executable-unusable", cause, f"{source}:1", started.again(change))
 
 
-def _of_program(started: Started, source: str) -> tuple[str, str] | None:
+def _of_program(started: Started, source: str, said: str) -> tuple[str, str] | None:
     """Return cause and change of a first line that names no program, or none that is there; None if it is right."""
     first, new = started.first, "#!/usr/bin/env python3"
     program = _program(first)
@@ -132,7 +132,8 @@ def _of_program(started: Started, source: str) -> tuple[str, str] | None:
     if not first.startswith(b"#!"):  # a shell runs it as a script of its own, unless it is in Python
         cause = f"The first line of {source} does not say that Python should run it, so the system cannot start it."
         return (cause, f"write {new} above line 1") if is_python else None
-    if not program or shutil.which(program):
+    is_said = re.search(rf"{re.escape(program)}\W*: No such file", said) is not None
+    if not program or (shutil.which(program) and not is_said):
         return None
     cause = f"The first line of {source} has it run by {program}, which is not on this computer."
     return cause, f"write {new} as line 1" if is_python else f"correct {program} in line 1, or install it"

@@ -85,7 +85,8 @@ def _written(sources: NodeSources, source: PythonSource, call: ast.Call) -> tupl
         named = sources.resolve(source, logger.func if isinstance(logger, ast.Call) else logger) or ""
         if named in ("logging", "logging.getLogger"):
             return call.func.attr, True
-        if ast.unparse(logger).endswith("get_logger()"):
+        made = logger.func if isinstance(logger, ast.Call) else None
+        if getattr(made, "attr", getattr(made, "id", "")) == "get_logger":
             return call.func.attr, False
     return None
 

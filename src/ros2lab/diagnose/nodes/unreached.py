@@ -73,9 +73,11 @@ def unreached_faults(sources: NodeSources) -> Iterator[Finding]:
     for owner in sources.nodes if alone else ():
         own = {key for key, (home, _) in alone.items() if home is owner}
         registered = [
-            (creation, function)
-            for creation, function in sources.callbacks()
-            if id(creation.function) in own and id(function) in alone
+            (creation, alone[key][1])
+            for creation in sources.creations
+            if id(creation.function) in own and (given := creation.given("callback"))
+            for key in own
+            if alone[key][1].name in {name for node in walk(given) for name in named(node)}
         ]
         if registered and "__init__" in owner.methods:
             yield _never_begun(owner, registered, [alone[key][1] for key in sorted(own)])
@@ -84,7 +86,8 @@ def unreached_faults(sources: NodeSources) -> Iterator[Finding]:
 def _never_begun(
     owner: NodeClass, registered: list[tuple[Creation, Function]], methods: list[Function]
 ) -> Finding:
-    callbacks = [*dict.fromkeys(function.name for _, function in registered)]
+    functions = sorted({id(function): function for _, function in registered}.values(), key=_line)
+    callbacks = [function.name for function in functions]
     makers = [*dict.fromkeys(creation.function.name for creation, _ in registered if creation.function)]
     lines = [creation.call.lineno for creation, _ in registered]
     what = in_a_row([*dict.fromkeys(creation.method.removeprefix("create_") for creation, _ in registered)])
@@ -108,6 +111,10 @@ def _never_begun(
     if any(_uses_locals(creation) for creation, _ in registered):
         fix = f"make the {what} in __init__"
     return Finding("never-called", cause, place, fix, never=never)
+
+
+def _line(function: Function) -> int:
+    return function.lineno
 
 
 def _uses_locals(creation: Creation) -> bool:
