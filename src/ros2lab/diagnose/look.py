@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
-from shlex import quote
 from typing import Any
 
 from ros2lab import course
@@ -48,7 +46,7 @@ from ros2lab.diagnose.nodes.use_faults import use_faults
 from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.for_ros import is_for_ros
 from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
-from ros2lab.diagnose.packaging.layout_faults import layout_faults
+from ros2lab.diagnose.packaging.layout_faults import duplicate_faults, layout_faults
 from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, manifest_faults
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
 from ros2lab.diagnose.sources.beyond import Beyond
@@ -132,7 +130,7 @@ class Look:
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
         plain = {package.name for package in self.packages if not self._is_for_ros(package)}
-        yield from guarded(_duplicates, self.packages)
+        yield from guarded(duplicate_faults, self.packages)
         yield from guarded(dependency_circle, self.packages)
         yield from guarded(taken_packages, self.packages)
         yield from guarded(layout_faults, self.root, self.packages, self.passed_over)
@@ -435,19 +433,3 @@ def _mains(package: SourcePackage) -> list[str] | None:
     points = package.setup.entry_points if package.setup else None
     found = [f"{point.module}.{point.function}" for point in points or () if point.module]
     return found or None
-
-
-def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:
-    all_folders = {package.folder for package in packages}
-    # colcon does not look inside packages.
-    seen = [package for package in packages if not all_folders.intersection(package.folder.parents)]
-    counts = Counter(package.name for package in seen)
-    for name, count in counts.items():
-        if count > 1:
-            folders = [package.shown("") for package in seen if package.name == name]
-            yield Finding(
-                "package-duplicate",
-                f"{count} packages are called {name}, so colcon builds nothing: {' and '.join(folders)}.",
-                folders[-1],
-                f"remove one of them, or hide it: touch {quote(folders[-1] + '/COLCON_IGNORE')}",
-            )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from shlex import quote
@@ -137,3 +138,20 @@ def _not_writable(root: Path, packages: Collection[SourcePackage]) -> Iterator[F
             fix = f'sudo chown -R "$USER" {quote(str(root))}, and build without sudo'
             yield Finding("not-writable", cause, shown_path(path, root), fix)
             return
+
+
+def duplicate_faults(packages: list[SourcePackage]) -> Iterator[Finding]:
+    """Yield a name that several packages have which colcon sees."""
+    all_folders = {package.folder for package in packages}
+    # colcon does not look inside packages.
+    seen = [package for package in packages if not all_folders.intersection(package.folder.parents)]
+    counts = Counter(package.name for package in seen)
+    for name, count in counts.items():
+        if count > 1:
+            folders = [package.shown("") for package in seen if package.name == name]
+            yield Finding(
+                "package-duplicate",
+                f"{count} packages are called {name}, so colcon builds nothing: {' and '.join(folders)}.",
+                folders[-1],
+                f"remove one of them, or hide it: touch {quote(folders[-1] + '/COLCON_IGNORE')}",
+            )
