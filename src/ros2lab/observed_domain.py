@@ -44,6 +44,7 @@ STOP_TIMEOUT = 2.0  # s
 RESTLESS = 3.0  # s, for nodes which publish whenever they answer
 STILL = 1.0  # s of the stepped clock, in which it is seen whether there are such nodes
 TURN = 0.02  # s, for which is listened before the next look at what is waited for
+TEXTS = "std_msgs/msg/String"
 CLOCK = "rosgraph_msgs/msg/Clock"
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # By itself a publisher warns of subscriptions that do not fit, which makes each wait longer.
@@ -174,7 +175,13 @@ class ObservedDomain:
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_publisher(String, topic, LATCHED)
         publisher = self._publishers[topic]
-        self.wait(lambda: publisher.get_subscription_count() >= self.node.count_subscribers(topic))
+        count, taking = publisher.get_subscription_count, self.node.get_subscriptions_info_by_topic
+        self.wait(
+            lambda: (
+                count() >= self.node.count_subscribers(topic)
+                or count() >= sum(info.topic_type == TEXTS for info in taking(topic))
+            )
+        )
         publisher.publish(String(data=text))
 
     def has_arrived(self) -> bool:

@@ -38,9 +38,10 @@ class Ear:
         self._times: list[float] = []
         self._kept: list[bytes] = []
         self._aside: tuple[int, list[float], list[bytes]] = (0, [], [])
+        self._node = watch.holding(topic, type_name)
         offered = matching_qos(watch.node, topic)
         qos = QoSProfile(depth=100, reliability=offered.reliability, durability=offered.durability)
-        self._subscription = watch.node.create_subscription(
+        self._subscription = self._node.create_subscription(
             self._type, topic, self._take, qos, raw=True, event_callbacks=UNHEARD
         )
 
@@ -74,7 +75,8 @@ class Ear:
 
     def part(self) -> dict[str, Any]:
         """Return what was received since the last call, as the fields of `Heard`, and begin a new part."""
-        nodes = sorted(self._watch.publishes.get(self.topic, {}))
+        seen = self._watch.publishes.get(self.topic, {})
+        nodes = sorted(node for node, types in seen.items() if self.type_name in types)
         result = {
             "type_name": self.type_name,
             "node": ", ".join(nodes),
@@ -105,7 +107,7 @@ class Ear:
     def close(self) -> None:
         """Unsubscribe."""
         self.is_closed = True
-        self._watch.node.destroy_subscription(self._subscription)
+        self._node.destroy_subscription(self._subscription)
 
 
 def plain(value: Any, depth: int = DEPTH) -> Any:

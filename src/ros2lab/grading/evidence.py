@@ -373,6 +373,15 @@ class Run:
         return [self.quiet, *after]
 
     @property
+    def torn(self) -> dict[str, list[str]]:
+        """The types of the topics that nodes use with several types; not all of these were listened to."""
+        types: dict[str, set[str]] = {}
+        for ends in (self.publishes, self.subscribes):
+            for topic, nodes in ends.items():
+                types.setdefault(topic, set()).update(*nodes.values())
+        return {topic: sorted(kinds) for topic, kinds in types.items() if len(kinds) > 1}
+
+    @property
     def unasked(self) -> set[str]:
         """The nodes that were alive and did not answer a request for their parameters: they do not spin."""
         return set() if self.ended or self.changed else {*self.nodes} - self.parameters.keys()

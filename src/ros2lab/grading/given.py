@@ -16,7 +16,7 @@ from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from ros2lab.every_node import HIDDEN_TOPICS
 from ros2lab.grading.watch import NODES, OF_EVERY_NODE, TOPICS, Watch
 from ros2lab.observed_domain import LATCHED, UNTOLD
-from ros2lab.topics import find_type
+from ros2lab.topics import find_type, type_name
 
 MOST_FLAGS = 3  # that are given in all combinations
 MANAGES = "lifecycle_msgs/srv/ChangeState"  # makes a managed node begin
@@ -68,9 +68,9 @@ class Given:
             turn: the number of the combination of flags; None leaves them as they are.
         """
         self._turn = self._turn if turn is None else min(turn, self.turns - 1)
-        for do, name, type_name in [*self._wanted()]:
+        for do, name, kind in [*self._wanted()]:
             with contextlib.suppress(Exception):  # rclpy raises many kinds for types and names it cannot use
-                do(name, find_type(type_name))
+                do(name, find_type(kind))
 
     def _wanted(self) -> Iterator[tuple[Callable[[str, Any], None], str, str]]:
         """Yield what to do, each with the name of a topic or a service and its type."""
@@ -97,9 +97,8 @@ class Given:
 
     def _publish(self, topic: str, message: Any) -> None:
         if topic not in self._publishers:
-            self._publishers[topic] = self._watch.node.create_publisher(
-                message, topic, LATCHED, event_callbacks=UNTOLD
-            )
+            node = self._watch.holding(topic, type_name(message))
+            self._publishers[topic] = node.create_publisher(message, topic, LATCHED, event_callbacks=UNTOLD)
             self.names.add(topic)
         self._publishers[topic].publish(self._flagged(topic, message()))
 

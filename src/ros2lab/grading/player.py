@@ -47,8 +47,8 @@ _LACKED = {
 PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others name a changed parameter
 STAND_IN = "std_msgs/msg/Empty"  # the base class of the stand-in for a message that is not installed here
 
-Match = Literal["right", "near", "other", "unnamed"]
-MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed")
+Match = Literal["right", "near", "other", "unnamed", "misplaced"]
+MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed", "misplaced")
 
 
 def is_timers(name: str) -> bool:
@@ -106,9 +106,9 @@ def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
     return is_there and (is_answered or not run.commands)
 
 
-def is_busy(assignment: Assignment, part: Part, node: str, run: Run) -> bool:
-    """Return whether a node has the topic of another part in a run."""
-    others = (other for other in assignment.parts.values() if other is not part)
+def is_busy(assignment: Assignment, part: Part, node: str, run: Run, besides: str = "") -> bool:
+    """Return whether a node has the topic of another part in a run, besides one of its topics."""
+    others = (other for other in assignment.parts.values() if other is not part and other.topic != besides)
     return any(
         node in (run.publishes if other.is_publisher else run.subscribes).get(other.topic, ())
         for other in others
@@ -126,8 +126,8 @@ class Player:
 
     Attributes:
         part: the part of the assignment.
-        match: how its topic fits: the right one, a similar name, another one, or one that only its type
-            tells.
+        match: how its topic fits: the right one, a similar name, another one, one that only its type tells,
+            or one of another part.
         topic: the topic or service of its end.
         node: its full name; its program's name if it was only read in the code.
         types: the types of the topic.
@@ -162,7 +162,9 @@ class Player:
             *((f"{place}.commands[{n}].topics", command.topics) for n, command in enumerate(run.commands)),
         ]
         return [
-            (f"{key}.{self.topic}", topics[self.topic]) for key, topics in stretches if self.topic in topics
+            (f"{key}.{self.topic}", topics[self.topic])
+            for key, topics in stretches
+            if self.topic in topics and topics[self.topic].type_name in self.types
         ]
 
     @property
@@ -215,7 +217,13 @@ class Player:
     @property
     def taken_ends(self) -> tuple[bool, ...]:
         """The ends of its topic (True for publishers) where a player of another part rules this one out."""
-        return (self.part.is_publisher,) if self.match == "unnamed" else (True, False)
+        ends = {"unnamed": (self.part.is_publisher,), "misplaced": ()}
+        return ends.get(self.match, (True, False))
+
+    @property
+    def is_guessed(self) -> bool:
+        """Whether no topic tells that it plays its part."""
+        return self.match in ("unnamed", "misplaced")
 
 
 def on_one_topic(players: Iterable[Player]) -> Iterator[Player]:

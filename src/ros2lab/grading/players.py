@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
+from ros2lab.grading.by_type import Candidate, is_alike, match_by_type, rightful, without_intruders
 from ros2lab.grading.deaf import without_deaf
 from ros2lab.grading.deeds import PUBLISHES, READS
 from ros2lab.grading.doubled import Node, doubled
@@ -27,10 +27,8 @@ from ros2lab.grading.player import (
     stamped,
     without_given,
 )
-from ros2lab.grading.reactions import is_followed
 from ros2lab.grading.unread import noted
 from ros2lab.grading.ways import Way, best_way, shut_out
-from ros2lab.rhythm import has_period
 
 MOST_PLAYERS = 10  # nodes that are considered for one part
 
@@ -78,11 +76,13 @@ class Case:
         for number, run in runs:
             for player in (*self._players_in(number, run, owners), *self._read_in(number, run)):
                 found[player.part.name].append(player)
+        taken = rightful(found)
+        found = without_intruders(found, taken)
         for name, part in self.assignment.parts.items():
             # A part that seems missing may be there by another name, whatever else cannot be started or ended.
             if all(player.is_idle for player in found[name]):
                 for number, run in runs:
-                    alike = self._players_in(number, run, owners, by_type=part)
+                    alike = self._players_in(number, run, owners, by_type=part, taken=taken)
                     found[name] += [player for player in alike if player.part is part]
         return {
             name: [] if self.is_foreign(self.assignment.parts[name]) else without_given(players)
@@ -305,7 +305,7 @@ class Case:
         names = [
             name
             for name, part in self.assignment.parts.items()
-            if part.end != "service" and any(player.match != "unnamed" for player in self.players[name])
+            if part.end != "service" and any(not player.is_guessed for player in self.players[name])
         ]
         targets = {name: executable.target for name, executable in self.executables.items()}
         return doubled({name: self._equals(name) for name in names}, targets)
@@ -356,8 +356,17 @@ class Case:
         owners: Mapping[str, str],
         *,
         by_type: Part | None = None,
+        taken: Collection[tuple[str, str]] = (),
     ) -> Iterator[Player]:
-        """Yield the players in a run; for the part `by_type` also those that only their type tells."""
+        """Yield the players in a run; for the part `by_type` also those that only their type tells.
+
+        Args:
+            number: the run's number.
+            run: the run.
+            owners: by node, the program that has it.
+            by_type: the part of which nobody has the topic; None if there is none.
+            taken: the parts of which a node has the right type, each with the topic.
+        """
         seen = (
             ("publisher", run.publishes),
             ("subscription", run.subscribes),
@@ -371,13 +380,17 @@ class Case:
                     like = with_like_types(types, topic, self.evidence.files.ends, self.assignment)
                     for part in parts:
                         match = self._match(part, topic, like, run, node=node, program=program)
-                        is_free = not any(
-                            topic == wanted or is_near_topic(topic, wanted)
-                            for wanted in self.assignment.topics
+                        guess = (
+                            match_by_type(self.assignment, part, topic, like, taken)
+                            if part is by_type
+                            else None
                         )
-                        if part is by_type and is_free and part.type_name in like:
-                            is_alike = self._is_alike(part, topic, node, run)
-                            match = "unnamed" if is_alike else None
+                        if guess:
+                            match = (
+                                guess
+                                if is_alike(self.evidence, self.assignment, Candidate(part, topic, node, run))
+                                else None
+                            )
                         if match:
                             yield Player(part, match, topic, node, tuple(types), number, run, program)
 
@@ -405,33 +418,8 @@ class Case:
             is_about = (
                 part.is_meant(topic)
                 or subject in f"{node} {program}"
-                or self._is_alike(part, topic, node, run)
+                or is_alike(self.evidence, self.assignment, Candidate(part, topic, node, run))
             )
             is_told = any(topic in other_run.publishes for other_run in self.evidence.runs)
             is_other = is_about and (part.is_meant(topic) or not is_told)
         return "other" if is_other else None
-
-    def _is_alike(self, part: Part, topic: str, node: str, run: Run) -> bool:
-        """Return whether more than a type shared by several parts tells that a node plays a part.
-
-        A publisher has the right period, or publishes repeatedly and plays no other part. A subscriber reacts
-        to commands when it is alone, and the code compares with one of them or it plays no other part.
-        """
-        if self.assignment.is_only(part):
-            return True
-        if self.assignment.meant_by(topic) not in (part, None):
-            return False  # the topic is named for another part
-        if part.is_publisher:
-            times = run.quiet[topic].times if topic in run.quiet else []
-            gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
-            is_known, is_done = any(has_period(gap, part.period) for gap in gaps), bool(gaps)
-        else:
-            is_done = any(
-                other_run.setting == "alone"
-                and other_run.commanded == topic
-                and node in other_run.subscribes.get(topic, ())
-                and is_followed(other_run, {})
-                for other_run in self.evidence.runs
-            )
-            is_known = is_done and not {*self.evidence.files.compared}.isdisjoint(part.commands)
-        return is_known or (is_done and not is_busy(self.assignment, part, node, run))

@@ -2,9 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
+
 from ros2lab.assignments import Part
+from ros2lab.diagnose.sources.spelling import is_near_topic
 
 FLOOD = 1000
+
+Ends = Mapping[str, Mapping[str, Collection[str]]]  # types by topic and node
+
+
+def topic_for(part: Part, subscribes: Ends, publishes: Ends) -> str:
+    """Return the topic on which a part's commands are sent: the right one, else a likely one, else an empty name.
+
+    A topic with publishers is less likely, for nodes talk to each other there, and one with publishers of another
+    type the least.
+    """
+    taken = {
+        topic: f"{topic} {' '.join(nodes)}"
+        for topic, nodes in sorted(subscribes.items())
+        if any(part.type_name in types for types in nodes.values())
+    }
+    if part.topic in taken:
+        return part.topic
+    return min(
+        taken,
+        key=lambda topic: (
+            any(part.type_name not in types for types in publishes.get(topic, {}).values()),
+            topic in publishes,
+            not is_near_topic(topic, part.topic),
+            not part.is_meant(taken[topic]),
+        ),
+        default="",
+    )
 
 
 class Script:

@@ -254,6 +254,8 @@ def _notes_of_runs(case: Case) -> Iterator[str]:
     brief = {name for run in runs if run.setting == "alone" and not deadly_in(run) for name in run.ended}
     for run in runs:
         yield from _notes_of(run, brief, part)
+        for topic, types in run.torn.items():
+            yield f"Nodes use {shown(topic)} with several types, {listed(types)}: what has one receives nothing from what has another."
         if part and run.commands and run.commanded != part.topic and run.commanded in run.subscribes:
             yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
 

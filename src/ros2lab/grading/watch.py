@@ -5,11 +5,12 @@ from __future__ import annotations
 import secrets
 import statistics
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
+from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 from std_msgs.msg import String
 
@@ -19,7 +20,9 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading import ends
 from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
-from ros2lab.observed_domain import LATCHED, LATE, UNTOLD, ObservedDomain
+from ros2lab.grading.participants import Participants
+from ros2lab.grading.script import topic_for
+from ros2lab.observed_domain import LATCHED, LATE, TEXTS, UNTOLD, ObservedDomain
 from ros2lab.topics import find_type
 
 # How long we wait, in s, for what only a wrong program, or one that never spins, keeps from coming.
@@ -64,7 +67,10 @@ class Watch(ObservedDomain):
         at_each_turn: Callable[[], None] | None = None,
     ) -> None:
         super().__init__(number)
-        self._asked, self._commanded = {*assignment.topics}, assignment.commanded
+        self._listener = self._participants = Participants(self.node, self._context, number)
+        self._open.callback(self._participants.close)
+        self._asked = {part.topic: part.type_name for part in assignment.parts.values()}
+        self._commanded = assignment.commanded
         self._services = assignment.services
         self.is_stepped = is_stepped
         self._alive = alive
@@ -94,7 +100,7 @@ class Watch(ObservedDomain):
         own = f"/observer_{secrets.token_hex(8)}"
         self._mark = self.node.create_publisher(String, own, 1, event_callbacks=UNTOLD)
         self.wait(lambda: ends.publishers(self.node, own))
-        self._prefix = ends.participant(ends.publishers(self.node, own)[0])
+        self._participants.prefixes.add(ends.participant(ends.publishers(self.node, own)[0]))
         if is_stepped:
             self.make_clock()
 
@@ -187,15 +193,14 @@ class Watch(ObservedDomain):
             ):
                 ends.add_types(types, topic, infos)
                 self.qos.setdefault(topic, set()).update(ends.quality(role, info) for info in infos)
-            if publishers and topic not in self.ears and (len(self.ears) < TOPICS or not is_other):
-                is_new |= self._hear(topic, publishers[0].topic_type)
+            if publishers and (topic in self.ears or len(self.ears) < TOPICS or not is_other):
+                is_new |= self._hear(topic, [info.topic_type for info in publishers])
         if self._services:
             self._look_for_services(nodes)
         target = self.command_topic()
         if target and target not in self._publishers:
-            self._publishers[target] = self.node.create_publisher(
-                String, target, LATCHED, event_callbacks=UNTOLD
-            )
+            node = self.holding(target, TEXTS)
+            self._publishers[target] = node.create_publisher(String, target, LATCHED, event_callbacks=UNTOLD)
             is_new = True
         return is_new
 
@@ -287,30 +292,7 @@ class Watch(ObservedDomain):
     def command_topic(self) -> str:
         """Return the topic that takes commands: the right one, else a likely one, else an empty name."""
         part = self._commanded
-        if part is None:
-            return ""
-        taken = {
-            topic: f"{topic} {' '.join(nodes)}"
-            for topic, nodes in sorted(self.subscribes.items())
-            if any(part.type_name in types for types in nodes.values())
-        }
-        if part.topic in taken:
-            return part.topic
-        # A topic on which nodes talk to each other is the least likely; one with publishers of another type
-        # is out.
-        return min(
-            (
-                t
-                for t in taken
-                if all(part.type_name in types for types in self.publishes.get(t, {}).values())
-            ),
-            key=lambda topic: (
-                topic in self.publishes,
-                not is_near_topic(topic, part.topic),
-                not part.is_meant(taken[topic]),
-            ),
-            default="",
-        )
+        return topic_for(part, self.subscribes, self.publishes) if part else ""
 
     def step(self, seconds: float) -> None:
         """Set the clock forward, and wait until everything that is due then is done.
@@ -388,9 +370,21 @@ class Watch(ObservedDomain):
 
     def has_unmet(self) -> bool:
         """Return whether some DDS participants were not met yet: the kernel knows at once who is there."""
-        return len(ends.discovery_ports(self.number)) > self.participants() + 1  # and our own
+        own = len(self._participants.prefixes)
+        return len(ends.discovery_ports(self.number)) > self.participants() + own
 
-    def _hear(self, topic: str, type_name: str) -> bool:
+    def holding(self, topic: str, type_name: str) -> Node:
+        """Return the node for an end of a topic: one that has no end of another type there."""
+        return self._participants.holding(topic, type_name)
+
+    def _hear(self, topic: str, types: Sequence[str]) -> bool:
+        """Subscribe to a topic, by the type that is asked for if it has several; return whether that is new."""
+        wanted = self._asked.get(topic, "")
+        type_name = wanted if wanted in types else types[0]
+        if topic in self.ears:
+            if type_name != wanted or self.ears[topic].type_name == wanted:
+                return False
+            self.ears[topic].close()
         try:
             self.ears[topic] = Ear(self, topic, type_name)
         except Exception as error:  # rclpy raises many kinds for types and names it cannot use
@@ -399,7 +393,7 @@ class Watch(ObservedDomain):
         return True
 
     def _others(self, infos: Iterable[Any]) -> list[Any]:
-        return [info for info in infos if ends.participant(info) != self._prefix]
+        return [info for info in infos if ends.participant(info) not in self._participants.prefixes]
 
     def settle(self, timeout: float | None = ANSWER_TIMEOUT, least: int = 1) -> bool:
         """Wait as any observer does, for all nodes that have not ended."""

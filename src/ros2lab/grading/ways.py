@@ -65,8 +65,13 @@ def shut_out(runs: Sequence[Run]) -> dict[str, str]:
 
 
 def _is_silent(alone: Run, together: Run) -> bool:
-    """Return whether a program's repeated topics are all silent beside the others, while something works."""
+    """Return whether a program's repeated topics are all silent beside the others, while something works.
+
+    What was not listened to is not silent.
+    """
     told = {topic for topic, heard in alone.quiet.items() if heard.count > 2}
+    if not told.isdisjoint(together.torn):
+        return False
     heard = {topic for topics in together.stretches for topic, heard in topics.items() if heard.count}
     is_at_work = bool(heard) or any(command.log for command in together.commands)
     return bool(told) and told.isdisjoint(heard) and is_at_work

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.assignments import Part
+from ros2lab.grading.by_type import owners_of
 from ros2lab.grading.evidence import GIVEN
 from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import STAND_IN, Player, is_for_want, of_one_node, stamped
@@ -81,12 +82,22 @@ def has_its_topic(case: Case, part: Part) -> Answer:
         level = "written" if end and end.topic == part.topic else "missing"
         return Answer(level, {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
     seen = {"topic": shown(player.topic), "node": shown(player.node), "why": ""}
-    level = "other" if player.match == "unnamed" else player.match
+    level = "other" if player.is_guessed else player.match
+    seen["why"] = _owned(case, player)
     if player.match == "right" and case.is_apart(part):
         level = "apart"
     elif player.match == "right" and part.name in case.doubled:
         level = "doubled"
     return Answer(level, seen, (player.key,), seen["topic"])
+
+
+def _owned(case: Case, player: Player) -> str:
+    """Return a clause that says of which other part a node has the topic; empty if it has none of those."""
+    if player.match != "misplaced":
+        return ""
+    owner = owners_of(case.assignment, player.topic)[0]
+    kind = "" if owner.type_name in player.types else f", for {owner.type_name}"
+    return f": that is the topic of {owner.name}{kind}"
 
 
 @question("right stamped wrong written missing", "type topic", CODES | TYPE_CODES, tells_node=True)

@@ -27,7 +27,7 @@ def service_is_offered(case: Case, part: Part) -> Answer:
         return Answer("missing", {**answer.seen, "service": "", "node": ""}, answer.evidence, answer.place)
     seen = {"service": shown(player.topic), "node": shown(player.node), "why": ""}
     is_apart = player.match == "right" and case.is_apart(part)
-    level = "apart" if is_apart else "other" if player.match == "unnamed" else player.match
+    level = "apart" if is_apart else "other" if player.is_guessed else player.match
     return Answer(level, seen, (player.key,), seen["service"])
 
 
