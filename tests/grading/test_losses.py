@@ -46,7 +46,7 @@ def test_what_a_missing_node_needs_is_still_told() -> None:
 
 
 def test_other_reasons_stay_apart() -> None:
-    run = evidences.status_run(topic="/robot_status", period=0.5)
+    run = evidences.status_run(topic="/robot_status", period=2.3)
     told = _told(evidences.runs(run), evidences.STATUS)
     assert [criterion.id for criterion in told] == ["status_publisher.topic", "status_publisher.period"]
 

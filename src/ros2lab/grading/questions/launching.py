@@ -150,9 +150,21 @@ def _names_own(case: Case, path: str) -> bool:
 
 
 def _started(case: Case, run: Run) -> set[str]:
-    """Return the working parts that a launch file starts; empty if it ended by itself."""
+    """Return the working parts that a launch file starts; empty if it ended by itself.
+
+    A node whose topic is wrong anyway may have another name, or another topic, when it is launched.
+    """
+    if _has_ended(run):
+        return set()
     working = {name for name, players in case.players.items() if players}
-    return set() if _has_ended(run) else working & case.started(run)
+    near = {name for name in working if all(player.match != "right" for player in case.players[name])}
+    return (working & case.started(run)) | {name for name in near if _is_there(case, run, name)}
+
+
+def _path_of(case: Case, run: Run) -> str:
+    """Return the path of the launch file of a run; its name if that is not known."""
+    file, paths = run.programs[0], case.evidence.files.launch_files
+    return next((path for path in paths if PurePosixPath(path).name == file), file)
 
 
 def _has_ended(run: Run) -> bool:
@@ -161,9 +173,7 @@ def _has_ended(run: Run) -> bool:
 
 def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Answer:
     """Answer for one launch file, by its run."""
-    file = run.programs[0]
-    paths = case.evidence.files.launch_files
-    path = next((path for path in paths if PurePosixPath(path).name == file), file)
+    file, path = run.programs[0], _path_of(case, run)
     build = case.evidence.build
     is_installed = build is not None and any(PurePosixPath(shared).name == file for shared in build.shared)
     seen = nothing | {"file": shown(file if is_installed else path)}
@@ -208,8 +218,43 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
 
 
 def _is_there(case: Case, run: Run, name: str) -> bool:
-    """Return whether a node that plays a part was started, on whatever topic."""
-    return not {*map(_base, run.nodes)}.isdisjoint(_base(player.node) for player in case.players[name])
+    """Return whether a node that plays a part was started, under whatever name and on whatever topic."""
+    played = {_base(player.node) for player in case.players[name]}
+    return any(played & _nodes_like(case, run, node) for node in run.nodes)
+
+
+def _nodes_like(case: Case, run: Run, node: str) -> set[str]:
+    """Return which nodes of single programs a launched node may be: those of its name, else those most like it.
+
+    A launch file may give it another name, so that its topics tell, or other topics, so that their types do.
+    """
+    named = case.evidence.files.launched_programs.get(_path_of(case, run))
+    alone = [
+        (own, other)
+        for own in case.evidence.runs
+        if own.setting == "alone" and (named is None or own.programs[0] in named)
+        for other in own.nodes
+    ]
+    if same := {_base(node)} & {_base(other) for _, other in alone}:
+        return same
+    for has_topics in (True, False):
+        launched = _shape(run, node, has_topics=has_topics)
+        found = {
+            _base(other) for own, other in alone if _shape(own, other, has_topics=has_topics) == launched
+        }
+        if found and launched:
+            return found
+    return set()
+
+
+def _shape(run: Run, node: str, *, has_topics: bool) -> list[tuple[str, ...]]:
+    """Return the ends of a node: publisher or subscription, the types, and the topic if that is asked for."""
+    return sorted(
+        (end, *sorted(nodes[node]), *((topic,) if has_topics else ()))
+        for end, topics in (("publisher", run.publishes), ("subscription", run.subscribes))
+        for topic, nodes in topics.items()
+        if node in nodes
+    )
 
 
 def _base(node: str) -> str:
