@@ -1212,6 +1212,27 @@ def test_an_error_is_named_under_another_name(look: Callable[[Texts], Files], mo
     assert look(texts).handlers["by name"]
 
 
+@pytest.mark.parametrize("where", ["nodes/node", "core/machine"], ids=["the node", "what it imports"])
+def test_a_node_may_have_rclpy_from_a_class_of_its_own(look: Callable[[Texts], Files], where: str) -> None:
+    handler = "\n\ndef work(text):\n    try:\n        return float(text)\n    except ValueError:\n        return 0.0\n"
+    folder = "robot_controller"
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, f"{folder}/__init__.py": ""}
+    texts |= {
+        f"{folder}/nodes/__init__.py": "",
+        f"{folder}/core/__init__.py": "",
+        f"{folder}/core/base.py": "from rclpy.node import Node\n\n\nclass Base(Node):\n    pass\n",
+        f"{folder}/core/machine.py": "",
+        f"{folder}/nodes/node.py": (
+            f"from {folder}.core.base import Base\nfrom {folder}.core import machine\n\n\n"
+            "class Robot(Base):\n    def __init__(self):\n        machine.work('1')\n        work('1')\n"
+        ),
+        f"{folder}/alone.py": handler,
+    }
+    texts[f"{folder}/{where}.py"] += handler
+    found = look(texts).handlers["by name"]
+    assert [place.file for place in found] == [f"{folder}/{where}.py"]
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

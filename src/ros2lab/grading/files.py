@@ -228,8 +228,11 @@ def _paths(root: Path) -> list[PurePosixPath]:
 
 
 def _of_nodes(sources: Collection[PythonSource]) -> list[PythonSource]:
-    """Return the modules of nodes: those that import rclpy, and those that these import, even indirectly."""
+    """Return the modules of nodes: those that import rclpy, also through others, and those that these import."""
     found = [source for source in sources if _imports(source, "rclpy")]
+    for source in found:
+        name = source.name.rpartition(".")[2]
+        found += [other for other in sources if other not in found and _imports(other, name)]
     for source in found:
         found += [
             other
