@@ -1327,7 +1327,7 @@ def test_a_readme_that_misspells_the_package_is_about_this_one(rubric: Rubric) -
     points = [
         judged(given, rubric, f"documentation.{id_}").points for id_ in ("readme", "commands", "interface")
     ]
-    assert points == [2, 1.5, 2]
+    assert points == [2, 0, 2]
 
 
 @pytest.mark.parametrize(
@@ -1470,7 +1470,7 @@ def test_what_fails_in_a_readme_for_another_fault_is_not_said_to_be_true(rubric:
     assert one.reason.endswith(f"fails for a fault that counts elsewhere: {command}.")
 
 
-@pytest.mark.parametrize(("is_installed", "points"), [(False, 3), (True, 1.5)])
+@pytest.mark.parametrize(("is_installed", "points"), [(False, 3), (True, 0)])
 def test_a_script_has_its_ending_where_nothing_installs_it_under_another_name(
     rubric: Rubric, is_installed: bool, points: float
 ) -> None:

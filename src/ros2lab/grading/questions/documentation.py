@@ -24,6 +24,7 @@ _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?
 _SET_UP = re.compile(rf"pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE)
 _RUN = re.compile(rf"python3? +[^\s<]*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
 _STARTS = ("ros2 run ", "ros2 launch ")
+MOST = 0.75  # of the commands of a README that is nearly true
 LEAST_WORDS = 2  # of a README's own, as of a description
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
 _COMMENT = re.compile(r"(?<!\S)#.*")
@@ -59,7 +60,7 @@ def readme_is_about_this_package(case: Case) -> Answer:
     return Answer(level, seen, ("files.readme",), "README")
 
 
-@question("true excused partly some_wrong wrong nothing none", "wrong lacking untried")
+@question("true excused few_wrong partly some_wrong wrong nothing none", "wrong lacking untried")
 def readme_commands_are_true(case: Case) -> Answer:
     """Whether the README says how to set up and to run, and whether that works.
 
@@ -75,7 +76,7 @@ def readme_commands_are_true(case: Case) -> Answer:
     elif len(lacking) == needed:
         level = "wrong" if started else "none"
     elif wrong:
-        level = _level_of_wrong(len(files.readme_commands) - len(wrong), len(failed.misgiven))
+        level = _level_of_wrong(files.readme_commands, failed, is_whole=not lacking)
     else:
         level = "partly" if lacking else "excused" if failed.excused else "true"
     seen = {"wrong": listed(wrong or failed.excused or started), "lacking": listed(lacking)}
@@ -114,9 +115,20 @@ def _failed(case: Case) -> _Failed:
     return found
 
 
-def _level_of_wrong(right: int, misgiven: int) -> str:
-    """Return the level of a README with wrong commands: each with wrong operands spoils a right one."""
-    return "some_wrong" if right > misgiven or (right and not misgiven) else "wrong"
+def _level_of_wrong(commands: Collection[str], failed: _Failed, *, is_whole: bool) -> str:
+    """Return the level of a README with wrong commands: each with wrong operands spoils a right one.
+
+    Args:
+        commands: all commands.
+        failed: those that do not work.
+        is_whole: whether it explains each of the tasks.
+    """
+    wrong = {*failed.misgiven, *failed.wrong}
+    right = len(commands) - len(wrong)
+    starting = {text for text in commands if text.startswith(_STARTS)}
+    if (starting and starting <= wrong) or right <= len(failed.misgiven):
+        return "wrong"
+    return "few_wrong" if is_whole and right >= MOST * len(commands) else "some_wrong"
 
 
 def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:

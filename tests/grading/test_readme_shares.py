@@ -1,0 +1,63 @@
+"""How many of a README's commands are true decides what it earns, and that one of them starts a node."""
+
+from __future__ import annotations
+
+import itertools
+
+import evidences
+import pytest
+
+from ros2lab.grading.rubric import load
+from ros2lab.grading.verdict import verdict
+
+BUILD = "colcon build"
+RUNS = [
+    f"ros2 run robot_controller {name}" for name in (evidences.STATUS, evidences.COMMAND, evidences.VELOCITY)
+]
+LAUNCH = "ros2 launch robot_controller robot.launch.py"
+SAY = "ros2 topic pub --once /robot/command std_msgs/msg/String '{data: start}'"
+ALL = (BUILD, *RUNS, LAUNCH, SAY)
+WRONG = "ros2 run robot_controller nobody"
+OPTION = f"{RUNS[0]} --ros-args -p status_period:=0.5"
+
+
+def share(true: tuple[str, ...], *false: str, misgiven: tuple[str, ...] = ()) -> float:
+    """Return the share of the points for a README's commands."""
+    commands = {**dict.fromkeys(true, True), **dict.fromkeys((*false, *misgiven), False)}
+    change = evidences.files(readme_commands=commands, readme_misgiven=[*misgiven])
+    grade = verdict(change(evidences.right()), load())
+    one = next(one for one in grade.criteria if one.id == "documentation.commands")
+    return one.points / one.max
+
+
+@pytest.mark.parametrize(
+    ("true", "false", "misgiven", "expected"),
+    [
+        (ALL, (), (), 1),
+        (ALL, (), (OPTION,), 0.75),
+        ((*ALL[:-2], SAY), ("ros2 launch robot_controller other.launch.py",), (), 0.75),
+        (ALL[:-1], ("ros2 topic pub --once /robot/comand std_msgs/msg/String '{data: start}'",), (), 0.75),
+        ((BUILD, RUNS[0]), (WRONG,), (), 0.5),
+        ((BUILD,), (WRONG,), (), 0),
+        ((BUILD, SAY, "colcon test", "colcon build --symlink-install"), (WRONG,), (), 0),
+        ((BUILD,), tuple(run.replace("robot_controller", "py_pubsub") for run in RUNS), (), 0),
+        ((), (WRONG,), (), 0),
+    ],
+    ids=[
+        "all true", "one option", "the launch line", "a misspelt topic", "one of two", "the only one",
+        "none that starts a node", "another package", "nothing true",
+    ],
+)  # fmt: skip
+def test_the_share_of_true_commands_counts(
+    true: tuple[str, ...], false: tuple[str, ...], misgiven: tuple[str, ...], expected: float
+) -> None:
+    assert share(true, *false, misgiven=misgiven) == expected
+
+
+@pytest.mark.parametrize("number", range(1, len(ALL) + 1))
+def test_one_more_true_command_never_costs_and_one_more_false_one_never_earns(number: int) -> None:
+    for some in itertools.combinations(ALL, number):
+        for one in some:
+            left = tuple(command for command in some if command != one)
+            others = (WRONG, "ros2 run robot_controller no_one")
+            assert share(left, *others) <= share(some, *others) <= share(some, *others[:1]) <= share(some)
