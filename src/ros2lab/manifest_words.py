@@ -14,11 +14,18 @@ _TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a w
 _TEMPLATE = "TODO: Package description"  # as `ros2 pkg create` writes it
 _LETTERS = re.compile(r"[^\W\d_]+")
 _FEWEST_WORDS = 2
+# What a template or a tutorial has for a name or an address speaks to its reader.
+_TO_READER = re.compile(r"you@|[Yy]our(?![a-z])|YOUR(?![a-z])")
 
 
 def is_to_be_done(text: str) -> bool:
     """Return whether a text says of itself that it is still to be written."""
     return _TODO.search(text) is not None
+
+
+def names_its_reader(text: str) -> bool:
+    """Return whether a name or an address is one to fill in, such as `Your Name` or `you@email.com`."""
+    return _TO_READER.match(text.strip()) is not None
 
 
 def describes(text: str, package: str) -> bool:

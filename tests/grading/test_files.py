@@ -432,6 +432,21 @@ FAULTS: dict[str, tuple[str, str, str | None, str]] = {
     ),
     "license to be done": ("package.xml", "MIT", "TODO: License declaration", "manifest.license_is_written"),
     "maintainer to be done": ("package.xml", "ada@example.org", "ada@todo.todo", "manifest.maintainer_is_written"),
+    "maintainer to be named": ("package.xml", ">Ada<", ">Your Name<", "manifest.maintainer_is_written"),
+    "maintainer in one word": ("package.xml", ">Ada<", ">YourName<", "manifest.maintainer_is_written"),
+    "address to be filled in": (
+        "package.xml",
+        "ada@example.org",
+        "you@email.com",
+        "manifest.maintainer_is_written",
+    ),
+    "address of its reader": (
+        "package.xml",
+        "ada@example.org",
+        "your.email@example.com",
+        "manifest.maintainer_is_written",
+    ),
+    "maintainer in setup.py to be named": ("setup.py", "'Ada'", "'Your Name'", "setup.is_described"),
     "setup missing": ("setup.py", "", None, "setup.is_there"),
     "parenthesis missing": ("setup.py", "setup(\n", "setup\n", "setup.is_valid"),
     "import missing": ("setup.py", "import find_packages, setup", "import setup", "setup.is_valid"),
@@ -1008,6 +1023,13 @@ def test_what_holds_nothing_shows_nothing(look: Callable[[Texts], Files], text: 
 
 def test_not_more_than_a_few_pictures_are_named(look: Callable[[Texts], Files]) -> None:
     assert len(look(dict.fromkeys(map("{}.png".format, range(99)), RECORDED)).recordings) == 10
+
+
+@pytest.mark.parametrize("name", ["Youri Smit", "You Li", "Young Kim", "Youssef Your"])
+def test_a_person_may_have_a_name_like_that_of_a_reader(look: Callable[[Texts], Files], name: str) -> None:
+    manifest = MANIFEST.replace("ada@example.org", f"{name.lower().replace(' ', '.')}@example.org")
+    found = look({"package.xml": manifest.replace(">Ada<", f">{name}<"), "setup.py": SETUP})
+    assert found.manifest["maintainer_is_written"]
 
 
 def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:

@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.graded_package import Package, written_modules
-from ros2lab.manifest_words import describes, is_to_be_done
+from ros2lab.manifest_words import describes, is_to_be_done, names_its_reader
 
 DECLARED = "has_"  # prefix of the fact that a package is declared that no module imports
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each package that
@@ -114,6 +114,7 @@ def own_words(manifest: str) -> dict[str, bool]:
     facts["description"] &= describes(html.unescape(written["description"]), _between(manifest, "name"))
     addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", manifest)
     facts["maintainer"] &= not any("todo" in address.lower() for address in addresses)
+    facts["maintainer"] &= not any(map(names_its_reader, (written["maintainer"], *addresses)))
     return facts
 
 
@@ -172,6 +173,7 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
     facts["manifest_is_installed"] = _installs_manifest(package, setup)
     words = [setup.keywords.get(key) for key in ("description", "license", "maintainer", "maintainer_email")]
     facts["is_described"] = not any(isinstance(word, str) and is_to_be_done(word) for word in words)
+    facts["is_described"] &= not any(isinstance(word, str) and names_its_reader(word) for word in words[2:])
     if isinstance(words[0], str) and words[0].strip():  # it may be left out: package.xml has it, too
         facts["is_described"] &= describes(words[0], package.name)
     return facts
