@@ -24,7 +24,7 @@ _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?
 _SET_UP = re.compile(rf"pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE)
 _RUN = re.compile(rf"python3? +[^\s<]*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
 _STARTS = ("ros2 run ", "ros2 launch ")
-MOST = 0.75  # of the commands of a README that is nearly true
+NEARLY_ALL = 0.75  # of the commands of a README that is nearly true
 LEAST_WORDS = 2  # of a README's own, as of a description
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
 _COMMENT = re.compile(r"(?<!\S)#.*")
@@ -128,7 +128,7 @@ def _level_of_wrong(commands: Collection[str], failed: _Failed, *, is_whole: boo
     starting = {text for text in commands if text.startswith(_STARTS)}
     if (starting and starting <= wrong) or right <= len(failed.misgiven):
         return "wrong"
-    return "few_wrong" if is_whole and right >= MOST * len(commands) else "some_wrong"
+    return "few_wrong" if is_whole and right >= NEARLY_ALL * len(commands) else "some_wrong"
 
 
 def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
