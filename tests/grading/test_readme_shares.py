@@ -35,7 +35,8 @@ def share(true: tuple[str, ...], *false: str, misgiven: tuple[str, ...] = ()) ->
     [
         (ALL, (), (), 1),
         (ALL, (), (OPTION,), 0.75),
-        ((*ALL[:-2], SAY), ("ros2 launch robot_controller other.launch.py",), (), 0.75),
+        ((*ALL[:-2], SAY), ("ros2 launch robot_controller other.launch.py",), (), 0.5),
+        ((BUILD, *RUNS), ("ros2 topic pub /robot/comand std_msgs/msg/String '{}'", "ros2 topic echo /x"), (), 0.5),
         (ALL[:-1], ("ros2 topic pub --once /robot/comand std_msgs/msg/String '{data: start}'",), (), 0.75),
         ((BUILD, RUNS[0]), (WRONG,), (), 0.5),
         ((BUILD,), (WRONG,), (), 0),
@@ -44,7 +45,7 @@ def share(true: tuple[str, ...], *false: str, misgiven: tuple[str, ...] = ()) ->
         ((), (WRONG,), (), 0),
     ],
     ids=[
-        "all true", "one option", "the launch line", "a misspelt topic", "one of two", "the only one",
+        "all true", "one option", "the launch line", "two of six", "a misspelt topic", "one of two", "the only one",
         "none that starts a node", "another package", "nothing true",
     ],
 )  # fmt: skip

@@ -115,20 +115,21 @@ def _failed(case: Case) -> _Failed:
     return found
 
 
-def _level_of_wrong(commands: Collection[str], failed: _Failed, *, is_whole: bool) -> str:
+def _level_of_wrong(commands: Mapping[str, bool | None], failed: _Failed, *, is_whole: bool) -> str:
     """Return the level of a README with wrong commands: each with wrong operands spoils a right one.
 
     Args:
-        commands: all commands.
+        commands: all commands, and whether each is true.
         failed: those that do not work.
         is_whole: whether it explains each of the tasks.
     """
     wrong = {*failed.misgiven, *failed.wrong}
-    right = len(commands) - len(wrong)
     starting = {text for text in commands if text.startswith(_STARTS)}
-    if (starting and starting <= wrong) or right <= len(failed.misgiven):
+    if (starting and starting <= wrong) or len(commands) - len(wrong) <= len(failed.misgiven):
         return "wrong"
-    return "few_wrong" if is_whole and right >= NEARLY_ALL * len(commands) else "some_wrong"
+    true = sum(is_true is True for is_true in commands.values())
+    is_nearly_true = true > NEARLY_ALL * (true + len(wrong)) and starting.isdisjoint(failed.wrong)
+    return "few_wrong" if is_whole and is_nearly_true else "some_wrong"
 
 
 def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
