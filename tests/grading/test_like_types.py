@@ -48,7 +48,7 @@ def test_a_subscriber_is_found_by_a_like_type(kind: str, is_found: bool) -> None
     run = replace(evidences.command_run(topic=COMMANDS, kind=STAND_IN), commands=[], commanded="")
     points = _points(_given(run, COMMANDS, kind, is_publisher=False), evidences.COMMAND)
     assert points["topic"] == (1 if is_found else 0)
-    assert points["type"] == 0
+    assert points["type"] == (0.5 if is_found else 0)
 
 
 @pytest.mark.parametrize(("kind", "is_found"), [(LIKE, True), ("my_messages/msg/State", False)])
@@ -57,7 +57,7 @@ def test_a_publisher_is_found_by_a_like_type(kind: str, is_found: bool) -> None:
     points = _points(_given(run, STATUS, kind, is_publisher=True), evidences.STATUS)
     assert (points["topic"] > 0) is is_found
     assert (points["period"] > 0) is is_found
-    assert points["type"] == 0
+    assert points["type"] == (0.75 if is_found else 0)
 
 
 @pytest.mark.parametrize("topic", [COMMANDS, STATUS, "/chatter", "/robot_status"])
@@ -69,4 +69,4 @@ def test_it_counts_as_the_right_type_does_but_for_the_type(topic: str) -> None:
         )
         for seen, kind in ((STAND_IN, LIKE), (evidences.STRING, evidences.STRING))
     )
-    assert like == {**right, "type": 0}
+    assert like == {**right, "type": right["type"] / 4}

@@ -100,9 +100,9 @@ def _owned(case: Case, player: Player) -> str:
     return f": that is the topic of {owner.name}{kind}"
 
 
-@question("right stamped wrong written missing", "type topic", CODES | TYPE_CODES, tells_node=True)
+@question("right stamped alike wrong written missing", "type topic", CODES | TYPE_CODES, tells_node=True)
 def has_its_type(case: Case, part: Part) -> Answer:
-    """Whether the topic has the type that is asked for; `stamped` is that type with a header."""
+    """Whether the topic has the type that is asked for, that type with a header, or one of its name elsewhere."""
     player = case.main(part)
     if player is None:
         end = case.written(part)
@@ -110,12 +110,11 @@ def has_its_type(case: Case, part: Part) -> Answer:
         return Answer(level, {"type": "", "topic": part.topic}, ("runs", "files.ends"))
     wrong = [name for name in player.types if name != part.type_name]
     is_right = part.type_name in player.types
-    level = "right" if is_right else "stamped" if stamped(part.type_name) in wrong else "wrong"
-    seen = {
-        "type": _written_type(case, player, wrong[0]) if wrong else part.type_name,
-        "topic": shown(player.topic),
-    }
-    return Answer(level, seen, (player.key,), seen["topic"])
+    written = _written_type(case, player, wrong[0]) if wrong else part.type_name
+    is_alike = written.rpartition("/")[2] == part.short_type
+    other = "stamped" if stamped(part.type_name) in wrong else "alike" if is_alike else "wrong"
+    seen = {"type": written, "topic": shown(player.topic)}
+    return Answer("right" if is_right else other, seen, (player.key,), seen["topic"])
 
 
 def _written_type(case: Case, player: Player, seen: str) -> str:
