@@ -30,9 +30,9 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
                 fix = f"{removal(later.source, later.call)}, or add another node there"
                 yield Finding("not-spinning", cause, later.source.at(later.call), fix)
         for turn in entrance.calls:
-            is_alone = turn.name in _FOR_A_WHILE and _has_no_executor(turn.call)
-            is_between = _comes_after(entrance, added, turn) and _is_spun_again(entrance, added, turn)
-            if is_alone and is_between:
+            if turn.name not in _FOR_A_WHILE or not _has_no_executor(turn.call):
+                continue
+            if _comes_after(entrance, added, turn) and _is_spun_again(entrance, added, turn):
                 yield _taken_away(added, turn, entrance)
 
 
