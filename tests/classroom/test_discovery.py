@@ -119,18 +119,96 @@ def test_a_link_takes_nothing_of_another_student_unseen(tmp_path: Path) -> None:
     anna, ben = discovery.find(tmp_path / "submitted", tmp_path / "received", "nbgrader")
     assert anna.paths == (tmp_path / "submitted/anna/week2",)
     assert ben.paths == (tmp_path / "submitted/ben/week2/work/robot_project_ws",)
-    (tmp_path / "submitted/eve").symlink_to("ben")
-    rows = {row.key: row for row in discovery.find(tmp_path / "submitted", tmp_path / "received", "folder")}
-    assert rows["eve"].notes == ("It is a link to ben, which is graded.",)
-    assert rows["ben"].notes == ()
 
 
-def test_what_came_under_another_name_is_noted(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("form", "own", "link", "target"),
+    [
+        ("folder", "ben/a.py", "eve", "ben"),
+        ("folder", "ben.zip", "eve.zip", "ben.zip"),
+        ("folder", "ben/a.py", "eve", "/etc"),
+        ("moodle", "Ben_1_assignsubmission_file_/a.py", "Eve_2_assignsubmission_file_", "Ben_1_assignsubmission_file_"),
+        ("canvas", "ben_1_5_ws.zip", "eve_2_6_ws.zip", "ben_1_5_ws.zip"),
+        ("nbgrader", "submitted/ben/week2/a.py", "submitted/eve/week2", "../ben/week2"),
+        ("nbgrader", "submitted/ben/week2/a.py", "submitted/eve", "ben"),
+        ("nbgrader", "submitted/ben/week2/a.py", "submitted/eve", "nowhere"),
+    ],
+)  # fmt: skip
+def test_a_hand_in_that_is_a_link_is_a_row_with_a_reason(
+    form: str, own: str, link: str, target: str, tmp_path: Path
+) -> None:
+    """In a folder in which students put things themselves, it may lead to somebody else's work, or to a secret."""
+    folder = made(tmp_path / "class", own)
+    (folder / link).parent.mkdir(parents=True, exist_ok=True)
+    (folder / link).symlink_to(target)
+    ben, eve = discovery.find(folder, tmp_path / "received", form)
+    assert ben.paths == (folder / own.removesuffix("/a.py"),)
+    assert not ben.reason
+    assert eve.paths == ()
+    assert eve.reason.endswith(
+        f"is a link to {target}, and no link is followed; put the files themselves there."
+    )
+
+
+@pytest.mark.parametrize("where", ["eve", "eve/ws", "./eve/../eve/ws", "file://eve"])
+def test_a_csv_does_not_lead_through_links(where: str, tmp_path: Path) -> None:
+    made(tmp_path / "class", "ben/ws/a.py")
+    (tmp_path / "class/eve").symlink_to("ben")
+    (tmp_path / "link").symlink_to("class")  # how the instructor gets there is not the students' doing
+    table = tmp_path / "link/class.csv"
+    table.write_text(f"id,path\n1,ben\n2,{where}\n")
+    rows = found(table, tmp_path)
+    assert rows["1"].paths == (tmp_path / "link/ben",)
+    assert rows["2"].paths == ()
+    assert "is a link to ben; put the files themselves there" in rows["2"].reason
+
+
+ANNA = "Anna Maier_1001_assignsubmission_file_"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        f"{ANNA}_1002_assignsubmission_file_",
+        "Anna Maier_1001_assignsubmission_onlinetext_1002_assignsubmission_file_",
+        "Anna_Maier_1001_assignsubmission_file_1002_assignsubmission_file_",
+        "Anna Maier_1001_1002_assignsubmission_file",
+        f"{ANNA}{ANNA}1002_assignsubmission_file_",
+    ],
+)
+def test_whose_a_folder_of_moodle_is_stands_at_its_end(name: str, tmp_path: Path) -> None:
+    """What comes before that is the student's name, and may hold anything."""
+    rows = found(made(tmp_path / "moodle", f"{ANNA}/ws.zip", f"{name}/ws.zip"), tmp_path)
+    assert {key: row.paths[0].name for key, row in rows.items()} == {"1001": ANNA, "1002": name}
+    assert not any(row.notes or row.reason for row in rows.values())
+
+
+def test_nobodys_work_is_replaced_by_what_came_with_the_same_id(tmp_path: Path) -> None:
     """Where a name is the student's own to choose, it may hold the number of another."""
-    for name in "maieranna_1042_88_a.zip", "berg_1042_89_1043_90_b.zip":
-        (tmp_path / name).touch()
-    (row,) = discovery.find(tmp_path, tmp_path / "received", "canvas")
-    assert "Came under several names, and may be of several people: berg, maieranna." in row.notes
+    for form, names_ in {
+        "canvas": ("maieranna_1042_88_a.zip", "berg_1042_89_1043_90_b.zip"),
+        "moodle": (f"{ANNA}ws.zip", f"{ANNA}_1002_assignsubmission_file_ws.zip"),
+        "folder": (),
+    }.items():
+        folder = made(tmp_path / form, *names_)
+        if form == "folder":
+            folder.mkdir()
+            (folder / "class.csv").write_text("name,id,path\nAnna,1,anna\nBen,1,anna\n")
+            made(folder, "anna/a.py")
+        rows = discovery.find(folder / "class.csv" if form == "folder" else folder, tmp_path, "")
+        first, second = rows
+        assert first.key != second.key
+        assert first.paths
+        assert second.paths
+        assert all("decide yourself whose each of them is." in " ".join(row.notes) for row in rows)
+
+
+def test_several_files_of_one_student_are_one_row_still(tmp_path: Path) -> None:
+    rows = found(
+        made(tmp_path / "moodle", f"{ANNA}a.py", f"{ANNA}b.py", "Ben_2_assignsubmission_file_c.py"), tmp_path
+    )
+    assert [path.name[-4:] for path in rows["1001"].paths] == ["a.py", "b.py"]
+    assert not rows["1001"].notes
 
 
 def test_a_download_of_moodle_is_understood_as_folders_and_as_files(tmp_path: Path) -> None:

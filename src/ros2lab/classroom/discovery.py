@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -56,13 +57,22 @@ def _entries(folder: Path) -> list[Path]:
     )
 
 
+def _not_followed(row: HandedIn, *places: Path) -> HandedIn:
+    """Return a row with a reason if one of its places is a link: what that leads to was not handed in there."""
+    link = next((place for place in places if place.is_symlink()), None)
+    if link is None:
+        return row
+    reason = f"{link.name} is a link to {link.readlink()}, and no link is followed; put the files themselves there."
+    return replace(row, paths=(), reason=reason)
+
+
 def _mostly(folder: Path, read: Callable[[Path], HandedIn | None]) -> list[HandedIn] | None:
     """Return the rows of a folder whose names are mostly of one form; what has another name is a row by itself."""
     entries = _entries(folder)
     rows = {path: read(path) for path in entries}
     if sum(row is not None for row in rows.values()) * 2 <= len(entries):
         return None
-    return [row or _plain(path) for path, row in rows.items()]
+    return [_not_followed(row, path) if row else _plain(path) for path, row in rows.items()]
 
 
 def _canvas(folder: Path) -> list[HandedIn] | None:
@@ -71,9 +81,11 @@ def _canvas(folder: Path) -> list[HandedIn] | None:
 
 def _moodle(folder: Path) -> list[HandedIn] | None:
     rows = _mostly(folder, names.moodle)
-    texts = {row.key for row in rows or () if not row.reason}
+    files = {(row.key, row.name) for row in rows or () if not row.reason and not row.is_unsure}
     # Beside a file, what was typed is no submission of its own.
-    return [row for row in rows if not row.reason or row.key not in texts] if rows else None
+    return [
+        row for row in rows or () if not row.reason or row.is_unsure or (row.key, row.name) not in files
+    ] or None
 
 
 def _gradescope(folder: Path) -> list[HandedIn] | None:
@@ -95,7 +107,7 @@ def _gradescope(folder: Path) -> list[HandedIn] | None:
         about = described.get(path.name) if isinstance(described, Mapping) else None
         found = names.gradescope(path, about if isinstance(about, Mapping) else {})
         if path.name != METADATA:
-            rows += found or [_plain(path)]
+            rows += [_not_followed(row, path) for row in found or [_plain(path)]]
     return rows
 
 
@@ -103,8 +115,9 @@ def _nbgrader(folder: Path) -> list[HandedIn] | None:
     tree = folder / SUBMITTED if (folder / SUBMITTED).is_dir() else folder
     if tree.name != SUBMITTED:
         return None
-    students = [path for path in _entries(tree) if path.is_dir()]
-    assignments = {path.name for student in students for path in _entries(student) if path.is_dir()}
+    students = [path for path in _entries(tree) if path.is_dir() or path.is_symlink()]
+    own = [student for student in students if not student.is_symlink()]
+    assignments = {path.name for student in own for path in _entries(student) if path.is_dir()}
     if len(assignments) > 1:
         raise ClassError(
             f"{tree} holds several assignments ({', '.join(sorted(assignments))}); give a folder in which "
@@ -114,12 +127,15 @@ def _nbgrader(folder: Path) -> list[HandedIn] | None:
 
 
 def _handed_to_nbgrader(student: Path) -> Iterator[HandedIn]:
-    paths = [path for path in _entries(student) if path.is_dir()]
+    row = HandedIn(student.name, student.name, student.name, label=student.name)
+    if student.is_symlink():
+        yield _not_followed(row, student)
+        return
+    paths = [path for path in _entries(student) if path.is_dir() or path.is_symlink()]
     for path in paths:
-        own = project_in(path)
-        yield HandedIn(student.name, student.name, student.name, paths=(own,), label=student.name)
+        yield _not_followed(replace(row, paths=(project_in(path),)), path)
     if not paths:
-        yield HandedIn(student.name, student.name, student.name, reason="Nothing was handed in.")
+        yield replace(row, reason="Nothing was handed in.")
 
 
 def project_in(folder: Path) -> Path:
@@ -146,8 +162,7 @@ def _plain(path: Path) -> HandedIn:
         name = Path(name).stem
         if not is_archive(Path(name)):
             break
-    notes = (f"It is a link to {path.readlink()}, which is graded.",) if path.is_symlink() else ()
-    return HandedIn(name, name, paths=(path,), label=name, notes=notes)
+    return _not_followed(HandedIn(name, name, paths=(path,), label=name), path)
 
 
 # By what a folder holds; the first that fits is taken.

@@ -31,6 +31,7 @@ class HandedIn:
         label: how the platform calls the row, by which it takes feedback back.
         reason: why it cannot be graded, in a sentence; empty if it can.
         notes: what an instructor should know, a sentence each.
+        is_unsure: whether the name can be read as that of somebody else's, too.
     """
 
     key: str
@@ -44,6 +45,7 @@ class HandedIn:
     label: str = ""
     reason: str = ""
     notes: tuple[str, ...] = ()
+    is_unsure: bool = False
 
 
 def is_archive(path: Path) -> bool:
@@ -54,11 +56,31 @@ def is_archive(path: Path) -> bool:
 def latest(found: Iterable[HandedIn]) -> list[HandedIn]:
     """Return one row for each student, in the order of their keys: what counts of all that came from them.
 
-    Of several attempts it is the last; in one attempt archives and folders come before loose files, and the last
+    Nobody's work is taken for an earlier attempt of somebody else: what came with one key under several names is a row
+    for each of these. Of several attempts it is the last; in one attempt archives and folders come before loose files, and the last
     upload before earlier ones. Loose files of one attempt belong together.
     """
-    ordered = sorted(found, key=lambda row: (row.key, row.attempt, row.upload))
-    return [_as_text(_counting([*rows])) for _, rows in groupby(ordered, key=lambda row: row.key)]
+    ordered = sorted(found, key=lambda row: (row.key, row.name, row.is_unsure, row.attempt, row.upload))
+    counting = [
+        _counting([*rows]) for _, rows in groupby(ordered, key=lambda row: (row.key, row.name, row.is_unsure))
+    ]
+    return [
+        _as_text(row)
+        for _, rows in groupby(counting, key=lambda row: row.key)
+        for row in _told_apart([*rows])
+    ]
+
+
+def _told_apart(rows: list[HandedIn]) -> Iterator[HandedIn]:
+    """Yield what came with one key; each with a key of its own if it came under several names."""
+    if len(rows) == 1:
+        yield from rows
+        return
+    called = [row.paths[0].name if row.is_unsure and row.paths else row.name for row in rows]
+    for row, name in zip(rows, called, strict=True):
+        others = ", ".join(other for other in called if other != name)
+        note = f"{row.key} came with {others}, too; decide yourself whose each of them is."
+        yield replace(row, key=f"{row.key} ({name})", notes=(*row.notes, note))
 
 
 def _as_text(row: HandedIn) -> HandedIn:
@@ -79,9 +101,8 @@ def _counting(rows: list[HandedIn]) -> HandedIn:
     used = {*chosen.paths}
     left_out = [path.name for row in rows for path in row.paths if path not in used]
     notes = [*dict.fromkeys(note for row in (*last, chosen) for note in row.notes), *_notes(left_out)]
-    people = sorted({row.name for row in rows})
-    if len(people) > 1:  # a student chooses what files are called, and perhaps the name before it
-        notes.append(f"Came under several names, and may be of several people: {', '.join(people)}.")
+    if chosen.is_unsure:
+        notes.append("What it is called can be read as somebody else's, too; look whose it is.")
     return replace(chosen, is_late=any(row.is_late for row in last), notes=tuple(notes))
 
 

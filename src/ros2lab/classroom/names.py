@@ -20,9 +20,11 @@ _CANVAS = re.compile(
     re.DOTALL | re.IGNORECASE,
 )
 _TRY = re.compile(r"-(\d{1,3})(?=(\.tar)?\.\w+$|$)")
-_MOODLE = re.compile(
-    r"(?P<label>(?P<name>.+?)_(?P<user>\d+)_assignsubmission_(?P<kind>[a-z]+)_?)(?P<file>.*)", re.DOTALL
-)
+_OF_MOODLE = r"_(?P<user>\d+)_assignsubmission_(?P<kind>[a-z]+)_?)"
+# A folder's name ends with what Moodle says of it, and whatever a person is called comes before that.
+_MOODLE_FOLDER = re.compile(rf"(?P<label>(?P<name>.+){_OF_MOODLE}", re.DOTALL)
+# A file's name ends as its student has called it.
+_MOODLE_FILE = re.compile(rf"(?P<label>(?P<name>.+?){_OF_MOODLE}(?P<file>.*)", re.DOTALL)
 _GRADESCOPE = re.compile(r"submission_(\d+)")
 
 
@@ -47,15 +49,20 @@ def canvas(path: Path) -> HandedIn | None:
 
 def moodle(path: Path) -> HandedIn | None:
     """Return what Moodle has called so in a download of all submissions; None if it has not."""
-    match = _MOODLE.fullmatch(path.name)
+    of_folder = _MOODLE_FOLDER.fullmatch(path.name)
+    of_file = _MOODLE_FILE.fullmatch(path.name)
+    match = of_folder if of_folder and not path.is_file() else of_file
     if match is None:
         return None
+    other = _MOODLE_FOLDER.match(path.name)
+    is_unsure = match is of_file and other is not None and other["user"] != match["user"]
     row = HandedIn(
         match["user"],
         match["name"].replace("_", " ").strip(),
         match["user"],
         paths=(path,),
         label=match["label"],
+        is_unsure=is_unsure,
     )
     if match["kind"] != "file":
         return replace(row, reason="A text was typed into Moodle, and no file was handed in.", paths=())

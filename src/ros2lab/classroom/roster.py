@@ -128,6 +128,13 @@ def _handed_in(where: str, folder: Path, received: Path) -> tuple[Path, str]:
         raise ValueError(f"{where}, which is not there") from None
     if folder.resolve() not in place.parents:
         raise ValueError(f"{where}, which does not lie in the folder of that CSV; put it there")
+    for above in (named, *named.parents):
+        if above.samefile(folder):
+            break
+        if above.is_symlink():
+            raise ValueError(
+                f"{where}, which is a link to {above.readlink()}; put the files themselves there"
+            )
     return checked_out(place.as_uri(), received) if is_repository else (named, "")
 
 
