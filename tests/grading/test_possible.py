@@ -133,6 +133,103 @@ def test_a_gate_that_nothing_could_open_is_none(gate: str, permit: str, start: s
     assert _status(_filled(gate, permit, start, kind)).does == []
 
 
+OPENS = "if WHEN: self.state = True"
+SHUT = "if not self.state: return"
+
+
+@pytest.mark.parametrize(
+    ("kind", "condition"),
+    [
+        ("Float64", "message.data * message.data < 0.0"),
+        ("Float64", "message.data ** 2 < 0"),
+        ("Float64", "abs(message.data) < 0"),
+        ("Float64", "-abs(message.data) > 0"),
+        ("Float64", "abs(message.data) + 1.0 < 0.5"),
+        ("Float64", "math.sqrt(message.data) < 0"),
+        ("Float64", "math.sin(message.data) > 1.5"),
+        ("Float64", "math.hypot(message.data, 3.0) < 0"),
+        ("Float64", "int(message.data) % 4 == 7"),
+        ("Float64", "int(message.data) == 0.5"),
+        ("Float64", "max(message.data, 3.0) < 2.0"),
+        ("Float64", "message.data * message.data > 4 and message.data * message.data < 1"),
+        ("UInt8", "message.data > 300"),
+        ("UInt8", "message.data + 1 < 1"),
+        ("Int8", "message.data == 200"),
+        ("String", "len(message.data) < 0"),
+        ("String", "len(message.data) == 2.5"),
+        ("String", "len(message.data[:3]) > 3"),
+        ("String", "message.data[:2] == 'long'"),
+        ("String", "message.data.upper() == 'small'"),
+        ("String", "message.data.lower() == 'Capital'"),
+        ("String", "message.data.strip() == ' in blanks '"),
+        ("String", "message.data.find('x') < -1"),
+        ("String", "message.data.count('x') < 0"),
+    ],
+)
+def test_a_condition_that_no_message_fulfils_opens_nothing(kind: str, condition: str) -> None:
+    """Whatever comes, what is computed from it is never so."""
+    for permit in (
+        OPENS.replace("WHEN", condition),
+        OPENS.replace("WHEN", f"{condition} and self.count == 0"),
+        f"self.state = {condition}",
+        f"held = message; self.state = {condition.replace('message', 'held')}",
+    ):
+        text = _filled(SHUT, permit, "False", kind).replace("Float64, String", f"Float64, String, {kind}")
+        assert _status(text).does == [], condition
+
+
+@pytest.mark.parametrize(
+    ("kind", "condition"),
+    [
+        ("Float64", "message.data * message.data > 4.0"),
+        ("Float64", "message.data * message.data <= 0.0"),
+        ("Float64", "not message.data * message.data >= 0.0"),  # not-a-number is no number
+        ("Float64", "message.data * self.board.read() < 0"),
+        ("Float64", "abs(message.data) < 0.001"),
+        ("Float64", "abs(message.data - 3.3) < 0.001"),
+        ("Float64", "abs(message.data) - 1.0 < 0"),
+        ("Float64", "math.sin(message.data) > 0.99"),
+        ("Float64", "int(message.data) % 4 == 3"),
+        ("Float64", "message.data % 1 == 0.5"),
+        ("Float64", "min(message.data, 3.0) < 2.0"),
+        ("Float64", "round(message.data) == -1"),
+        ("Float64", "self.board.squared(message.data) < 0"),
+        ("Float64", "self.board.read() > 5 and self.board.read() < 2"),
+        ("UInt8", "message.data > 254"),
+        ("Int32", "message.data > 0 and message.data < 3"),
+        ("String", "len(message.data) > 99"),
+        ("String", "message.data.upper() == 'GO'"),
+        ("String", "message.data.strip() == 'go'"),
+        ("String", "message.data.lower().upper() == 'GO'"),
+        ("String", "message.data[:2] == 'go'"),
+        ("String", "message.data[1:] == 'longer'"),
+        ("String", "message.data + 'x' == 'gox'"),
+        ("String", "'go' in message.data and 'on' in message.data"),
+        ("String", "float(message.data) < 0"),
+        ("String", "message.data.find('x') == -1"),
+    ],
+)
+def test_a_condition_that_some_message_fulfils_opens_a_gate(kind: str, condition: str) -> None:
+    permit = OPENS.replace("WHEN", condition)
+    text = _filled(SHUT, permit, "False", kind).replace("Float64, String", f"Float64, String, {kind}")
+    assert _status(text).does == ["publishes"], condition
+
+
+@pytest.mark.parametrize(
+    ("change", "gate", "does"),
+    [
+        ("self.count += 1", "if self.count < 0: return", ["publishes"]),
+        ("self.count += 1", "if self.count >= 0: return", []),
+        ("self.count += 1", "if self.count == 2.5: pass\n        else: return", []),
+        ("self.count += 0.5", "if self.count == 2.5: pass\n        else: return", ["publishes"]),
+        ("self.count -= 1", "if self.count >= 0: return", ["publishes"]),
+        ("self.count = self.count + 1 if self.count < 9 else None", "if self.count is not None: return", ["publishes"]),
+    ],
+)  # fmt: skip
+def test_a_number_that_is_counted_goes_where_it_is_counted(change: str, gate: str, does: list[str]) -> None:
+    assert _status(_filled(f"{change}\n        {gate}")).does == does
+
+
 def test_what_comes_behind_a_spin_is_no_work() -> None:
     """The program has had its life; what it says last is right beside what it has said before."""
     last = "node.out.publish(String())"

@@ -12,6 +12,7 @@ from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.static_value import UNKNOWN
+from ros2lab.grading.ranges import Numbers, Range, of_kind, of_value
 
 _COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
@@ -34,6 +35,7 @@ _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Mod: operator.mod,
 }
 _CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {"float": float, "int": int, "bool": bool, "abs": abs}
+COMPUTED = (ast.BinOp, ast.UnaryOp, ast.Subscript, ast.Call)  # what a range may be known of
 _LARGEST = 1e15  # the largest number to compute with
 
 
@@ -43,9 +45,11 @@ class Given:
 
     Attributes:
         kind: the type of a message or of a field of one, or `string`; empty if that is not known either.
+        within: what it may be of all that the type could hold; None if that is not known.
     """
 
     kind: str = ""
+    within: Range | None = None
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,7 @@ def leaves(expression: ast.AST) -> Iterator[ast.expr]:
                 yield from leaves(part)
 
 
-def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:  # noqa: PLR0911 -- a table
+def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:
     """Return samples of all that a value may be.
 
     Args:
@@ -108,27 +112,33 @@ def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:  # noqa: 
     if constants is None:
         return [UNKNOWN]
     known = [*_flat(constants)]
-    numbers = sorted(
-        {
-            float(constant)
-            for constant in known
-            if isinstance(constant, (int, float)) and abs(constant) < _LARGEST
-        }
-        | {0.0}
-    )
-    between = [(low + high) / 2 for low, high in itertools.pairwise(numbers)]
-    numbers = [numbers[0] - 1, *numbers, *between, numbers[-1] + 1]
-    texts = ["", "\0", *(constant for constant in known if isinstance(constant, str))]
-    if value.kind.partition("<")[0] == "string":
-        return [*texts]
-    if value.kind in ("float", "double"):
-        return [*numbers, math.nan, math.inf, -math.inf]
-    if value.kind.lstrip("u").startswith("int") or value.kind in ("octet", "byte", "char"):
-        is_signed = value.kind.startswith("int")
-        return [int(number) for number in numbers if number.is_integer() and (is_signed or number >= 0)]
+    named = [constant for constant in known if isinstance(constant, str)]
+    texts = ["", "\0", *named, *(["".join(named)] if len(named) > 1 else [])]
+    within = value.within or of_kind(value.kind)
+    numbers = _numbers(known, within)
+    if within is not None:
+        found: list[Any] = [*texts, *numbers, math.nan, math.inf, -math.inf]
+        is_whole = isinstance(within, Numbers) and within.is_whole
+        return [int(held) if is_whole else held for held in found if within.holds(held)]
     if is_interface(value.kind):
         return [_Other()]
     return [None, True, False, _Other(), *numbers, *texts, *known]
+
+
+def _numbers(known: Iterable[Any], within: Range | None) -> list[float]:
+    """Return numbers that are told apart by known ones: these, some between them, and some on either side."""
+    ends = [within.low, within.high] if isinstance(within, Numbers) else []
+    given = {
+        float(constant)
+        for constant in (0, *ends, *known)
+        if isinstance(constant, (int, float)) and abs(constant) < _LARGEST
+    }
+    numbers = sorted(given)
+    between = [(low + high) / 2 for low, high in itertools.pairwise(numbers)]
+    whole = {
+        float(beside) for number in numbers for beside in (math.floor(number) + 1, math.ceil(number) - 1)
+    }
+    return sorted({*numbers, *between, *whole})
 
 
 def _flat(constants: Iterable[Any]) -> Iterator[Any]:
@@ -147,6 +157,8 @@ def value_of(expression: ast.expr, case: Case) -> Any:
 
 
 def _value(node: ast.expr, case: Case) -> Any:  # noqa: PLR0911 -- a table
+    if isinstance(node, COMPUTED) and (text := text_of(node)) in case:
+        return case[text]
     match node:
         case ast.Constant(value=known):
             return known
@@ -216,7 +228,7 @@ def _compared(node: ast.Compare, case: Case) -> Any:
 
 def _computed(node: ast.BinOp, case: Case) -> Any:
     left, right = value_of(node.left, case), value_of(node.right, case)
-    if any(isinstance(side, str) or side == Given("string") for side in (left, right)):
+    if any(isinstance(side, str) or getattr(side, "kind", "") == "string" for side in (left, right)):
         return Given("string")
     return changed(left, node.op, right)
 
@@ -225,3 +237,28 @@ def changed(left: Any, sign: ast.operator, right: Any) -> Any:
     """Return the result of an operation on two numbers; `UNKNOWN` for anything else."""
     are_numbers = all(isinstance(side, (int, float)) and abs(side) < _LARGEST for side in (left, right))
     return _ARITHMETIC[type(sign)](left, right) if are_numbers and type(sign) in _ARITHMETIC else UNKNOWN
+
+
+def plain(value: Any) -> Any:
+    """Return a value as it can stand in a set: lists as tuples."""
+    return tuple(map(plain, value)) if isinstance(value, (tuple, list)) else value
+
+
+def is_truth(expression: ast.expr) -> bool:
+    """Return whether an expression is true or false, whatever it is made of."""
+    match expression:
+        case ast.Compare() | ast.UnaryOp(op=ast.Not()):
+            return True
+        case ast.BoolOp(values=parts):
+            return all(map(is_truth, parts))
+    return False
+
+
+def range_within(value: Any) -> Range | None:
+    """Return the range in which a value is; None if it is neither a number nor a text."""
+    return (value.within or of_kind(value.kind)) if isinstance(value, Given) else of_value(value)
+
+
+def parted(value: Any) -> tuple[Any, ...]:
+    """Return the values that a value stands for: both truth values for a `Given` boolean, else itself."""
+    return (True, False) if value == Given("boolean") else (value,)

@@ -1,13 +1,13 @@
 """What names in code may hold when it runs, and so which conditions can come true.
 
 A branch that waits for an attribute that is only ever False is never reached. Values from outside, such as a
-message's field or the result of a library, may be anything of their type; values that are not followed may be
-anything at all.
+message's field or the result of a library, may be anything of their type; those not followed, anything at all.
 """
 
 from __future__ import annotations
 
 import ast
+import builtins
 import itertools
 import math
 from collections import defaultdict
@@ -20,7 +20,24 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.grading.assigned import Store, assigned
-from ros2lab.grading.cases import FAILS, Case, Given, Member, changed, leaves, samples, text_of, value_of
+from ros2lab.grading.cases import (
+    COMPUTED,
+    FAILS,
+    Case,
+    Given,
+    Member,
+    changed,
+    is_truth,
+    leaves,
+    parted,
+    plain,
+    range_within,
+    samples,
+    text_of,
+    value_of,
+)
+from ros2lab.grading.comparisons import Comparisons
+from ros2lab.grading.ranges import Numbers, Range, computed, is_no_loss, is_pure, joined, of_value
 
 MOST_VALUES = 20  # values that a name is followed through
 MOST_CASES = 2000  # combinations of values that one condition is tried with
@@ -66,21 +83,23 @@ class Possible:
         try:
             if [*leaves(expression)] == [expression]:
                 return frozenset(
-                    alternative for value in self._of_leaf(expression) for alternative in _parted(value)
+                    alternative for value in self._of_leaf(expression) for alternative in parted(value)
                 )
             found = set[Any]()
             for case in self._cases([expression], has_samples=False):
                 value = value_of(expression, case)
-                found |= {Given()} if value in (UNKNOWN, FAILS) else {_plain(value)}
+                found |= {self._told(expression)} if value in (UNKNOWN, FAILS) else {plain(value)}
                 if len(found) > MOST_VALUES:
                     return ANY
+            if Given() in found and is_truth(expression):
+                return frozenset(self.outcomes(expression))
             return frozenset(found)
         except (TypeError, RecursionError):  # unhashable, or too deep
             return ANY
         finally:
             self._depth -= 1
 
-    # --- conditions -------------------------------------------------------------------------------------
+    # --- conditions ---
 
     def _can_hold(self, facts: Facts) -> bool:
         try:
@@ -103,9 +122,15 @@ class Possible:
         held: dict[str, ast.expr] = {}
         for expression in expressions:
             held |= {text_of(leaf): leaf for leaf in leaves(expression)}
-        compared = self._compared(expressions) if has_samples else {}
+        told = Comparisons(expressions if has_samples else (), self.values, self._is_computed)
+        compared, wholes = told.constants, told.computed
+        held |= wholes
         choices = [
-            [sample for value in self._of_leaf(leaf) for sample in samples(value, compared.get(name))]
+            [
+                sample
+                for value in ([self._told(leaf)] if name in wholes else self._of_leaf(leaf))
+                for sample in samples(value, compared.get(name))
+            ]
             for name, leaf in held.items()
         ]
         if math.prod(map(len, choices)) > MOST_CASES:
@@ -115,40 +140,44 @@ class Possible:
         for combination in itertools.product(*choices):
             yield dict(zip(held, combination, strict=True))
 
-    def _compared(self, expressions: Iterable[ast.expr]) -> Mapping[str, list[Any]]:
-        """Return by name or attribute the constants it is compared with, if it is used for nothing else."""
-        found: dict[str, list[Any]] = {}
-        opaque = set[str]()
-        waiting = [*expressions]
-        while waiting:
-            match waiting.pop():
-                case ast.BoolOp(values=parts):
-                    waiting += parts
-                case ast.UnaryOp(op=ast.Not(), operand=inner):
-                    waiting.append(inner)
-                case ast.Name() | ast.Attribute() as leaf if not _calls(leaf):
-                    found.setdefault(text_of(leaf), [])
-                case ast.Compare(left=left, comparators=[right]) as whole:
-                    if not self._enter(found, left, right):
-                        opaque |= {text_of(leaf) for leaf in leaves(whole)}
-                case expression:
-                    opaque |= {text_of(leaf) for leaf in leaves(expression)}
-        return {name: constants for name, constants in found.items() if name not in opaque}
+    def _is_computed(self, operand: ast.expr) -> bool:
+        """Return whether an operand is computed from what is not known, and its range is known all the same."""
+        if not isinstance(operand, COMPUTED) or operand not in self.scopes:
+            return False
+        source = self.scopes[operand][0]
+        given = [value for leaf in leaves(operand) for value in self._of_leaf(leaf)]
+        return (
+            any(isinstance(value, Given) for value in given)
+            and is_pure(operand, lambda function: self._function(source, function))
+            and self.range_of(operand) is not None
+        )
 
-    def _enter(self, found: dict[str, list[Any]], left: ast.expr, right: ast.expr) -> bool:
-        """Enter a comparison; return whether it compares a name with itself or with known values."""
-        for operand, opposite in ((left, right), (right, left)):
-            if not isinstance(operand, (ast.Name, ast.Attribute)) or _calls(operand):
-                continue
-            name = text_of(operand)
-            if name == text_of(opposite):
-                found.setdefault(name, [])
-                return True
-            values = self.values(opposite)
-            if not any(isinstance(value, Given) for value in values):
-                found.setdefault(name, []).extend(values)
-                return True
-        return not [*leaves(left), *leaves(right)]
+    def range_of(self, expression: ast.expr | None) -> Range | None:
+        """Return the numbers or texts that an expression may come to; None if it may be anything else."""
+        if isinstance(expression, ast.Constant):
+            return of_value(expression.value)
+        if expression is None or expression not in self.scopes:
+            return None
+        name = ""
+        if isinstance(expression, ast.Call):
+            name = self._function(self.scopes[expression][0], expression.func)
+            if known := computed(expression, name, self.range_of):
+                return known
+        if [*leaves(expression)] == [expression]:
+            return joined(map(range_within, self._of_leaf(expression)))
+        return computed(expression, name, self.range_of)
+
+    def _function(self, source: PythonSource, function: ast.expr) -> str:
+        """Return the whole name of a function, also of one that Python has by itself; empty if it is not known."""
+        name = self._sources.resolve(source, function)
+        if name is None and isinstance(function, ast.Name) and (source, function.id) not in self._stores:
+            name = function.id if hasattr(builtins, function.id) else None
+        return name or ""
+
+    def _told(self, expression: ast.expr) -> Given:
+        """Return what is known of an expression whose value is not."""
+        within = self.range_of(expression)
+        return Given(within.kind, within) if within else Given()
 
     # --- names ------------------------------------------------------------------------------------------
 
@@ -244,7 +273,7 @@ class Possible:
         return found
 
     def _of_call(self, source: PythonSource, owner: NodeClass | None, call: ast.Call) -> Values:
-        name = self._sources.resolve(source, call.func) or ""
+        name = self._function(source, call.func)
         if is_interface(name):
             return frozenset((Given(name),))
         if name == "str":
@@ -252,7 +281,10 @@ class Possible:
         called = self._sources.method(owner, call.func.attr) if is_self_attribute(call.func) else None
         if called is None and name in self._sources.functions:
             called = self._sources.functions[name][1]
-        return self._returned(called) if called else ANY
+        if called:
+            return self._returned(called)
+        within = computed(call, name, self.range_of)
+        return frozenset((Given(within.kind, within),)) if within else ANY
 
     def _returned(self, function: Function) -> Values:
         """Return the values that a function of the files may return."""
@@ -290,9 +322,41 @@ class Possible:
         self._known[key] = found
         for store in live:
             if store.is_change and not self._of_change(store, found) <= found:
-                found = ANY
+                found = self._widened(key, found, live)
+                break
         self._known[key] = found if len(found) <= MOST_VALUES else ANY
         return self._known[key]
+
+    def _widened(self, key: object, first: Values, stores: Iterable[Store]) -> Values:
+        """Return what a number may be that changes again and again, by what it is at first; `ANY` for anything else."""
+        grows = all(
+            not store.is_change
+            or (isinstance(store.change, ast.Add) and is_no_loss(self.range_of(store.value)))
+            for store in stores
+        )
+        begins = joined(map(range_within, first))
+        if not isinstance(begins, Numbers):
+            return ANY
+        for is_whole in (True, False) if begins.is_whole else (False,):
+            wider = Numbers(begins.low if grows else -math.inf, math.inf, is_whole)
+            self._known[key] = frozenset((Given(wider.kind, wider),))
+            found = [joined(map(range_within, self._changed(store))) for store in stores if store.is_change]
+            if all(isinstance(known, Numbers) and known.is_whole >= is_whole for known in found):
+                return self._known[key]
+        self._known[key] = ANY
+        return ANY
+
+    def _changed(self, store: Store) -> Values:
+        """Return the values after an assignment, of which only the range counts."""
+        if store.change is None:
+            return self._of_store(store)
+        both = [
+            range_within(value) for value in (*self._known[self._key(store.target)], *self._of_store(store))
+        ]
+        whole = all(isinstance(known, Numbers) and known.is_whole for known in both)
+        is_plain = isinstance(store.change, (ast.Add, ast.Sub, ast.Mult))
+        wider = Numbers(is_whole=whole and is_plain)
+        return frozenset((Given(wider.kind, wider),)) if joined(both) else ANY
 
     def _of_change(self, store: Store, before: Values) -> Values:
         """Return the values after an assignment, by those before it."""
@@ -371,21 +435,6 @@ class Possible:
             or any(word in source.text for word in ("setattr", "__dict__", "vars(", "exec("))
             for source in self._sources.sources.values()
         )
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as it can stand in a set: lists as tuples."""
-    return tuple(map(_plain, value)) if isinstance(value, (tuple, list)) else value
-
-
-def _calls(leaf: ast.expr) -> bool:
-    """Return whether an expression contains a call."""
-    return any(isinstance(node, ast.Call) for node in ast.walk(leaf))
-
-
-def _parted(value: Any) -> tuple[Any, ...]:
-    """Return the values that a value stands for: both truth values for a `Given` boolean, else itself."""
-    return (True, False) if value == Given("boolean") else (value,)
 
 
 def _parameter(call: ast.expr) -> str:
