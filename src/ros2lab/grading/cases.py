@@ -228,8 +228,14 @@ def _compared(node: ast.Compare, case: Case) -> Any:
 
 def _computed(node: ast.BinOp, case: Case) -> Any:
     left, right = value_of(node.left, case), value_of(node.right, case)
-    if any(isinstance(side, str) or getattr(side, "kind", "") == "string" for side in (left, right)):
-        return Given("string")
+    is_left, is_right = (
+        isinstance(side, str) or getattr(side, "kind", "") == "string" for side in (left, right)
+    )
+    match node.op:
+        case ast.Add() if is_left or is_right:
+            return Given("string")
+        case ast.Mod() | ast.Mult() if is_left:
+            return Given("string")
     return changed(left, node.op, right)
 
 

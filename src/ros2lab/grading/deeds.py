@@ -11,10 +11,10 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import cached_property
 
-from ros2lab.diagnose.sources.interfaces import fields_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.own_messages import Messages
 from ros2lab.grading.publishing import Publishing
 
 # What code does with a publisher: publish, again and again, finite numbers, in time. With a subscription:
@@ -43,13 +43,21 @@ class Deeds:
         sources: the files.
         code: the nodes that run while a program lives.
         words: the commands that a subscription may receive.
+        messages: what is known of messages, if the submission has its own.
     """
 
-    def __init__(self, sources: NodeSources, code: frozenset[ast.AST], words: Collection[str]) -> None:
+    def __init__(
+        self,
+        sources: NodeSources,
+        code: frozenset[ast.AST],
+        words: Collection[str],
+        messages: Messages | None = None,
+    ) -> None:
+        self._messages = messages or Messages()
         self._sources = sources
         self._code = code
         self._words = words
-        self._publishing = Publishing(sources, code)
+        self._publishing = Publishing(sources, code, self._messages)
 
     def entered(self, end: WrittenEnd, creation: Creation) -> WrittenEnd:
         """Return an end with what is done and never done with what a call creates, and timers' periods."""
@@ -92,7 +100,7 @@ class Deeds:
         if not names:
             return function.args.vararg is not None
         kind = self._sources.resolve(creation.source, creation.given("msg_type"))
-        fields = fields_of(kind)
+        fields = self._messages.fields_of(kind)
         wrong = {
             node.value
             for node in ast.walk(function)

@@ -44,6 +44,7 @@ from ros2lab.grading.launch_files import (
     without_comments,
 )
 from ros2lab.grading.launch_order import programs_named, programs_of, those_that_start_most_first
+from ros2lab.grading.own_messages import Messages, own_messages
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import Submission
@@ -177,9 +178,17 @@ class _PackageReader:
         return [*running(self.mended, self.entrances)]
 
     @cached_property
+    def messages(self) -> Messages:
+        """What is known of messages, with those that the submission defines."""
+        named = ((found.name, self.root / found.folder) for found in self.submission.packages if found.name)
+        return own_messages(named)
+
+    @cached_property
     def ends(self) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
         commanded = self.assignment.commanded
-        return written_ends(self.mended, self.entrances, commanded.commands if commanded else ())
+        return written_ends(
+            self.mended, self.entrances, commanded.commands if commanded else (), self.messages
+        )
 
     @cached_property
     def _tests(self) -> tuple[dict[str, int], dict[str, str]]:

@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.cases import leaves, text_of
+from ros2lab.grading.failing import Failing
 from ros2lab.grading.possible import Facts, Possible
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
@@ -28,10 +29,14 @@ class Paths:
         sources: the files.
         possible: what names may hold in them; None lets only constants close a branch, and treats code after
             a spin like any other.
+        failing: which statements fail whenever they are reached; None if only names that nothing defines are known.
     """
 
-    def __init__(self, sources: Iterable[PythonSource], possible: Possible | None) -> None:
+    def __init__(
+        self, sources: Iterable[PythonSource], possible: Possible | None, failing: Failing | None = None
+    ) -> None:
         self._possible = possible
+        self._failing = failing
         self._own = {
             node.name
             for source in sources
@@ -113,7 +118,9 @@ class Paths:
             )
 
     def _fails(self, source: PythonSource, part: ast.AST) -> bool:
-        """Return whether a statement uses an undefined name, so that nothing after it is reached."""
+        """Return whether a statement fails, as by an undefined name, so that nothing after it is reached."""
+        if self._failing is not None and self._failing.fails(source, part):
+            return True
         if self._possible is None or not isinstance(part, (ast.Expr, ast.Assign, ast.AugAssign, ast.Return)):
             return False
         if not (undefined := _undefined_in(source)):

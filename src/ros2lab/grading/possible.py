@@ -15,11 +15,12 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
-from ros2lab.diagnose.sources.interfaces import fields_of, is_interface
+from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
 from ros2lab.diagnose.sources.static_value import UNKNOWN
-from ros2lab.grading.assigned import Store, assigned
+from ros2lab.grading.arguments import Arguments
+from ros2lab.grading.assigned import Store, Stores, value_before
 from ros2lab.grading.cases import (
     COMPUTED,
     FAILS,
@@ -37,6 +38,8 @@ from ros2lab.grading.cases import (
     value_of,
 )
 from ros2lab.grading.comparisons import Comparisons
+from ros2lab.grading.declared import declarations, parameter_in
+from ros2lab.grading.own_messages import Messages
 from ros2lab.grading.ranges import Numbers, Range, computed, is_no_loss, is_pure, joined, of_value
 
 MOST_VALUES = 20  # values that a name is followed through
@@ -59,10 +62,20 @@ class Possible:
     Args:
         sources: the files.
         code: the code that runs; only assignments in it count.
+        messages: what is known of messages.
         as_declared: whether parameters have their declared values; else they may be anything.
     """
 
-    def __init__(self, sources: NodeSources, code: Collection[ast.AST], *, as_declared: bool = False) -> None:
+    def __init__(
+        self,
+        sources: NodeSources,
+        code: Collection[ast.AST],
+        messages: Messages,
+        *,
+        as_declared: bool = False,
+    ) -> None:
+        self.messages = messages
+        self._arguments = Arguments(sources, code)
         self._as_declared = as_declared
         self._sources = sources
         self._code = code
@@ -88,7 +101,7 @@ class Possible:
             found = set[Any]()
             for case in self._cases([expression], has_samples=False):
                 value = value_of(expression, case)
-                found |= {self._told(expression)} if value in (UNKNOWN, FAILS) else {plain(value)}
+                found |= {self.told(expression)} if value in (UNKNOWN, FAILS) else {plain(value)}
                 if len(found) > MOST_VALUES:
                     return ANY
             if Given() in found and is_truth(expression):
@@ -128,7 +141,7 @@ class Possible:
         choices = [
             [
                 sample
-                for value in ([self._told(leaf)] if name in wholes else self._of_leaf(leaf))
+                for value in ([self.told(leaf)] if name in wholes else self._of_leaf(leaf))
                 for sample in samples(value, compared.get(name))
             ]
             for name, leaf in held.items()
@@ -174,7 +187,7 @@ class Possible:
             name = function.id if hasattr(builtins, function.id) else None
         return name or ""
 
-    def _told(self, expression: ast.expr) -> Given:
+    def told(self, expression: ast.expr) -> Given:
         """Return what is known of an expression whose value is not."""
         within = self.range_of(expression)
         return Given(within.kind, within) if within else Given()
@@ -189,7 +202,8 @@ class Possible:
         source, owner, function = scope
         match leaf:
             case ast.Name(id=name):
-                return self._of_name(source, function, name)
+                before = value_before(source, leaf, name) if function else None
+                return self.values(before) if before else self._of_name(source, function, name)
             case ast.Attribute(attr=name) if is_self_attribute(leaf) and owner:
                 return self._of_attribute(owner, name)
             case ast.Attribute():
@@ -202,7 +216,8 @@ class Possible:
         inner: ast.AST | None = function
         while isinstance(inner, (ast.FunctionDef, ast.AsyncFunctionDef)):
             if name in {argument.arg for argument in ast.walk(inner.args) if isinstance(argument, ast.arg)}:
-                return self._of_parameter(inner, name)
+                given = self._of_parameter(inner, name)
+                return given | self._stored((inner, name)) if (inner, name) in self._stores else given
             if (inner, name) in self._stores:
                 return self._stored((inner, name))
             inner = self.scopes[inner][2] if inner in self.scopes else None
@@ -211,10 +226,18 @@ class Possible:
         return self._stored((source, name))
 
     def _of_parameter(self, function: Function, name: str) -> Values:
-        """Return what a parameter may be: a message, if it is a subscription callback's first; else `ANY`."""
+        """Return what a parameter may be: a callback's message, or what the calls give it; else `ANY`."""
         kinds = self._callbacks.get(function, set())
         names = [parameter.arg for parameter in parameters(function) if parameter.arg != "self"]
-        return frozenset(map(Given, kinds)) if kinds and names[:1] == [name] else ANY
+        if kinds:
+            return frozenset(map(Given, kinds)) if names[:1] == [name] else ANY
+        key = ("argument", function, name)
+        if key not in self._known:
+            self._known[key] = ANY  # if it is handed on to itself
+            given = None if self._is_open else self._arguments.of(function, name)
+            found = ANY if given is None else frozenset[Any]().union(*map(self.values, given))
+            self._known[key] = found if len(found) <= MOST_VALUES else ANY
+        return self._known[key]
 
     @cached_property
     def _callbacks(self) -> Mapping[Function, set[str]]:
@@ -226,11 +249,23 @@ class Possible:
         return found
 
     def _of_attribute(self, owner: NodeClass, name: str) -> Values:
-        """Return what an attribute of self may be: whatever code assigns to any attribute of this name."""
+        """Return what an attribute of self may be: whatever code assigns to it, or to one of this name of any object."""
         chain, _, is_known = self._sources.lineage(owner)
-        if not is_known or self._is_open or any(name in node_class.methods for node_class in chain):
+        is_made = any(name in found.methods or found.definition.decorator_list for found in chain)
+        if not is_known or self._is_open or is_made:
             return ANY
-        return self._stored(name)
+        stores = self._stores.get(name)
+        others = {store for store in stores or () if self._is_of_another(store, chain)}
+        own = [store for store in stores or () if store not in others]
+        return self._stored((owner, name), own) if others else self._stored(name)
+
+    def _is_of_another(self, store: Store, chain: Sequence[NodeClass]) -> bool:
+        """Return whether an assignment is to self in a class that has nothing to do with some classes."""
+        owner = self.scopes[store.target][1]
+        if owner is None or not is_self_attribute(store.target):
+            return False
+        others, _, is_known = self._sources.lineage(owner)
+        return is_known and not {*others} & {*chain}
 
     def _of_member(self, source: PythonSource, leaf: ast.Attribute) -> Values:
         """Return what an attribute of any other object may be, such as a class member or a message field."""
@@ -242,13 +277,17 @@ class Possible:
             return frozenset((Member(whole),))
         if owner and owner.attributes and not self._is_open:
             return self._stored(leaf.attr)
-        if self._as_declared and (name := _parameter(leaf.value)):
+        if self._as_declared and (name := parameter_in(leaf.value)):
             return self._of_declared(source, name)
         found = set[Any]()
         for value in self.values(leaf.value):
             if not isinstance(value, (Given, Member)) and not hasattr(value, leaf.attr):
                 continue  # an AttributeError: nothing follows
-            fields = fields_of(value.kind) if isinstance(value, Given) and is_interface(value.kind) else None
+            fields = (
+                self.messages.fields_of(value.kind)
+                if isinstance(value, Given) and is_interface(value.kind)
+                else None
+            )
             kind = (fields or {}).get(leaf.attr, "")
             found.add(Given(kind.replace("/", ".msg.") if "/" in kind else kind))
         return frozenset(found)
@@ -261,16 +300,7 @@ class Possible:
 
     @cached_property
     def _declarations(self) -> Mapping[str, list[ast.expr]]:
-        """By parameter, the values with which it is declared."""
-        found: dict[str, list[ast.expr]] = defaultdict(list)
-        for node in self._code:
-            match node:
-                case ast.Call(
-                    func=ast.Attribute(attr="declare_parameter"),
-                    args=[ast.Constant(value=str(name)), value, *_],
-                ):
-                    found[name].append(value)
-        return found
+        return declarations(self._code)
 
     def _of_call(self, source: PythonSource, owner: NodeClass | None, call: ast.Call) -> Values:
         name = self._function(source, call.func)
@@ -306,12 +336,12 @@ class Possible:
 
     # --- what is assigned -------------------------------------------------------------------------------
 
-    def _stored(self, key: object) -> Values:
+    def _stored(self, key: object, stores: Sequence[Store] | None = None) -> Values:
         """Return the values assigned to a name or an attribute; empty if no code that runs assigns to it."""
         if key in self._known:
             return self._known[key]
-        stores = self._stores.get(key)
-        if stores is None:
+        stores = stores or self._stores.get(key)
+        if not stores:
             return ANY  # it comes from elsewhere
         self._known[key] = ANY  # if it is computed from itself
         found = frozenset[Any]()
@@ -319,12 +349,14 @@ class Possible:
         for store in live:
             if not store.is_change:
                 found |= self._of_store(store)
-        self._known[key] = found
+        known = {**self._known, key: found}
+        self._known = {**known}
         for store in live:
             if store.is_change and not self._of_change(store, found) <= found:
                 found = self._widened(key, found, live)
                 break
-        self._known[key] = found if len(found) <= MOST_VALUES else ANY
+        # What was found out meanwhile rests on values that were only tried.
+        self._known = known | {key: found if len(found) <= MOST_VALUES else ANY}
         return self._known[key]
 
     def _widened(self, key: object, first: Values, stores: Iterable[Store]) -> Values:
@@ -340,19 +372,19 @@ class Possible:
         for is_whole in (True, False) if begins.is_whole else (False,):
             wider = Numbers(begins.low if grows else -math.inf, math.inf, is_whole)
             self._known[key] = frozenset((Given(wider.kind, wider),))
-            found = [joined(map(range_within, self._changed(store))) for store in stores if store.is_change]
+            found = [
+                joined(map(range_within, self._changed(store, key))) for store in stores if store.is_change
+            ]
             if all(isinstance(known, Numbers) and known.is_whole >= is_whole for known in found):
                 return self._known[key]
         self._known[key] = ANY
         return ANY
 
-    def _changed(self, store: Store) -> Values:
+    def _changed(self, store: Store, key: object) -> Values:
         """Return the values after an assignment, of which only the range counts."""
         if store.change is None:
             return self._of_store(store)
-        both = [
-            range_within(value) for value in (*self._known[self._key(store.target)], *self._of_store(store))
-        ]
+        both = [range_within(value) for value in (*self._known[key], *self._of_store(store))]
         whole = all(isinstance(known, Numbers) and known.is_whole for known in both)
         is_plain = isinstance(store.change, (ast.Add, ast.Sub, ast.Mult))
         wider = Numbers(is_whole=whole and is_plain)
@@ -375,47 +407,21 @@ class Possible:
         return values
 
     @cached_property
-    def _stores(self) -> Mapping[object, list[Store]]:
-        """By attribute, by function and local name, or by file and global name: all assignments to it."""
-        found: dict[object, list[Store]] = defaultdict(list)
-        told = set[ast.AST]()
-        for node in self.scopes:
-            for store in assigned(node):
-                told.add(store.target)
-                found[self._key(store.target)].append(store)
-        for node in self.scopes:
-            if (
-                isinstance(node, (ast.Name, ast.Attribute))
-                and node not in told
-                and not isinstance(node.ctx, ast.Load)
-            ):
-                found[self._key(node)].append(Store(node, node, None))
-        return found
+    def _stores(self) -> Stores:
+        return Stores(self.scopes)
 
-    def _key(self, target: ast.AST) -> object:
-        source, owner, function = self.scopes[target]
-        if isinstance(target, ast.Attribute):
-            return target.attr
-        name = getattr(target, "id", "")
-        if function is None:
-            return name if owner else (source, name)
-        shared = {
-            declared
-            for node in own_nodes(function)
-            if isinstance(node, (ast.Global, ast.Nonlocal))
-            for declared in node.names
-        }
-        if name not in shared:
-            return (function, name)
-        outer = self.scopes[function][2]
-        return (outer, name) if outer and (outer, name) in self._locals else (source, name)
+    def stores_of(self, leaf: ast.Name | ast.Attribute) -> list[Store]:
+        """Return all assignments to a variable of a function, a global name or an attribute."""
+        return (
+            self._stores.get(self._stores.key(leaf))
+            or self._stores.get((self.scopes[leaf][0], text_of(leaf)))
+            or []
+        )
 
-    @cached_property
-    def _locals(self) -> frozenset[tuple[ast.AST, str]]:
-        return frozenset(
-            (function, node.id)
-            for node, (_, _, function) in self.scopes.items()
-            if function and isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+    def stored_in(self, target: ast.expr) -> Values:
+        """Return the values that the target of an assignment may hold before it."""
+        return (
+            self._stored(self._stores.key(target)) if isinstance(target, (ast.Name, ast.Attribute)) else ANY
         )
 
     @cached_property
@@ -435,16 +441,3 @@ class Possible:
             or any(word in source.text for word in ("setattr", "__dict__", "vars(", "exec("))
             for source in self._sources.sources.values()
         )
-
-
-def _parameter(call: ast.expr) -> str:
-    """Return the name of the parameter that a call gets or declares; empty if it is no such call."""
-    match call:
-        case ast.Call(
-            func=ast.Attribute(attr="get_parameter" | "declare_parameter"),
-            args=[ast.Constant(value=str(name)), *_],
-        ):
-            return name
-        case ast.Call(func=ast.Attribute(attr="get_parameter_value", value=inner)):
-            return _parameter(inner)
-    return ""

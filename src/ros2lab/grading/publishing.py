@@ -8,10 +8,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ros2lab.diagnose.sources.interfaces import fields_of, is_interface, members_of
+from ros2lab.diagnose.sources.interfaces import is_interface, members_of
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.cases import Given, text_of
+from ros2lab.grading.own_messages import Messages
 from ros2lab.grading.possible import Possible, Values
 
 # What calls a function that it is given only once; anything else may call it repeatedly.
@@ -50,13 +51,15 @@ class Publishing:
     Args:
         sources: the files.
         code: the code that runs while a program lives.
+        messages: what is known of messages.
     """
 
-    def __init__(self, sources: NodeSources, code: frozenset[ast.AST]) -> None:
+    def __init__(self, sources: NodeSources, code: frozenset[ast.AST], messages: Messages) -> None:
         self._sources = sources
         self._code = code
-        self._possible = Possible(sources, code)
-        self._declared = Possible(sources, code, as_declared=True)
+        self._messages = messages
+        self._possible = Possible(sources, code, messages)
+        self._declared = Possible(sources, code, messages, as_declared=True)
 
     def uses(self, creation: Creation) -> list[ast.Call] | None:
         """Return the calls that publish a publisher's type; None if not all uses can be followed."""
@@ -73,7 +76,7 @@ class Publishing:
             told.add(text_of(target))
             for load in self._loads(creation, target):
                 if (call := self._published(load)) is not None:
-                    found.append(call)
+                    found += [] if self._is_gone(call, text_of(target)) else [call]
                 elif self._is_lost(load):
                     return None
                 else:
@@ -100,7 +103,7 @@ class Publishing:
                     where = f"{text_of(target)} of {id(self._scope(target)[2])}"
                     given[where] = given.get(where, frozenset()) | self._possible.values(value)
                 case ast.Call(keywords=keywords) if is_interface(made := self._made(node)):
-                    fields = fields_of(made) or {}
+                    fields = self._messages.fields_of(made) or {}
                     given |= {
                         f"{keyword.arg} in {id(node)}": self._possible.values(keyword.value)
                         for keyword in keywords
@@ -119,6 +122,23 @@ class Publishing:
             if hasattr(later, "body") or _lets_come(later):
                 return False
         return False
+
+    def _is_gone(self, call: ast.Call, name: str) -> bool:
+        """Return whether a publisher is destroyed in the statements before a call, and not made again."""
+        statement = self._statement(call)
+        body = next((body for body in self._bodies(statement) if statement in body), [])
+        before = body[: body.index(statement)] if body else []
+        ends = [
+            number
+            for number, earlier in enumerate(before)
+            if isinstance(earlier, ast.Expr) and _destroys(earlier.value, {name})
+        ]
+        later = before[ends[-1] :] if ends else ()
+        return bool(ends) and not any(
+            text_of(node) == name and isinstance(getattr(node, "ctx", None), ast.Store)
+            for earlier in later
+            for node in ast.walk(earlier)
+        )
 
     # --- what is done with it ---------------------------------------------------------------------------
 
@@ -287,7 +307,8 @@ class Publishing:
         inner = self._possible.values(target.value)
         kinds = {value.kind for value in inner if isinstance(value, Given)}
         return any(
-            (fields_of(message_type) or {}).get(target.attr) in ("double", "float") for message_type in kinds
+            (self._messages.fields_of(message_type) or {}).get(target.attr) in ("double", "float")
+            for message_type in kinds
         )
 
     def _made(self, call: ast.Call) -> str:

@@ -240,7 +240,7 @@ def _joined_by(op: ast.operator, left: ast.expr, right: ast.expr, of: RangeOf) -
         case ast.Div():
             low, whole = 0 if first.low >= 0 and second.low > 0 else low, False
         case ast.Mod() | ast.FloorDiv():
-            whole = False
+            pass
         case _:
             return None
     return Numbers(low, high, whole)

@@ -16,6 +16,8 @@ from collections.abc import Collection, Iterator
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.grading.failing import Failing
+from ros2lab.grading.own_messages import Messages
 from ros2lab.grading.paths import Paths
 from ros2lab.grading.possible import Facts, Possible
 
@@ -26,26 +28,34 @@ Definition = Function | ast.ClassDef | ast.Dict
 Code = Collection[tuple[PythonSource, ast.AST]]  # nodes of code that runs, each with its file
 
 
-def living(sources: NodeSources, entrances: Collection[str] | None = None) -> frozenset[ast.AST]:
+def living(
+    sources: NodeSources, entrances: Collection[str] | None = None, messages: Messages | None = None
+) -> frozenset[ast.AST]:
     """Return the nodes of code that runs while a program lives, by what names may hold.
 
     Args:
         sources: the modules of a package.
         entrances: as for `running`.
+        messages: what is known of messages, if the submission has its own.
     """
+    messages = messages or Messages()
     files, code = [*sources.sources.values()], frozenset[ast.AST]()
+    all_code = frozenset(node for _, node in running(files, entrances))
+    failing = Failing(sources, all_code, Possible(sources, all_code, messages))
     for _ in range(MOST_ROUNDS):
-        more = code.union(node for _, node in running(files, entrances, Possible(sources, code)))
+        possible = Possible(sources, code, messages)
+        more = code.union(node for _, node in running(files, entrances, possible, failing))
         if more == code:
             return code
         code = more
-    return frozenset(node for _, node in running(files, entrances))
+    return all_code
 
 
 def running(
     sources: Collection[PythonSource],
     entrances: Collection[str] | None = None,
     possible: Possible | None = None,
+    failing: Failing | None = None,
 ) -> Iterator[tuple[PythonSource, ast.AST]]:
     """Yield the nodes of code that runs, each with its file.
 
@@ -54,8 +64,15 @@ def running(
         entrances: the functions that its entry points name; None takes every module-level function that needs
             no arguments.
         possible: what names may hold; if given, only code that runs while a program lives is yielded.
+        failing: what fails whenever it is reached; nothing after it is yielded.
     """
-    paths = Paths(sources, possible)
+    paths = Paths(sources, possible, failing)
+    if failing is not None:  # what cannot be imported never begins
+        sources = [
+            source
+            for source in sources
+            if not any(isinstance(n, ast.ImportFrom) and failing.fails(source, n) for n in source.tree.body)
+        ]
     named = _definitions(sources)
     classes = {node.name for source in sources for node in source.nodes if isinstance(node, ast.ClassDef)}
     waiting: list[tuple[PythonSource, ast.AST]] = [(source, source.tree) for source in sources]

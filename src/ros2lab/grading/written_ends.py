@@ -17,6 +17,7 @@ from ros2lab.grading.deeds import Deeds
 from ros2lab.grading.documents import is_prose
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.hidden_ends import hidden_ends
+from ros2lab.grading.own_messages import Messages
 from ros2lab.grading.running import living, running
 
 MOST_ENDS = 100
@@ -34,6 +35,7 @@ def written_ends(
     files: Iterable[PythonSource],
     entrances: Collection[str] | None = None,
     words: Collection[str] = (),
+    messages: Messages | None = None,
 ) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
     """Return the publishers and subscriptions that some files make; an unknown topic is empty.
 
@@ -41,6 +43,7 @@ def written_ends(
         files: the modules.
         entrances: as for `running`.
         words: the commands of the assignment.
+        messages: what is known of messages, if the submission has its own.
 
     Returns:
         The ends in code that runs, and those in other code.
@@ -51,7 +54,10 @@ def written_ends(
     except RecursionError:
         return [], []
     code = [*running([*sources.sources.values()], entrances)]
-    run, deeds = {node for _, node in code}, Deeds(sources, living(sources, entrances), words)
+    run, deeds = (
+        {node for _, node in code},
+        Deeds(sources, living(sources, entrances, messages), words, messages),
+    )
     found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
     for creation in sources.creations:
         if creation.method not in _MAKERS:
