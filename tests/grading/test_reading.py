@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from test_files import REFERENCE, Texts, right_package, write
@@ -19,6 +20,7 @@ from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.reading import Reading
 from ros2lab.grading.sandbox import World
 from ros2lab.grading.submission import copied
+from ros2lab.grading.unread import FACT, OF_CODE
 
 
 @pytest.fixture
@@ -70,6 +72,44 @@ def test_whatever_is_heavy_to_read_ends(read: Callable[[Texts | Path], Reading],
     found = read({**right_package(), **HEAVY[heavy]})
     assert found.submission.package is not None
     assert found.plan is not None
+
+
+DEEP = f"COUNT = {' + '.join(['1'] * 900)}\n"
+
+
+@pytest.mark.parametrize("file", ["robot_controller/status_publisher.py", "test/test_status.py"])
+def test_what_is_nested_too_deeply_for_us_is_not_read_and_that_is_said(
+    read: Callable[[Texts | Path], Reading], file: str
+) -> None:
+    """Python runs it; what was written in it is neither there nor missing."""
+    found = read({**right_package(), file: f"{DEEP}\ndef test_count():\n    assert COUNT == 900\n"}).files
+    assert {"tests", "handlers", "sources"} <= found.unread.keys()
+    assert not {"manifest", "setup", "readme"} & found.unread.keys()
+    (note,) = [note for note in found.notes if "Not read" in note]
+    assert file in note
+    assert "nested too deeply" in note
+
+
+def test_what_was_read_before_a_limit_counts_and_the_rest_is_neither_there_nor_missing(
+    read: Callable[[Texts | Path], Reading], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = reading._ask
+
+    def cut(*given: Any) -> tuple[dict[str, Any], str]:
+        answers, _ = asked(*given)
+        late = {"files", *(f"{FACT}{name}" for name in OF_CODE)}
+        return {
+            name: value for name, value in answers.items() if name not in late
+        }, "It ran longer than 180 s."
+
+    monkeypatch.setattr(reading, "_ask", cut)
+    found = read(REFERENCE).files
+    assert "Not all of its files could be read: It ran longer than 180 s." in found.notes
+    assert found.manifest["is_there"]
+    assert found.setup["is_there"]
+    assert found.readme
+    assert found.launch_files
+    assert found.unread.keys() == {*OF_CODE}
 
 
 NAME = "long" * 80

@@ -41,8 +41,17 @@ def with_status(run: Run) -> Run:
         (["idle", "idle", ""], True),
         (["。", "。", "。"], True),
         (["0", "0", "0"], True),
+        (["?", "?", "?"], True),
+        (["🤖", "🤖", "🤖"], True),
+        (["\u200b", "\u200b\u200b", "\u200b"], False),
+        (["\n", "\r\n", "\t"], False),
+        (["\x1b", "\x00", "\x07"], False),
+        (["\u00a0", "\u3000", " "], False),
+        (["\u202e", "\ufeff", "\U000e0041"], False),
+        (["\u3164", "\u2800", "\u115f"], False),
+        (["\u0301", "\ufe0f", "\ue000"], False),
+        (["\u200b", "\u200bwell", "\u200b"], True),
     ],
-    ids=["empty", "empty at first", "empty at last", "a sign", "a number"],
 )
 def test_a_text_that_is_always_empty_is_no_status(texts: list[str], is_right: bool) -> None:
     heard = evidences.heard(evidences.STRING, "/status_publisher", [{"data": text} for text in texts])

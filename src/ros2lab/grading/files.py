@@ -9,7 +9,6 @@ from __future__ import annotations
 import ast
 import itertools
 import os
-import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache, cached_property
@@ -23,7 +22,6 @@ from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
-from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
@@ -48,23 +46,29 @@ from ros2lab.grading.own_messages import Messages, own_messages
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import Submission
-from ros2lab.grading.unread import read_all, told
+from ros2lab.grading.tests_handed_in import test_files, tests_of
+from ros2lab.grading.unread import OF_CODE, Tell, read_all, told
 from ros2lab.grading.vain_handlers import VainHandlers
 from ros2lab.grading.written_ends import ends_elsewhere, written_ends
 from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
-_STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
-def look(root: Path, submission: Submission, assignment: Assignment | None = None) -> Files:
+def look(
+    root: Path,
+    submission: Submission,
+    assignment: Assignment | None = None,
+    tell: Tell = lambda _name, _value: None,
+) -> Files:
     """Collect the facts in a submission's files.
 
     Args:
         root: the folder that holds the submission.
         submission: what was found there.
         assignment: the submission's assignment; None takes the course's own.
+        tell: given the name and the value of each fact as soon as it is known.
 
     Returns:
         The facts; those that only a run can show are left empty. Paths are relative to `root`.
@@ -76,14 +80,26 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     beside = launching(root, submission)
     texts, shown = readmes(root, paths, submission, beside), recordings(root, paths)
     foreign = foreign_names(texts, root, paths)
+    for name, value in (("readme", texts), ("readme_foreign", foreign), ("recordings", shown)):
+        tell(name, value)
     if found is None:
         return replace(
             _loose(root, submission, paths, texts, words), readme_foreign=foreign, recordings=shown
         )
     reader = _PackageReader(root, submission, assignment, paths)
-    facts, unread = read_all(reader.readers(texts))
+    facts, unread = read_all(reader.readers(texts), tell)
+    unread |= dict.fromkeys(OF_CODE, beyond) if (beyond := _beyond(reader.graded)) else {}
     notes = [*reader.package.notes, *facts.pop("left_out", {}).values(), *told(unread)]
     return Files(**facts, readme=texts, readme_foreign=foreign, recordings=shown, notes=notes, unread=unread)
+
+
+def _beyond(packages: Iterable[Package]) -> str:
+    """Return which files of some packages are nested too deeply to be followed here, as a sentence; empty if none is."""
+    found = []
+    for package in packages:
+        tests = [package.read(path, path.stem) for path in test_files(package)]
+        found += [s.shown for s in (*package.own_sources, *tests) if s.tree is not None and s.is_beyond]
+    return f"{', '.join(found)}: the code is nested too deeply for the grader to follow." if found else ""
 
 
 class _PackageReader:
@@ -192,7 +208,7 @@ class _PackageReader:
 
     @cached_property
     def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
-        return _tests(self.package)
+        return tests_of(self.package)
 
     def _shown(self, paths: Iterable[Path]) -> list[str]:
         return [str(path.relative_to(self.root)) for path in paths]
@@ -292,52 +308,6 @@ def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[P
             )
             places[key].append(Place(source.shown, node.lineno))
     return {key: sorted(found, key=lambda place: (place.file, place.line)) for key, found in places.items()}
-
-
-def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
-    """Count the test functions in each test file, except those that `ros2 pkg create` writes.
-
-    Returns:
-        The counts by file; and by file, notes on those that import ROS packages that are not installed here.
-    """
-    found: dict[str, int] = {}
-    left_out: dict[str, str] = {}
-    for path in sorted(package.folder.rglob("*.py")):
-        if not re.fullmatch(r"test_.*|.*_test|tests?", path.stem) or not path.is_file():
-            continue
-        source = package.read(path, path.stem)
-        if _STYLE_CHECKERS.search(source.text):
-            continue
-        functions = (
-            node for node in source.nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
-        )
-        count = sum(node.name.startswith("test") for node in functions)
-        tops = {imported.target.partition(".")[0] for imported in source.imports}
-        absent = sorted(top for top in tops & PACKAGES if not is_installed(top))
-        if count and absent and not _is_about(source, package):
-            continue  # it cannot be run, and need not be about this package
-        if count and absent:
-            left_out[source.shown] = (
-                f"{source.shown} was not run: {', '.join(absent)} cannot be imported here."
-            )
-        elif count:
-            found[source.shown] = count
-    return found, left_out
-
-
-def _is_about(source: PythonSource, package: Package) -> bool:
-    """Return whether a test imports something of a package, or names it in a text."""
-    points = (package.setup.entry_points if package.setup else None) or ()
-    stems = {name.rpartition(".")[2] for name in package.sources} - {"__init__"}
-    names = {package.name, *(point.name for point in points), *stems}
-    described = {node.value for node in source.nodes if isinstance(node, ast.Expr)}
-    texts = [
-        str(node.value)
-        for node in source.nodes
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in described
-    ]
-    texts += [found.target for found in source.imports]
-    return not names.isdisjoint(word for text in texts for word in re.findall(r"\w+", text))
 
 
 def _parameter_files(packages: Iterable[Package]) -> list[Path]:

@@ -24,7 +24,7 @@ from ros2lab.grading.build_plan import WORKSPACE, Plan, plan_for, plan_for_files
 from ros2lab.grading.reports.evidence_json import plain, restored, typed
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import Received, found_in
-from ros2lab.grading.unread import told
+from ros2lab.grading.unread import FACT, told
 
 Answers = Iterator[tuple[str, Any]]
 
@@ -40,9 +40,13 @@ def look(root: Path, asked: Mapping[str, Any]) -> Answers:
         else plan_for_files(root, submission)
     )
     yield "plan", plan
-    facts = files.look(root, submission, assignment)
+    facts = files.look(root, submission, assignment, _tell)
     yield "files", replace(facts, notes=[*facts.notes, *told(plan.unread)])
     plan.lay_out(root)
+
+
+def _tell(name: str, value: Any) -> None:
+    _say(f"{FACT}{name}", plain(value, name))
 
 
 def lay_out(root: Path, asked: Mapping[str, Any]) -> Answers:

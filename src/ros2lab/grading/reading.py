@@ -6,7 +6,7 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from ros2lab.assignments import Assignment
@@ -20,11 +20,13 @@ from ros2lab.grading.evidence import Files
 from ros2lab.grading.reports.evidence_json import plain, restored, typed
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Received, Submission
+from ros2lab.grading.unread import FACT
 
 # A submission written by hand takes half a second of CPU time and 80 MB.
 LIMITS = Limits(
     wall_s=180, cpu_s=40, memory_bytes=1_000_000_000, processes=64, output_bytes=50_000_000, open_files=256
 )
+_NOT_READ_HERE = ("notes", "unread", "readme_commands", "readme_misgiven")  # of `Files`
 CRASHED = 128  # exit codes above this are those of signals
 
 
@@ -72,6 +74,11 @@ def read(world: World, received: Received, assignment: Assignment) -> Reading:
     submission = typed(answers["submission"], Submission, "submission")
     plan = typed(answers["plan"], Plan, "plan") if answers.get("plan") else None
     facts = typed(answers.get("files", {}), Files, "files")
+    if gave_up and "files" not in answers:
+        names = [fact.name for fact in fields(Files) if fact.name not in _NOT_READ_HERE]
+        known = {name: answers[FACT + name] for name in names if FACT + name in answers}
+        unread = {name: gave_up for name in names if name not in known}
+        facts = replace(typed(known, Files, "files"), unread=unread)
     if gave_up:
         facts = replace(facts, notes=[*facts.notes, f"Not all of its files could be read: {gave_up}"])
         if plan:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from typing import Any
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
+
+_SHAPELESS = frozenset(("FILLER", "BLANK"))  # in the names of letters and symbols that leave a space
 
 
 def steady(text: str) -> str:
@@ -35,6 +38,15 @@ def is_still(value: Any) -> bool:
     if isinstance(value, dict):
         return all(is_still(inner) for key, inner in value.items() if key != "header")
     return not (_is_number(value) and float(value))
+
+
+def is_seen(text: str) -> bool:
+    """Return whether anything of a text can be seen: a letter, a digit, a sign or a symbol that has a shape."""
+    return any(
+        unicodedata.category(character)[0] in "LNPS"
+        and not _SHAPELESS & {*unicodedata.name(character, "").split()}
+        for character in text
+    )
 
 
 def numbers_in(value: Any, name: str = "") -> list[tuple[str, float]]:

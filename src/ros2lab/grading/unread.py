@@ -13,20 +13,32 @@ from typing import Any
 from ros2lab.diagnose import net
 from ros2lab.grading.evidence import Evidence, Files
 
+# What is read in Python files, by its name in `Files`.
+OF_CODE = (
+    *("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded", "tests", "handlers"),
+    *("clock_readers", "compared", "depended_on", "idle", "ends", "ends_elsewhere", "declared", "findings"),
+)
+Tell = Callable[[str, Any], None]
+FACT = "fact "  # before the name of one that is told before all are known
 FAILED = "the grader itself has failed to read a file, which is no fault of the submission"
 
 
-def read_all(readers: Mapping[str, Callable[[], Any]]) -> tuple[dict[str, Any], dict[str, str]]:
+def read_all(
+    readers: Mapping[str, Callable[[], Any]], tell: Tell = lambda _name, _value: None
+) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the readers' results by name, and by name why the other readers failed.
+
+    Each is told as soon as it is known, those that are read in code last: a limit may end the reading at any time.
 
     Raises:
         MemoryError, RecursionError, OSError: if the submission itself cannot be read.
     """
     found: dict[str, Any] = {}
     failed: dict[str, str] = {}
-    for name, read in readers.items():
+    for name, read in sorted(readers.items(), key=lambda reader: reader[0] in OF_CODE):
         try:
             found[name] = read()
+            tell(name, found[name])
         except Exception as error:
             if not net.is_ours(error):
                 raise

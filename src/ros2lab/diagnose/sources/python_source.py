@@ -44,6 +44,7 @@ class PythonSource:
         name: its import name, such as `robot_controller.status_publisher`.
         path: its path; None if it is not on disk.
         fault: why Python cannot parse it; set by `tree`.
+        is_beyond: whether it is nested too deeply to be followed here, though Python may run it; set by `tree`.
         warned: the warnings of Python's compiler, each with its line; set by `tree`.
     """
 
@@ -53,6 +54,7 @@ class PythonSource:
     is_package: bool = False
     path: Path | None = None
     fault: SyntaxError | None = field(default=None, init=False)
+    is_beyond: bool = field(default=False, init=False)
     warned: list[tuple[int, str]] = field(default_factory=list, init=False)
 
     @cached_property
@@ -63,6 +65,7 @@ class PythonSource:
                 warnings.simplefilter("always")
                 tree = ast.parse(self.text)
                 if _depth(tree) >= DEEPEST:
+                    self.is_beyond = True
                     return ast.Module([], [])
                 compile(tree, self.shown, "exec", dont_inherit=True)  # not run; it gives more warnings
             self.warned = [(warning.lineno, str(warning.message)) for warning in warned]
@@ -72,6 +75,7 @@ class PythonSource:
         except SyntaxError as error:
             self.fault = error
         except (ValueError, RecursionError, MemoryError) as error:  # a null byte, thousands of brackets
+            self.is_beyond = isinstance(error, RecursionError)
             self.fault = SyntaxError(str(error) or "too deeply nested", (self.shown, 1, 1, ""))
         return ast.Module([], [])
 

@@ -14,7 +14,7 @@ from ros2lab.grading.player import Player, of_one_node
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
-from ros2lab.grading.senses import numbers_in
+from ros2lab.grading.senses import is_seen, numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
 TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
@@ -49,9 +49,10 @@ def has_its_period(case: Case, part: Part) -> Answer:
 
 
 def _is_empty(players: Sequence[Player]) -> bool:
-    """Return whether all that was heard is texts without a letter."""
+    """Return whether all that was heard is texts in which nothing can be seen."""
     values = [value for player in players for heard in player.heard for value in heard.values]
-    return bool(values) and all(value == {"data": ""} for value in values)
+    texts = [value.get("data") if value.keys() == {"data"} else None for value in values]
+    return bool(texts) and all(isinstance(text, str) and not is_seen(text) for text in texts)
 
 
 def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -> Answer:
