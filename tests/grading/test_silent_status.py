@@ -46,6 +46,8 @@ def with_status(run: Run) -> Run:
         (["\u200b", "\u200b\u200b", "\u200b"], False),
         (["\n", "\r\n", "\t"], False),
         (["\x1b", "\x00", "\x07"], False),
+        (["\x1b[8m", "\x1b[0m", "\x1b[2J"], False),
+        (["\x1b[1mwell", "\x1b[1mwell", "\x1b[1mwell"], True),
         (["\u00a0", "\u3000", " "], False),
         (["\u202e", "\ufeff", "\U000e0041"], False),
         (["\u3164", "\u2800", "\u115f"], False),

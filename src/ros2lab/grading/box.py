@@ -22,6 +22,12 @@ _TERMINAL = re.compile(
     "|[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"
 )
 
+
+def without_codes(text: str) -> str:
+    """Return a text without what a terminal takes for codes and does not show."""
+    return _TERMINAL.sub("", text)
+
+
 SIGNALS = 256  # that may be pending in a box
 # The least that this process must be allowed so that programs are graded fairly, by the letter of `ulimit`.
 ALLOWED = {
@@ -124,7 +130,7 @@ class Box:
         """Its output on both streams so far, in order, as plain text without terminal codes."""
         with self._changed:
             text = self._written.decode(errors="replace")
-        return _TERMINAL.sub("", text.replace("\r\n", "\n").replace("\r", "\n"))
+        return without_codes(text.replace("\r\n", "\n").replace("\r", "\n"))
 
     @property
     def code(self) -> int | None:

@@ -7,7 +7,8 @@ import math
 from collections.abc import Sequence
 
 from ros2lab.assignments import Part
-from ros2lab.grading.deeds import FINITE, PACED, REPEATS
+from ros2lab.grading.box import without_codes
+from ros2lab.grading.deeds import FINITE, PACED, READS, REPEATS
 from ros2lab.grading.evidence import GIVEN
 from ros2lab.grading.periods import gaps_of, period_of, quiet_times
 from ros2lab.grading.player import Player, of_one_node
@@ -17,6 +18,7 @@ from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.senses import is_seen, numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
+LONG_AFTER = 1.0  # s between two messages; a velocity that is published again and again comes more often
 TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
 
 
@@ -52,7 +54,7 @@ def _is_empty(players: Sequence[Player]) -> bool:
     """Return whether all that was heard is texts in which nothing can be seen."""
     values = [value for player in players for heard in player.heard for value in heard.values]
     texts = [value.get("data") if value.keys() == {"data"} else None for value in values]
-    return bool(texts) and all(isinstance(text, str) and not is_seen(text) for text in texts)
+    return bool(texts) and all(isinstance(text, str) and not is_seen(without_codes(text)) for text in texts)
 
 
 def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -> Answer:
@@ -76,7 +78,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
 
 
 @question(
-    "repeated once silent written missing",
+    "repeated once echoed silent written missing",
     "topic",
     nodes.CODES,
     ("publisher",),
@@ -95,6 +97,9 @@ def comes_again(case: Case, part: Part) -> Answer:
     most = max(totals)
     best = players[totals.index(most)]
     level = "repeated" if most > 1 else "once" if most else "silent"
+    everybody = of_one_node(case.players[part.name], case.main(part))
+    if level == "repeated" and _is_echo(everybody) and not _may_listen(case, everybody):
+        level = "echoed"
     keys = [best.quiet_key] if best.topic in best.run.quiet else []
     keys += [
         f"runs[{best.number}].commands[{number}].topics.{best.topic}"
@@ -102,6 +107,36 @@ def comes_again(case: Case, part: Part) -> Answer:
         if best.topic in command.topics
     ][:1]
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
+
+
+def _may_listen(case: Case, players: Sequence[Player]) -> bool:
+    """Return whether the code of some players may look at what comes: other words than were said may change it."""
+    programs = [case.executables[player.program] for player in players if player.program in case.executables]
+    modules = {module for program in programs for module in (*program.modules, program.stem)}
+    ends = [end for end in case.evidence.files.ends if not end.is_publisher and end.module in modules]
+    return not ends or any(end.does is None or READS in end.does for end in ends)
+
+
+def _is_echo(players: Sequence[Player]) -> bool:
+    """Return whether the same message came once after each word, whatever it was, and none while nothing was said.
+
+    Words that follow each other quickly tell nothing: there may be no time for more than one message.
+    """
+    values = [value for player in players for heard in player.heard for value in heard.values]
+    is_steady = all(value == values[0] for value in values)
+    if not is_steady or any(player.run.calls or quiet_times(player) for player in players):
+        return False
+    after = [
+        [command.topics.get(player.topic) for command in player.run.commands if ", " not in command.text]
+        for player in players
+    ]
+    if any(heard and heard.count > 1 for stretches in after for heard in stretches):
+        return False
+    times = [[heard.times[0] for heard in stretches if heard and heard.times] for stretches in after]
+    return any(
+        1 < len(came) == len(stretches) and min(_between(came)) > LONG_AFTER
+        for came, stretches in zip(times, after, strict=True)
+    )
 
 
 @question(
