@@ -821,6 +821,14 @@ def test_tests_for_which_there_was_no_time_cost_nothing(rubric: Rubric) -> None:
     assert "not tried" in judged(late, rubric, "bonus.tests").reason
 
 
+def test_tests_that_were_not_run_are_not_said_to_fail(rubric: Rubric) -> None:
+    error = "The files cannot be copied into the sandbox: File name too long."
+    found = judged(evidences.tests(passed=0, error=error, is_untried=True)(right()), rubric, "bonus.tests")
+    assert found.points == 0
+    assert "could not be run" in found.reason
+    assert "do not pass" not in found.reason
+
+
 @pytest.mark.parametrize(
     ("of_part", "besides", "points"),
     [

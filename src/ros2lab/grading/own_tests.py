@@ -105,7 +105,7 @@ class OwnTests:
                 nothing
             could be counted. If all tests passed, also `is_noticed`: whether a test fails, or never ends, on
             a broken copy and then passes again on the whole one, so that it does not depend on timing; and
-            `is_unfinished`: whether the time was too short for that.
+            `is_unfinished`: whether the time was too short for that. If no test could be run, `is_untried`.
         """
         self._until = time.monotonic() + TESTING_TIMEOUT
         try:
@@ -123,7 +123,7 @@ class OwnTests:
                 )
                 result["is_unfinished"] = time.monotonic() > self._until
         except ValueError as reason:  # a build may leave anything behind
-            return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
+            return {**dict.fromkeys(KINDS, 0), "error": str(reason), "is_untried": True}
         return result
 
     def _try(self, world: World, built: Build, files: Sequence[str], patience: float, kind: str) -> _Trial:

@@ -394,11 +394,11 @@ def _copy(files: Path, folder: Path, only: str = "") -> None:
     try:
         shutil.copytree(files, folder, symlinks=True, dirs_exist_ok=True, ignore=left_out)
     except RecursionError:
-        raise ValueError(f"{files} cannot be copied into the sandbox: its folders are too deep.") from None
+        raise ValueError("The files cannot be copied into the sandbox: the folders are too deep.") from None
     except shutil.Error as error:
-        raise ValueError(f"{files} cannot be copied into the sandbox: {error.args[0][0][2]}.") from None
+        raise ValueError(_not_copied(str(error.args[0][0][2]))) from None
     except OSError as error:
-        raise ValueError(f"{files} cannot be copied into the sandbox: {error}.") from None
+        raise ValueError(_not_copied(str(error))) from None
 
 
 def _hand_over(folder: int) -> None:
@@ -407,3 +407,9 @@ def _hand_over(folder: int) -> None:
         for name in folders + files:
             with contextlib.suppress(FileNotFoundError):  # another box may have removed it
                 os.chown(name, keeper.NOBODY, keeper.NOBODY, dir_fd=handle, follow_symlinks=False)
+
+
+def _not_copied(error: str) -> str:
+    """Return a sentence about an error of the system, without the paths that only the grader has."""
+    what = error.partition(": '")[0].rpartition("] ")[2]
+    return f"The files cannot be copied into the sandbox: {what}."

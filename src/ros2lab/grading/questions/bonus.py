@@ -147,7 +147,7 @@ def _modules_at_work(case: Case) -> set[str] | None:
     return found
 
 
-@question("sound blind failing untried missing", "error files")
+@question("sound blind failing not_run untried missing", "error files")
 def tests_find_faults(case: Case) -> Answer:
     """Whether the package's own tests pass, and fail when a node is broken."""
     tests = case.evidence.tests
@@ -158,6 +158,8 @@ def tests_find_faults(case: Case) -> Answer:
         return Answer("untried", seen, ("files.tests_left_out",), shown(left_out[0]))
     if not case.evidence.files.tests or not (passed or failed or tests.get("error")):
         return Answer("missing", seen, ("files.tests",))
+    if tests.get("is_untried"):
+        return Answer("not_run", seen, ("tests",))
     if failed or not passed:
         return Answer("failing", seen, ("tests",))
     if tests.get("is_unfinished"):
