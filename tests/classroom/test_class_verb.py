@@ -219,9 +219,21 @@ def test_a_dry_run_says_what_would_be_done_and_grades_nothing(
     (canvas / "empty_1009_8_ws.zip").write_bytes(b"")
     done = CliRunner().invoke(app, ["class", "grade", "submissions", "--dry-run"])
     assert done.exit_code == 0, done.output
-    assert "3 would be graded" in done.stdout
+    assert "4 would be graded" in done.stdout
     assert "empty cannot be graded" in done.stdout
     assert not (tmp_path / "grades").exists()
+
+
+def test_a_dry_run_names_all_who_have_handed_in_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "submissions").mkdir()
+    for name in ("ann", "ben"):
+        (tmp_path / f"submissions/{name}.zip").write_bytes(zipped("alike"))
+    done = CliRunner().invoke(app, ["class", "grade", "submissions", "--dry-run"])
+    assert "2 would be graded" in done.stdout, done.output
+    assert {"ann would be graded.", "ben would be graded."} <= {*done.stdout.splitlines()}
 
 
 def test_a_dry_run_keeps_the_grade_of_what_has_changed_since(

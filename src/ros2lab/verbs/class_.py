@@ -301,13 +301,15 @@ def export(
 
 
 def _show_plan(todo: Plan, rows: list[Row]) -> None:
-    for task in todo.tasks:
-        print(f"{_shown(task.name)} would be graded.")
+    names = {row.handed.key: row.handed.name for row in rows}
+    graded = [names[key] for task in todo.tasks for key in task.students]
+    for name in graded:
+        print(f"{_shown(name)} would be graded.")
     for row in rows:
         if row.state == "unreadable":
             print(f"{_shown(row.handed.name)} cannot be graded: {_shown(row.reason)}")
     print(
-        f"{len(todo.tasks)} would be graded, {len(todo.again)} only judged again, and with {len(todo.done)} there is "
+        f"{len(graded)} would be graded, {len(todo.again)} only judged again, and with {len(todo.done)} there is "
         "nothing to do. Nothing was changed."
     )
 

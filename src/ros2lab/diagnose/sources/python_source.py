@@ -43,9 +43,7 @@ class PythonSource:
     Attributes:
         name: its import name, such as `robot_controller.status_publisher`.
         path: its path; None if it is not on disk.
-        fault: why Python cannot parse it; set by `tree`.
-        is_beyond: whether it is nested too deeply to be followed here, though Python may run it; set by `tree`.
-        warned: the warnings of Python's compiler, each with its line; set by `tree`.
+        fault, warned, is_beyond: set by `tree`: why Python cannot parse it, its warnings, whether it is too deep for us.
     """
 
     name: str
@@ -64,8 +62,8 @@ class PythonSource:
             with warnings.catch_warnings(record=True) as warned:
                 warnings.simplefilter("always")
                 tree = ast.parse(self.text)
-                if _depth(tree) >= DEEPEST:
-                    self.is_beyond = True
+                self.is_beyond = _depth(tree) >= DEEPEST
+                if self.is_beyond:
                     return ast.Module([], [])
                 compile(tree, self.shown, "exec", dont_inherit=True)  # not run; it gives more warnings
             self.warned = [(warning.lineno, str(warning.message)) for warning in warned]
