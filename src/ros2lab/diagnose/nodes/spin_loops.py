@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import Call, Entrance
@@ -27,32 +27,33 @@ def _turning(entrance: Entrance) -> Iterator[tuple[ast.While, Call]]:
 
 def stands_still(entrance: Entrance) -> Iterator[Finding]:
     """Yield a loop with a rhythm of its own in which each round waits until a message comes, or for ever."""
-    ends = {call.short for call in entrance.calls} & {*CREATORS, *_RARE}
-    waits_for = {"create_subscription"} if entrance.has_callbacks else set()
-    classes = [
-        entrance.sources.classes[call.name]
-        for call in entrance.calls
-        if call.name in entrance.sources.classes
-    ]
-    is_seen_whole = all(entrance.sources.lineage(owner)[2] for owner in classes)
-    if not is_seen_whole or entrance.may_do_more or ends - {"create_publisher"} != waits_for:
-        return
-    for loop, turn in _turning(entrance):
-        calls = [n for n in walk(loop) if isinstance(n, ast.Call) and n is not turn.call]
-        rests_for = [n.args[0] for n in calls if last_name(n.func) == "sleep" and n.args]
-        has_work = any(last_name(n.func) not in ("sleep", "ok") for n in calls)
+    ends = {call.short for call in entrance.calls} & {*CREATORS, *_RARE} - {"create_publisher"}
+    takes_messages = entrance.has_callbacks
+    is_known = _is_seen_whole(entrance) and ends == ({"create_subscription"} if takes_messages else set())
+    for loop, turn in _turning(entrance) if is_known else ():
         is_limited = bool(turn.call.args[2:]) or any(k.arg == "timeout_sec" for k in turn.call.keywords)
-        is_paced = any(not _is_short(entrance.sources.value(turn.source, length)) for length in rests_for)
-        if is_limited or not has_work or (waits_for and not is_paced):
+        calls = [n for n in walk(loop) if isinstance(n, ast.Call) and n is not turn.call]
+        has_work = any(last_name(call.func) not in ("sleep", "ok") for call in calls)
+        if is_limited or not has_work or (takes_messages and not _is_paced(entrance, turn.source, calls)):
             continue
         given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
-        until = "a message comes" if waits_for else "there is a callback to call, and this node has none"
-        yield Finding(
-            "callback-waits",
-            f"spin_once() without timeout_sec waits until {until}, and the loop stands still until then.",
-            turn.source.at(turn.call),
-            f"write rclpy.spin_once({given}, timeout_sec=0) instead of {ast.unparse(turn.call)}",
-        )
+        until = "a message comes" if takes_messages else "there is a callback to call, and this node has none"
+        cause = f"spin_once() without timeout_sec waits until {until}, and the loop stands still until then."
+        fix = f"write rclpy.spin_once({given}, timeout_sec=0) instead of {ast.unparse(turn.call)}"
+        yield Finding("callback-waits", cause, turn.source.at(turn.call), fix)
+
+
+def _is_seen_whole(entrance: Entrance) -> bool:
+    """Return whether nothing from elsewhere may give the nodes of a program more to call."""
+    classes = entrance.sources.classes
+    made = [classes[call.name] for call in entrance.calls if call.name in classes]
+    return not entrance.may_do_more and all(entrance.sources.lineage(owner)[2] for owner in made)
+
+
+def _is_paced(entrance: Entrance, source: PythonSource, calls: Iterable[ast.Call]) -> bool:
+    """Return whether one of some calls sleeps for longer than a node that keeps up with its timers may."""
+    lengths = (call.args[0] for call in calls if last_name(call.func) == "sleep" and call.args)
+    return any(not _is_short(entrance.sources.value(source, length)) for length in lengths)
 
 
 def _is_short(length: object) -> bool:
