@@ -60,8 +60,8 @@ def pytest_collection() -> Generator[None, object, object]:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is marked thorough, unless it was asked for or tests were named one by one."""
-    is_named = any("::" in argument for argument in config.args)
+    """Leave out what is marked thorough, unless it was asked for or tests, or their files, were named one by one."""
+    is_named = any("::" in argument or argument.endswith(".py") for argument in config.args)
     if not (config.getoption("--thorough") or is_named):
         thorough = [item for item in items if item.get_closest_marker("thorough")]
         items[:] = [item for item in items if not item.get_closest_marker("thorough")]
