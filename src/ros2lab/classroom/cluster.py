@@ -79,12 +79,12 @@ class _Cluster:
                 threads = self._workers()
                 if threads:
                     had_workers_at = time.monotonic()
+                    waiting.extendleft(self._stranded(threads.keys()))
                 elif time.monotonic() - had_workers_at > WITHOUT_WORKERS:
                     raise CannotGrade(
                         f"The cluster has had no worker for {WITHOUT_WORKERS:g} s; start workers with `dask worker`, "
                         "and give the same command again."
                     )
-                waiting.extendleft(self._stranded(threads.keys()))
                 while waiting and len(self._sent) < AHEAD * sum(threads.values()):
                     task = waiting.popleft()
                     if held(task.paths) > MOST_BYTES:  # it is refused before anything of it runs
@@ -132,7 +132,10 @@ class _Cluster:
         self._sent[future] = task, workers
 
     def _stranded(self, workers: Collection[str]) -> Iterator[Task]:
-        """Take back what was sent to workers of whom none is here any more."""
+        """Take back what was sent to workers of whom none is here any more, while others are.
+
+        Where nobody is, they may only not have been told of, and work on: a busy scheduler leaves all of them out.
+        """
         for future, (task, asked) in [*self._sent.items()]:
             if asked.isdisjoint(workers):
                 del self._sent[future]
