@@ -181,6 +181,7 @@ def _any_of(answers: frozenset[str]) -> re.Pattern[str]:
     return re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
 
 
+@functools.lru_cache(maxsize=4096)
 def template(line: str, word: str) -> str:
     """Return a line with `{}` instead of a word, whatever its capitals."""
     return _in_any_case(word).sub("{}", line) if word else line

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import unicodedata
 from collections.abc import Sequence
@@ -12,6 +13,7 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 _SHAPELESS = frozenset(("FILLER", "BLANK"))  # in the names of letters and symbols that leave a space
 
 
+@functools.lru_cache(maxsize=4096)
 def steady(text: str) -> str:
     """Return a text without its numbers, which change by themselves."""
     return _NUMBER.sub("#", text)
