@@ -90,7 +90,9 @@ def _answer(file: _File) -> Answer:
         launch_files = file.case.evidence.files.launch_files
         is_read = any(user not in launch_files for user in file.users or ())
         fault = "it sets no parameter below ros__parameters"
-        return _told(file, "own" if is_read else "unused", fault, "files.parameter_files")
+        level = "unused" if not is_read else "own" if build and build.is_built else "untried"
+        fault = "the package was not built" if level == "untried" else fault
+        return _told(file, level, fault, "files.parameter_files", "build.is_built")
     if not file.is_in_readme and file.users == []:
         fault = "no launch file and no command of the README loads it"
         return _told(file, "unused", fault, "files.parameter_file_users")
