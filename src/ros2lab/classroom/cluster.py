@@ -134,7 +134,7 @@ class _Cluster:
     def _stranded(self, workers: Collection[str]) -> Iterator[Task]:
         """Take back what was sent to workers of whom none is here any more, while others are.
 
-        Where nobody is, they may only not have been told of, and work on: a busy scheduler leaves all of them out.
+        Where nobody is, they may only not have been told of for a moment, and work on.
         """
         for future, (task, asked) in [*self._sent.items()]:
             if asked.isdisjoint(workers):

@@ -14,7 +14,7 @@ from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.grading.ranges import Numbers, Range, of_kind, of_value
 
-_COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+COMPARISONS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
     ast.Lt: operator.lt,
@@ -26,7 +26,7 @@ _COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Is: lambda left, right: type(left) is type(right) and left == right,
     ast.IsNot: lambda left, right: type(left) is not type(right) or left != right,
 }
-_ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
+ARITHMETIC: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
@@ -220,7 +220,7 @@ def _compared(node: ast.Compare, case: Case) -> Any:
             return FAILS
         is_known = not any(value is UNKNOWN or isinstance(value, Given) for value in values)
         try:
-            results.append(bool(_COMPARISONS[type(sign)](*values)) if is_known else UNKNOWN)
+            results.append(bool(COMPARISONS[type(sign)](*values)) if is_known else UNKNOWN)
         except TypeError:
             return FAILS
     return False if False in results else UNKNOWN if UNKNOWN in results else True
@@ -242,7 +242,7 @@ def _computed(node: ast.BinOp, case: Case) -> Any:
 def changed(left: Any, sign: ast.operator, right: Any) -> Any:
     """Return the result of an operation on two numbers; `UNKNOWN` for anything else."""
     are_numbers = all(isinstance(side, (int, float)) and abs(side) < _LARGEST for side in (left, right))
-    return _ARITHMETIC[type(sign)](left, right) if are_numbers and type(sign) in _ARITHMETIC else UNKNOWN
+    return ARITHMETIC[type(sign)](left, right) if are_numbers and type(sign) in ARITHMETIC else UNKNOWN
 
 
 def plain(value: Any) -> Any:

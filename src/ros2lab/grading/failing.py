@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import ast
 import builtins
-import operator
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cached_property
@@ -17,21 +16,14 @@ from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 from ros2lab.grading.arguments import is_refused
-from ros2lab.grading.cases import Given, range_within
+from ros2lab.grading.cases import ARITHMETIC, COMPARISONS, Given, range_within
 from ros2lab.grading.possible import Possible
 from ros2lab.grading.ranges import Numbers
 
+_ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)  # the comparisons that have no result for some values
 _OPERATORS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
+    **ARITHMETIC,
+    **{kind: COMPARISONS[kind] for kind in _ORDERS},
 }
 _LARGEST = 10**15  # the largest number, and the longest text, to compute with
 _CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {"int": int, "float": float}

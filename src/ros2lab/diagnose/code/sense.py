@@ -42,10 +42,7 @@ def nonsense(
 
 
 def _out_of_place(tree: ast.Module, first: int, last: int) -> Iterator[ast.stmt]:
-    """Yield moved statements, and those that were left behind below them, in a body in which they mean little.
-
-    A method outside a class, a call in the body of a class, and what reads a name there that only functions bind.
-    """
+    """Yield moved statements, and those that were left behind below them, in a body in which they mean little."""
     around = (
         n for n in ast.walk(tree) if isinstance(n, Function) and n.lineno <= last <= (n.end_lineno or 0)
     )
@@ -56,20 +53,20 @@ def _out_of_place(tree: ast.Module, first: int, last: int) -> Iterator[ast.stmt]
         known = _bound_at_top(tree) | {name for node in owner.body for name in _names_of(node)}
         is_below = False
         for node in owner.body:
-            is_definition = isinstance(node, (Function, ast.ClassDef))
-            is_moved = node.lineno >= first and node.lineno <= last
-            is_left = is_below and (not is_definition or _is_method(node))
+            is_left = is_below and (_is_method(node) or not isinstance(node, (Function, ast.ClassDef)))
             is_below = is_left or node.lineno <= last <= (node.end_lineno or 0)
-            if not (is_moved or is_below):
-                continue
-            is_value = isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)
-            if is_value and isinstance(owner, ast.ClassDef):
+            if (is_below or first <= node.lineno <= last) and _means_little(node, owner, known):
                 yield node
-            elif is_definition:
-                if owner is tree and _is_method(node):
-                    yield node
-            elif any(isinstance(n, ast.Name) and n.id not in known for n in ast.walk(node)):
-                yield node
+
+
+def _means_little(node: ast.stmt, owner: ast.Module | ast.ClassDef, known: Collection[str]) -> bool:
+    """Return whether a statement is a method outside a class, a call in a class's body, or reads what nothing binds."""
+    is_value = isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)
+    if is_value and isinstance(owner, ast.ClassDef):
+        return True
+    if isinstance(node, (Function, ast.ClassDef)):
+        return isinstance(owner, ast.Module) and _is_method(node)
+    return any(isinstance(n, ast.Name) and n.id not in known for n in ast.walk(node))
 
 
 def _bound_at_top(tree: ast.Module) -> set[str]:
