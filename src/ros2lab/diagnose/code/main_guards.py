@@ -24,7 +24,7 @@ def main_guard_faults(source: PythonSource) -> Iterator[Finding]:
     """Yield guards that are true under no name that Python gives the file, and those inside their function."""
     names = (RUN, SPAWNED, source.name)
     for guard in (node for node in source.nodes if isinstance(node, ast.If) and is_guard(node)):
-        if not any(holds(guard.test, name) is not False for name in names):
+        if not any(holds(guard.test, {_NAME: name}) is not False for name in names):
             yield untrue_guard(guard, source)
     for function in source.tree.body:
         if isinstance(function, ast.FunctionDef):

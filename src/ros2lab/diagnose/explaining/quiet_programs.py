@@ -127,7 +127,7 @@ def _of_guard(guard: ast.If, source: PythonSource, main: ast.FunctionDef | None)
     """Say what is wrong with a `__main__` guard; None if it calls something."""
     if guard not in source.tree.body:
         return indented_guard(guard, source)
-    if not holds(guard.test, RUN):
+    if not holds(guard.test, {"__name__": RUN}):
         return untrue_guard(guard, source)
     if all(isinstance(statement, ast.Pass) or (isinstance(statement, ast.Expr) and isinstance(statement.value, (ast.Name, ast.Constant, ast.Attribute))) for statement in guard.body):  # fmt: skip
         name = main.name if main else "main"

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import ast
-import operator
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
@@ -16,21 +14,9 @@ from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
-from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted
+from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, holds
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import State, Uses, is_log
-
-_COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-    ast.Is: operator.is_,
-    ast.IsNot: operator.is_not,
-}
-
 
 _KEPT_TO_BE_USED = frozenset(("create_publisher", "create_client"))
 
@@ -147,7 +133,7 @@ def _gate(state: State, statement: ast.stmt) -> tuple[str, ast.Constant, bool] |
     names = {ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node)}
     name = names.pop() if len(names) == 1 else ""
     value, is_left = state.first(name), isinstance(statement.body[-1], (ast.Return, ast.Raise))
-    is_shut = isinstance(value, ast.Constant) and _holds(statement.test, value.value) is is_left
+    is_shut = isinstance(value, ast.Constant) and holds(statement.test, {name: value.value}) is is_left
     return (name, value, is_left) if isinstance(value, ast.Constant) and is_shut else None
 
 
@@ -167,24 +153,6 @@ def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If
         )
     fix = f"set {name} where its value is known, such as in the callback that receives it"
     return Finding("never-passed", cause, place, fix)
-
-
-def _holds(test: ast.expr, value: Any) -> bool | None:
-    """Return whether a condition on one attribute is true for a value of it; None if that is not known."""
-    match test:
-        case ast.UnaryOp(op=ast.Not(), operand=inner) if is_self_attribute(inner):
-            return not value
-        case ast.Attribute() if is_self_attribute(test):
-            return bool(value)
-        case ast.Compare(left=left, ops=[sign], comparators=[ast.Constant(value=constant)]) if (
-            is_self_attribute(left)
-        ):
-            compares = _COMPARES.get(type(sign))
-            try:
-                return bool(compares(value, constant)) if compares else None
-            except TypeError:
-                return None
-    return None
 
 
 def _never_called(state: State) -> Iterator[Finding]:

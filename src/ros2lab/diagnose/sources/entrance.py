@@ -163,7 +163,7 @@ def _run_at_import(statement: ast.AST, name: str) -> Iterator[ast.Call]:
     match statement:
         case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda():
             inner: Iterable[ast.AST] = statement.args.defaults
-        case ast.If(test=test, orelse=otherwise) if holds(test, name) is False:
+        case ast.If(test=test, orelse=otherwise) if holds(test, {"__name__": name}) is False:
             inner = otherwise
         case _:
             inner = children(statement)

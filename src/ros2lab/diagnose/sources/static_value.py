@@ -32,6 +32,18 @@ _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
 }
+_COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+    ast.In: lambda item, items: item in items,
+    ast.NotIn: lambda item, items: item not in items,
+}
 # No float holds a larger integer, and Python refuses to print one with a few more digits.
 LARGEST = 2**1023
 _LONGEST = 10_000  # items or characters, so that `"x" * 10**9` costs nothing
@@ -132,17 +144,40 @@ def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # no
     return _operation(node, part, sure)
 
 
-def _operation(node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any]) -> Any:
-    if isinstance(node, ast.BinOp):
-        return _joined(node, part)
+def _operation(  # noqa: PLR0911 -- a table
+    node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any]
+) -> Any:
     match node:
+        case ast.BinOp():
+            return _joined(node, part)
         case ast.UnaryOp(op=ast.USub()):
             return -sure(node.operand)
+        case ast.UnaryOp(op=ast.Not()):
+            return not sure(node.operand)
+        case ast.BoolOp():
+            return _either(node, sure)
+        case ast.Compare():
+            return _compared(node, sure)
         case ast.Subscript():
             return sure(node.value)[sure(node.slice)]
         case ast.IfExp():
             return part(node.body) if sure(node.test) else part(node.orelse)
     return UNKNOWN
+
+
+def _either(node: ast.BoolOp, sure: Callable[[ast.expr], Any]) -> Any:
+    """Return the value of `and` or `or`: that of the side that decides."""
+    value: Any = None
+    for value in map(sure, node.values):
+        if bool(value) is isinstance(node.op, ast.Or):
+            break
+    return value
+
+
+def _compared(node: ast.Compare, sure: Callable[[ast.expr], Any]) -> bool:
+    values = [sure(side) for side in (node.left, *node.comparators)]
+    pairs = zip(values, node.ops, values[1:], strict=False)
+    return all(_COMPARES[type(sign)](left, right) for left, sign, right in pairs)
 
 
 def _joined(node: ast.BinOp, part: Callable[[ast.expr], Any]) -> Any:
@@ -255,21 +290,7 @@ def _plain(value: Any) -> Any:
     return value
 
 
-_EVALUATED = (
-    *(ast.Compare, ast.cmpop, ast.BoolOp, ast.boolop, ast.UnaryOp, ast.unaryop, ast.expr_context),
-    *(ast.Constant, ast.Tuple, ast.List, ast.Set),
-)
-
-
-def holds(test: ast.expr, name: str) -> bool | None:
-    """Return whether a condition is true in a file with a certain `__name__`; None if that is not known."""
-    inner = [*ast.walk(test)]
-    is_known = all(
-        isinstance(n, _EVALUATED) or (isinstance(n, ast.Name) and n.id == "__name__") for n in inner
-    )
-    if not is_known:
-        return None
-    try:
-        return bool(eval(compile(ast.Expression(test), "", "eval"), {"__builtins__": {}}, {"__name__": name}))  # noqa: S307 -- no calls
-    except (TypeError, ValueError):
-        return None
+def holds(test: ast.expr, names: Mapping[str, Any]) -> bool | None:
+    """Return whether a condition is true where names have these values; None if that is not known."""
+    value = evaluate(test, names, {})
+    return None if value is UNKNOWN else bool(value)
