@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import lines_in_words
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import blocks, branches, heads, leaves
+from ros2lab.diagnose.sources.one_run import blocks, heads, runs_of
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import own_nodes, walk
 from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
@@ -20,7 +20,7 @@ class SuperOrder:
         self._sources, self._owner, self._inherited = sources, owner, inherited
         self.constructor = owner.methods["__init__"]
         self._early: list[ast.Attribute] = []
-        self._follow(self.constructor.body, is_made=False)
+        runs_of(self.constructor.body, False, self._is_made, any, self._may_be_made)
 
     def calls_init(self) -> bool:
         """Return whether the constructor calls super().__init__() itself or by another function."""
@@ -41,30 +41,18 @@ class SuperOrder:
             called is not None and depth < 3 and any(self._is_init(n, depth + 1) for n in own_nodes(called))
         )
 
-    def _follow(self, block: Sequence[ast.stmt], *, is_made: bool) -> bool | None:
-        """Collect the early uses of a block, and return whether the node may be made after it; None if a run ends in it."""
-        for statement in block:
-            nodes = [node for head in heads(statement) for node in walk(head)]
-            if not is_made and any(map(self._is_init, nodes)):
-                is_made = True
-            self._early += [] if is_made else self._uses(nodes)
-            if leaves(statement):
-                return None
-            if not (inner := branches(statement)):
-                continue
-            # What a `try` or a loop has done before may have made the node.
-            is_open = isinstance(statement, (ast.Try, ast.For, ast.AsyncFor, ast.While))
-            before = is_made or (is_open and any(map(self._is_init, walk(statement))))
-            ends = [
-                self._follow(
-                    branch, is_made=is_made if number == 0 and isinstance(statement, ast.Try) else before
-                )
-                for number, branch in enumerate(inner)
-            ]
-            if all(end is None for end in ends):
-                return None
-            is_made = any(ends)
+    def _is_made(self, is_made: bool, statement: ast.stmt) -> bool:
+        """Collect the early uses in a statement, and return whether the node is made after what it evaluates itself."""
+        nodes = [node for head in heads(statement) for node in walk(head)]
+        is_made = is_made or any(map(self._is_init, nodes))
+        self._early += [] if is_made else self._uses(nodes)
         return is_made
+
+    def _may_be_made(self, is_made: bool, statement: ast.stmt, number: int) -> bool:
+        """Return whether the node may be made where a branch begins: what a `try` or a loop has done before may have made it."""
+        is_open = isinstance(statement, (ast.For, ast.AsyncFor, ast.While))
+        is_open |= isinstance(statement, ast.Try) and number > 0
+        return is_made or (is_open and any(map(self._is_init, walk(statement))))
 
     def _uses(self, nodes: Sequence[ast.AST]) -> Iterator[ast.Attribute]:
         hidden = {id(n) for node in nodes if isinstance(node, ast.Lambda) for n in walk(node)}

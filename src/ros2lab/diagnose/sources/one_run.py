@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TypeVar
 
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, own_nodes, walk
@@ -28,12 +29,17 @@ _DECIDED: Mapping[type[ast.AST], tuple[str, ...]] = {
 }
 _Calls = list[ast.Call]
 _IsAsked = Callable[[ast.Call], bool]
+_State = TypeVar("_State")
 
 
 def calls_in_one_run(function: Function, is_asked: _IsAsked) -> _Calls:
     """Return the calls of a kind that a function makes in the run that makes the most of them."""
-    goes_on, ended = _of_block(function.body, is_asked)
-    return max(goes_on or [], ended, key=len)
+
+    def made(calls: _Calls, statement: ast.stmt) -> _Calls:
+        return [*calls, *_asked_in(heads(statement), is_asked)]
+
+    end, left = runs_of(function.body, list[ast.Call](), made, lambda ways: max(ways, key=len))
+    return max([end or [], *left], key=len)
 
 
 def is_always_reached(function: Function, node: ast.AST) -> bool:
@@ -115,23 +121,57 @@ def _only_counts(call: ast.Call) -> bool:
     return name in ("abs", "len", "int", "float", "round", "str", "min", "max") or name.startswith("math.")
 
 
-def _of_block(block: Sequence[ast.stmt], is_asked: _IsAsked) -> tuple[_Calls | None, _Calls]:
-    """Return the most calls of a run that reaches the end of a block (None: no run does), and of one that leaves the function."""
-    goes_on: _Calls | None = []
-    ended: _Calls = []
+def runs_of(
+    block: Sequence[ast.stmt],
+    state: _State,
+    after: Callable[[_State, ast.stmt], _State],
+    joined: Callable[[Sequence[_State]], _State],
+    within: Callable[[_State, ast.stmt, int], _State] = lambda state, _statement, _number: state,
+) -> tuple[_State | None, list[_State]]:
+    """Follow every run through a block: what holds at its end (None: no run reaches it), and where runs leave the function.
+
+    Args:
+        block: the statements.
+        state: what holds before them.
+        after: what holds when a statement has evaluated what is outside its own blocks.
+        joined: what holds after a statement, of what holds at the ends of those branches that have one.
+        within: what holds at the beginning of a branch of a statement, by its number.
+    """
+    left: list[_State] = []
     for statement in block:
-        if goes_on is None:
-            break
-        before = [*goes_on, *_asked_in(heads(statement), is_asked)]
-        goes_on = before if not branches(statement) and not leaves(statement) else None
+        state = after(state, statement)
         if leaves(statement):
-            ended = max(ended, before, key=len)
-        for branch in branches(statement):
-            inner, left = _of_block(branch, is_asked)
-            ended = max(ended, [*before, *left], key=len)
-            if inner is not None:
-                goes_on = max(goes_on or [], [*before, *inner], key=len)
-    return goes_on, ended
+            return None, [*left, state]
+        if ways := branches(statement):
+            ends: list[_State] = []
+            for number, way in enumerate(ways):
+                end, inner = runs_of(way, within(state, statement, number), after, joined, within)
+                ends += [] if end is None else [end]
+                left += inner
+            if not ends or _is_endless(statement):
+                return None, [*left, *ends]
+            state = joined(ends)
+    return state, left
+
+
+def _is_endless(statement: ast.stmt) -> bool:
+    """Return whether a statement is a loop after which nothing runs."""
+    match statement:
+        case ast.While(test=ast.Constant(value=value), body=body):
+            return bool(value) and not _breaks(body)
+    return False
+
+
+def _breaks(block: Sequence[ast.stmt]) -> bool:
+    """Return whether a block ends the loop around it with `break`."""
+    loops = (ast.While, ast.For, ast.AsyncFor)
+    inner = (way for statement in block if not isinstance(statement, loops) for way in branches(statement))
+    return any(isinstance(statement, ast.Break) for statement in block) or any(map(_breaks, inner))
+
+
+def reaches_end(block: Sequence[ast.stmt]) -> bool:
+    """Return whether a run may reach the end of a block."""
+    return runs_of(block, True, lambda state, _: state, all)[0] is not None
 
 
 def blocks(node: ast.AST) -> list[list[ast.stmt]]:

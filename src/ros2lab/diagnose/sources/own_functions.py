@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.one_run import reaches_end
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -187,20 +188,4 @@ def may_fall_through(function: Function) -> bool:
         isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)
     ):
         return False
-    return not returned(function) or _goes_on(function.body)
-
-
-def _goes_on(body: list[ast.stmt]) -> bool:
-    match body[-1]:
-        case ast.Return() | ast.Raise():
-            return False
-        case ast.If(body=inner, orelse=orelse):
-            return _goes_on(inner) or not orelse or _goes_on(orelse)
-        case ast.With(body=inner):
-            return _goes_on(inner)
-        case ast.Try(body=inner, handlers=handlers, orelse=orelse, finalbody=last):
-            parts = [orelse or inner, *(handler.body for handler in handlers)]
-            return any(map(_goes_on, parts)) and (not last or _goes_on(last))
-        case ast.While(test=ast.Constant(value=True)):
-            return False
-    return True
+    return not returned(function) or reaches_end(function.body)
