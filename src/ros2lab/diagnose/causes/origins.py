@@ -228,8 +228,7 @@ def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
     if own_function(source, value) or (isinstance(value, ast.Attribute) and hasattr(Node, value.attr)):
         return "function"
     resolved = (source.resolve(value) or "").rpartition(".")[2]
-    is_own = any(isinstance(node, ast.ClassDef) and node.name == resolved for node in source.tree.body)
-    return "type" if is_own or interfaces.homes_of(resolved) else "?"
+    return "type" if resolved in source.classes or interfaces.homes_of(resolved) else "?"
 
 
 def _object(name: str) -> Any:

@@ -17,7 +17,8 @@ from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.interfaces import members_of
-from ros2lab.diagnose.sources.python_source import Function, is_property
+from ros2lab.diagnose.sources.python_source import Function
+from ros2lab.diagnose.sources.syntax_parts import is_property
 
 _PRINT = "print the values used on this line just above it, and see which one is not what you expected"
 

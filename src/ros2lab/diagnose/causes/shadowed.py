@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import sys
 from collections.abc import Collection, Iterator
@@ -122,8 +121,7 @@ def _hidden(module: str, file: Path, error: ErrorText, look: Look) -> Finding:
 
 def _other_name(module: str, file: Path) -> str:
     """Return a free name for a file: that of its class if it has only one, else its own with `own_` before it."""
-    body = read_source(file, module, file.name).tree.body
-    classes = [snake_case(node.name) for node in body if isinstance(node, ast.ClassDef)]
+    classes = [*map(snake_case, read_source(file, module, file.name).classes)]
     is_free = len(classes) == 1 and classes[0] != module and not importable_names(classes[0])
     is_free = is_free and not file.with_name(f"{classes[0]}.py").exists() and file.name != "__init__.py"
     return classes[0] if is_free else f"own_{module}"

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.calls import example_of, fitting, meant_call, one_each, whole_call
 from ros2lab.diagnose.sources.own_functions import own_function
-from ros2lab.diagnose.sources.python_source import PythonSource, given_to, own_parameters
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of
-from ros2lab.diagnose.sources.syntax_parts import LEFT_OUT, with_arguments
+from ros2lab.diagnose.sources.syntax_parts import LEFT_OUT, own_parameters, with_arguments
 
 
 def as_it_was_meant(source: PythonSource, call: ast.Call) -> dict[str, str]:

@@ -14,8 +14,8 @@ from ros2lab.diagnose.checking.trials import revealed_by, type_of
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_parameters, parameters
-from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, stores_in
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, own_parameters, stores_in
 
 _OF_CALLS = (*RULES, "no-matching-overload")  # what fails when it runs, too
 _CONTRADICTS = re.compile(r"Object of type `(?!None`).+` is not assignable to ")

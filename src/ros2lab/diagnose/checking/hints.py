@@ -12,14 +12,8 @@ from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    last_name,
-    own_parameters,
-    parameters,
-)
-from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, parameters
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, own_parameters
 
 _ANYTHING = "'_anything_'"  # a type that no file defines is one about which nothing is known
 _DEEPEST = 3  # calls through which a value is followed

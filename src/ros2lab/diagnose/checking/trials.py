@@ -14,15 +14,8 @@ from ros2lab.diagnose.finding import stops_node
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.node_source import NodeClass
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    names_bound,
-    own_nodes,
-    own_parameters,
-    parameters,
-)
-from ros2lab.diagnose.sources.syntax_parts import stores_in
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, parameters
+from ros2lab.diagnose.sources.syntax_parts import own_parameters, stores_in
 from ros2lab.diagnose.sources.uses import own_stores
 
 _LONGEST = 110  # characters of a statement that is shown in full

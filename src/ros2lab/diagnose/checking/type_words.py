@@ -51,8 +51,9 @@ def made_of(name: str, spot: Spot) -> str:
     source = spot.source
     if source is None:
         return ""
-    classes = [n for n in source.tree.body if isinstance(n, ast.ClassDef)]
-    nodes = {n.name for n in classes if any(source.resolve(base) == _NODE for base in n.bases)}
+    nodes = {
+        name for name, n in source.classes.items() if any(source.resolve(base) == _NODE for base in n.bases)
+    }
     for node in own_nodes(scope) if scope else ():
         match node:
             case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))):

@@ -14,7 +14,7 @@ from ros2lab.diagnose.code.at_hand import holders
 from ros2lab.diagnose.code.unknown_names import Unknown
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _MOST = 3  # variables whose types are asked for
@@ -76,7 +76,7 @@ def _at_hand(source: PythonSource, call: ast.Call, name: str) -> Iterator[str]:
 
 def _functions(source: PythonSource, name: str) -> Iterator[tuple[str, str]]:
     """Yield the functions of a name that a file can call, each with a clause that says where it is."""
-    if any(isinstance(node, Function) and node.name == name for node in source.tree.body):
+    if name in source.functions:
         yield name, "it is a function of this file"
     for imported in source.imports:
         is_known = not imported.is_from and imported.target.partition(".")[0] in _KNOWN

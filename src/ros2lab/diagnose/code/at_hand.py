@@ -72,7 +72,7 @@ def is_own_node(unknown: Unknown, name: str) -> bool:
     """Return whether a name is that of a node class of the file, or of Node itself."""
     if unknown.source.names.get(name) == "rclpy.node.Node":
         return True
-    definition = unknown.own_classes.get(name)
+    definition = unknown.source.classes.get(name)
     return definition is not None and any(
         unknown.source.resolve(base) == "rclpy.node.Node" for base in definition.bases
     )
@@ -119,7 +119,7 @@ def _members(unknown: Unknown, name: str) -> set[str]:
         return {*interfaces.members_of(*_MADE[name])[0]}
     if not is_own_node(unknown, name):
         return set()
-    definition = unknown.own_classes.get(name)
+    definition = unknown.source.classes.get(name)
     own = walk(definition) if definition else ()
     found = {
         getattr(n, "attr", getattr(n, "name", ""))

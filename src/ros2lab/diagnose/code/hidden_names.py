@@ -64,8 +64,7 @@ def known_names(source: PythonSource) -> dict[str, str]:
     """Return the builtin, imported and top-level function names of a file, each with a description."""
     found = {name: "one of Python's built-in functions" for name in dir(builtins) if name[:1].islower()}
     found |= {imported.local: "an imported name" for imported in source.imports}
-    defined = [statement for statement in source.tree.body if isinstance(statement, Function)]
-    return found | {function.name: "a function of this file" for function in defined}
+    return found | dict.fromkeys(source.functions, "a function of this file")
 
 
 def fix_of(name: str, function: str) -> str:

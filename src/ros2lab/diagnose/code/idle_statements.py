@@ -11,10 +11,10 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import own_function
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, is_property
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
-from ros2lab.diagnose.sources.syntax_parts import needed_by
+from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by
 
 _SHIFTS = (ast.LShift, ast.RShift)  # objects of libraries use them to put one after the other
 
@@ -84,8 +84,8 @@ def _makes_node(source: PythonSource, call: ast.Call) -> bool:
     whole = source.resolve(call.func) or ""
     if whole in ("rclpy.create_node", "rclpy.node.Node"):
         return True
-    own = (n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == ast.unparse(call.func))
-    return any(source.resolve(base) == "rclpy.node.Node" for definition in own for base in definition.bases)
+    own = source.classes.get(ast.unparse(call.func))
+    return any(source.resolve(base) == "rclpy.node.Node" for base in (own.bases if own else ()))
 
 
 def _called(source: PythonSource, function: ast.expr) -> str:

@@ -157,11 +157,7 @@ def _holds(file: PythonSource, name: str, modules: Collection[str]) -> bool:
 
 def _only_definition(modules: Mapping[str, PythonSource], name: str) -> str | None:
     """Return the only module that defines a class or function; None if none does, or several do."""
-    homes = [
-        module
-        for module, file in modules.items()
-        if any(isinstance(n, (ast.ClassDef, ast.FunctionDef)) and n.name == name for n in file.tree.body)
-    ]
+    homes = [module for module, file in modules.items() if name in {*file.classes, *file.functions}]
     return homes[0] if len(homes) == 1 and homes[0] else None
 
 

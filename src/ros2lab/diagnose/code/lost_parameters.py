@@ -10,16 +10,9 @@ from dataclasses import dataclass
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    is_property,
-    last_name,
-    parameters,
-    walk,
-)
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, parameters, walk
 from ros2lab.diagnose.sources.spelling import snake_case
-from ros2lab.diagnose.sources.syntax_parts import all_parameters, calls_in
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, calls_in, is_property
 
 CODE = "callback-arguments"
 _OF_CLASSES = frozenset(("__new__", "__init_subclass__", "__class_getitem__"))

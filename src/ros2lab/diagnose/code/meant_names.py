@@ -88,7 +88,7 @@ def _as_self(unknown: Unknown) -> Reading | None:
     classes = {node.name for node in around if isinstance(node, ast.ClassDef)}
     if not classes or not unknown.attributes:
         return None
-    functions = (node for node in unknown.source.tree.body if isinstance(node, Function))
+    functions = unknown.source.functions.values()
     for function, node in ((owner, node) for owner in functions for node in own_nodes(owner)):
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id=made))):
@@ -332,7 +332,7 @@ def _sent(unknown: Unknown) -> str:
 def _unused_class(unknown: Unknown) -> str:
     """Return a call of the only class that the file has and never uses; empty if it does not fit the uses."""
     source = unknown.source
-    loaded, own = unknown.loaded, unknown.own_classes
+    loaded, own = unknown.loaded, unknown.source.classes
     found = [name for name, definition in own.items() if name not in loaded and _has_all(unknown, definition)]
     for imported in source.imports:
         module, _, name = imported.target.rpartition(".")

@@ -101,7 +101,7 @@ def _fits_as_named(unknown: Unknown, candidate: str, *, is_class_meant: bool) ->
     """Return whether a name of the file can be used so, by what it stands for: a class, a module or a value."""
     is_free = not (unknown.is_called or unknown.attributes)
     target = unknown.source.names.get(candidate, "")
-    is_own = candidate in unknown.own_classes
+    is_own = candidate in unknown.source.classes
     is_class = candidate[:1].isupper() and (is_own or candidate in unknown.source.names)
     if unknown.name[:1].islower() and unknown.attributes and is_own_node(unknown, candidate):
         return False  # a class is no object

@@ -88,11 +88,6 @@ class Unknown:
         return node
 
     @cached_property
-    def own_classes(self) -> dict[str, ast.ClassDef]:
-        """The classes that the file defines at its top level."""
-        return {node.name: node for node in self.source.tree.body if isinstance(node, ast.ClassDef)}
-
-    @cached_property
     def loaded(self) -> set[str]:
         """The names that the file uses."""
         names = (n for n in self.source.nodes if isinstance(n, ast.Name))

@@ -10,7 +10,8 @@ from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.sources.interfaces import members_of
 from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, own_nodes, own_parameters, walk
+from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.syntax_parts import own_parameters
 from ros2lab.diagnose.sources.uses import named
 
 

@@ -14,7 +14,6 @@ from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
-    is_property,
     names_read,
     own_nodes,
     parameters,
@@ -22,7 +21,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.spelling import may_mean, nearest
-from ros2lab.diagnose.sources.syntax_parts import needed_by
+from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by
 
 _SENDERS = ("publish", "call_async", "call")
 

@@ -28,7 +28,7 @@ from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.made_modules import is_made
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
 from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, nearest
 
@@ -140,9 +140,7 @@ def _function_fault(
     package: SourcePackage, source: PythonSource, point: EntryPoint, place: str
 ) -> Iterator[Finding]:
     """Yield what keeps an entry point's function from being called: it is a class, needs arguments, or is missing."""
-    made = next(
-        (n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == point.function), None
-    )
+    made = source.classes.get(point.function)
     if made is not None:
         # The constructor of another class may run the whole program.
         if not _is_only_a_node(source, made):
@@ -263,7 +261,7 @@ def _missing_function(package: SourcePackage, source: PythonSource, point: Entry
         fix = f"write '{point.name} = {home}:{point.function}', and build again"
         return Finding("entry-point-function", cause, place, fix)
     define = f"define {point.function}(args=None)"
-    functions = [function.name for function in source.tree.body if isinstance(function, Function)]
+    functions = source.functions
     if not functions:
         what = "there is no such function." if source.text.strip() else "the file is empty."
         fix = f"{define} in {source.shown}, or write the correct function name in setup.py"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import io
 import itertools
 import re
@@ -14,7 +13,6 @@ from shlex import quote
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import Function
 from ros2lab.diagnose.sources.setup_script import EntryPoint
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
@@ -177,7 +175,7 @@ def of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
     for part in parts:
         modules = (module for module in (part, f"{package.name}.{part}") if module in package.sources)
         for module in modules:
-            functions = _functions(package, module)
+            functions = package.sources[module].functions
             rest = [word for word in parts if word != part]
             function = next((word for word in rest if word in functions), "")
             names = [word for word in rest if word != function and "." not in word]
@@ -186,19 +184,12 @@ def of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
     return ""
 
 
-def _functions(package: SourcePackage, module: str) -> list[str]:
-    body = package.sources[module].tree.body
-    return [node.name for node in body if isinstance(node, Function)]
-
-
 def function_of(package: SourcePackage, module: str, words: list[str]) -> str:
     """Return the function of a module that the words after it mean; empty if they mean none."""
-    functions = _functions(package, module)
+    functions = package.sources[module].functions
     if not words or len(words) > 1:
         return meant_function(package, module) if not words and functions else ""
-    is_class = any(
-        isinstance(n, ast.ClassDef) and n.name == words[0] for n in package.sources[module].tree.body
-    )
+    is_class = words[0] in package.sources[module].classes
     if words[0] in functions:
         return words[0]
     return "main" if is_class and "main" in functions else nearest(words[0], functions, 0.6) or ""

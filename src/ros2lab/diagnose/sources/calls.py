@@ -375,9 +375,11 @@ def _objects(wanted: str, value: ast.expr) -> str:
 
 def missing_imports(source: PythonSource, written: str) -> list[str]:
     """Return the import statements for the ROS classes in a text that a file does not import."""
-    own = {node.name for node in source.tree.body if isinstance(node, ast.ClassDef)}
     # `Node(...)`, with the dots, is only a mention.
-    names = set(re.findall(r"(?<![\w.'\"])[A-Z]\w+(?=\((?!\.\.\.))", written)) - own - {*source.names}
+    names = set(re.findall(r"(?<![\w.'\"])[A-Z]\w+(?=\((?!\.\.\.))", written)) - {
+        *source.classes,
+        *source.names,
+    }
     homes = {name: interfaces.homes_of(name) or interfaces.launch_homes_of(name) for name in sorted(names)}
     return [f"from {found[0]} import {name}" for name, found in homes.items() if found]
 

@@ -8,15 +8,8 @@ from functools import cached_property
 
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import (
-    Function,
-    PythonSource,
-    argument,
-    assignments,
-    own_nodes,
-    own_parameters,
-)
-from ros2lab.diagnose.sources.syntax_parts import all_parameters
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, argument, assignments, own_nodes
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, own_parameters
 
 # The kind of a value: one of `PLAIN`, a message such as "std_msgs.msg.String", its class as
 # "type of std_msgs.msg.String", or "publisher of std_msgs.msg.String"; None if not known.

@@ -68,7 +68,7 @@ def _followed(sources: NodeSources, around: _Around, node: ast.expr, depth: int)
     if depth == 0:
         found = None
     elif isinstance(node, ast.Call) and (home := _home(sources, source, node.func)):
-        function = _function(*home)
+        function = home[0].functions.get(home[1])
         returned = [n.value for n in own_nodes(function) if isinstance(n, ast.Return)] if function else []
         if function is not None:
             value = returned[0] if len(returned) == 1 else None
@@ -102,14 +102,9 @@ def _bound(sources: NodeSources, around: _Around, node: ast.Name | ast.Attribute
         return ()
     file, name = home
     owner, _, last = name.rpartition(".")
-    bodies = [n.body for n in file.tree.body if isinstance(n, ast.ClassDef) and n.name == owner]
-    nodes = [statement for body in bodies for statement in body] if owner else own_nodes(file.tree)
+    inside = file.classes.get(owner)
+    nodes = (inside.body if inside else ()) if owner else own_nodes(file.tree)
     return [(file, value) for value in assigned_to(nodes, last)]
-
-
-def _function(source: PythonSource, name: str) -> Function | None:
-    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
-    return next((n for n in source.tree.body if isinstance(n, kinds) and n.name == name), None)
 
 
 def _is_changed(sources: NodeSources, home: PythonSource, node: ast.Name | ast.Attribute) -> bool:

@@ -18,11 +18,10 @@ from ros2lab.diagnose.sources.python_source import (
     argument,
     children,
     given_to,
-    is_property,
     own_nodes,
     walk,
 )
-from ros2lab.diagnose.sources.syntax_parts import by_parameter
+from ros2lab.diagnose.sources.syntax_parts import by_parameter, is_property
 
 NODE_CLASSES = frozenset(
     (
@@ -138,14 +137,11 @@ class NodeSources:
         self._scoped: dict[PythonSource, tuple[Scoped, ...]] = {}
         self._given: dict[NodeClass, frozenset[str] | None] = {}
         for name, source in sources.items():
-            for node in source.tree.body:
-                if isinstance(node, ast.ClassDef):
-                    bases = tuple(source.resolve(base) for base in node.bases)
-                    self.classes[f"{name}.{node.name}"] = NodeClass(
-                        f"{name}.{node.name}", node, source, bases
-                    )
-                elif isinstance(node, Function):
-                    self.functions[f"{name}.{node.name}"] = (source, node)
+            for own, definition in source.classes.items():
+                bases = tuple(map(source.resolve, definition.bases))
+                self.classes[f"{name}.{own}"] = NodeClass(f"{name}.{own}", definition, source, bases)
+            for own, function in source.functions.items():
+                self.functions[f"{name}.{own}"] = (source, function)
 
     def resolve(self, source: PythonSource, node: ast.AST | None) -> str | None:
         """Return the full name that a name stands for, even if a file re-exports what it imports."""

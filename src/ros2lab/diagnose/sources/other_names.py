@@ -31,7 +31,7 @@ def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
     inner = []
     for point in points:
         source = package.sources.get(point.module)
-        classes = [node.name for node in source.tree.body if isinstance(node, ast.ClassDef)] if source else []
+        classes = source.classes if source else ()
         nodes = NodeSources({point.module: source}).node_names() if source else {}
         if word in (point.function, *classes, *nodes):
             inner.append(point)

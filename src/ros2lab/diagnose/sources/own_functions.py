@@ -57,8 +57,8 @@ def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, 
     made = assigned_to(source.nodes, owner)
     if len({ast.unparse(value) for value in made}) != 1 or not isinstance(made[0], ast.Call):
         return None
-    own = [n for n in source.tree.body if isinstance(n, ast.ClassDef) and n.name == ast.unparse(made[0].func)]
-    home = (source, own[0]) if own else _at_top(source, made[0].func, ast.ClassDef)
+    own = source.classes.get(ast.unparse(made[0].func))
+    home = (source, own) if own else _at_top(source, made[0].func, ast.ClassDef)
     for node in home[1].body if home else ():
         if home and isinstance(node, ast.FunctionDef) and node.name == called.attr:
             return home[0], node

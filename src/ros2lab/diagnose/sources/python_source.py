@@ -131,6 +131,16 @@ class PythonSource:
         return (values[0] if len(values) == 1 else None) or node
 
     @cached_property
+    def classes(self) -> Mapping[str, ast.ClassDef]:
+        """The classes that the file defines at its top level, by their names."""
+        return {node.name: node for node in self.tree.body if isinstance(node, ast.ClassDef)}
+
+    @cached_property
+    def functions(self) -> Mapping[str, Function]:
+        """The functions that the file defines at its top level, by their names."""
+        return {node.name: node for node in self.tree.body if isinstance(node, Function)}
+
+    @cached_property
     def calls(self) -> tuple[ast.Call, ...]:
         """All calls of the file."""
         return tuple(node for node in self.nodes if isinstance(node, ast.Call))
@@ -384,17 +394,6 @@ def last_name(node: ast.AST | None) -> str:
 def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     """Return a function's positional parameters."""
     return [*function.args.posonlyargs, *function.args.args]
-
-
-def own_parameters(function: Function) -> list[ast.arg]:
-    """Return a function's positional parameters without self."""
-    return [parameter for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
-
-
-def is_property(function: Function) -> bool:
-    """Return whether a function is a property: `@property`, `@cached_property`, a getter or a setter."""
-    names = [ast.unparse(decorator).rpartition(".")[2] for decorator in function.decorator_list]
-    return any("property" in name or name in ("getter", "setter", "deleter") for name in names)
 
 
 def children(node: ast.AST) -> tuple[ast.AST, ...]:

@@ -30,6 +30,17 @@ def all_parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     return [*parameters(function), *function.args.kwonlyargs]
 
 
+def is_property(function: Function) -> bool:
+    """Return whether a function is a property: `@property`, `@cached_property`, a getter or a setter."""
+    names = [ast.unparse(decorator).rpartition(".")[2] for decorator in function.decorator_list]
+    return any("property" in name or name in ("getter", "setter", "deleter") for name in names)
+
+
+def own_parameters(function: Function) -> list[ast.arg]:
+    """Return a function's positional parameters without self."""
+    return [parameter for parameter in parameters(function) if parameter.arg not in ("self", "cls")]
+
+
 def defaults_of(function: Function) -> dict[str, ast.expr]:
     """Return the default values of a function's parameters by their names."""
     names = [parameter.arg for parameter in parameters(function)]
