@@ -318,6 +318,15 @@ def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     words = {getattr(node, "attr", "") for file in sources.sources.values() for node in file.nodes}
     if constructor is None or "reset" in words:
         return
+    yield from _ended_at_once(source, constructor)
+    for node in walk(constructor):
+        if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
+            cause = "autostart=False makes a timer that starts only when its reset() is called, and nothing calls it."
+            yield Finding("never-started", cause, source.at(node.value), "remove autostart=False")
+
+
+def _ended_at_once(source: PythonSource, constructor: Function) -> Iterator[Finding]:
+    """Yield what a constructor creates and stops again."""
     made: set[str] = set()
     for statement in constructor.body:
         if _may_use(statement):
@@ -335,10 +344,6 @@ def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
             cause = f"`{ast.unparse(call)}` in __init__ stops self.{given.attr} before it is ever used."
             fix = f"remove the line `{ast.unparse(call)}`, or move it to where self.{given.attr} should stop"
             yield Finding("never-started", cause, source.at(call), fix)
-    for node in walk(constructor):
-        if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
-            cause = "autostart=False makes a timer that starts only when its reset() is called, and nothing calls it."
-            yield Finding("never-started", cause, source.at(node.value), "remove autostart=False")
 
 
 def _may_use(statement: ast.stmt) -> bool:

@@ -109,14 +109,16 @@ def server_for(
         is_missed: whether it was seen that nobody answers the client.
         is_alone: whether no other program, such as a simulator, may offer a service.
     """
-    called = {end.name for end in ends if not end.is_server}
     served = {end.name for end in ends if end.is_server}
     if client.name in served or not client.name:
         return None
     of_kind = [end for end in ends if end.is_action is client.is_action]
-    uncalled = [end for end in of_kind if end.is_server and end.name and end.name not in called]
     # A node seldom calls itself.
-    lone = [end for end in uncalled if is_missed or made_in(end) is not made_in(client)]
+    lone = [
+        end
+        for end in _uncalled(ends)
+        if end in of_kind and (is_missed or made_in(end) is not made_in(client))
+    ]
     alike = [end for end in lone if not client.type or end.type in ("", client.type)]
     near = [end for end in alike if is_near_miss(client.name, end.name)]
     if not near and (server := _only_one_of_its_type(client, of_kind, lone, served)):
@@ -124,6 +126,12 @@ def server_for(
         is_told = is_own or (is_alone and _are_of_the_same_words(client.name, server.name))
         near = [server] if is_told else []
     return next(iter(near), None)
+
+
+def _uncalled(ends: Collection[ServiceEnd]) -> list[ServiceEnd]:
+    """Return the servers that no client calls, as far as their names are known."""
+    called = {end.name for end in ends if not end.is_server}
+    return [end for end in ends if end.is_server and end.name and end.name not in called]
 
 
 def _only_one_of_its_type(

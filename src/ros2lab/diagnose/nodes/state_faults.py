@@ -88,10 +88,7 @@ def _never_equal(state: State) -> Iterator[Finding]:
         are_texts = len(given) > 1 and all(isinstance(text, (str, type(None))) for text in given)
         if not are_texts or name.rpartition(".")[2] in state.uses.stored_of_others:
             continue
-        asked = [n for n in walk(state.owner.definition) if isinstance(n, ast.Compare)]
-        sides = [side for node in asked if dotted(node.left) == name for side in node.comparators]
-        parts = [part for side in sides for part in walk(side) if isinstance(part, ast.Constant)]
-        compared = {part.value: part for part in parts if isinstance(part.value, str)}
+        compared = _compared_with(state, name)
         known = ", ".join(repr(value) for value in given)
         unused = [value for value in given if isinstance(value, str) and value not in compared]
         for text, node in compared.items():
@@ -102,6 +99,14 @@ def _never_equal(state: State) -> Iterator[Finding]:
             place = state.at(given[near] if near else node)
             fix = f"write {text!r} instead of {near!r} here" if near else f"compare with one of {known}"
             yield Finding("never-equal", cause, place, fix)
+
+
+def _compared_with(state: State, name: str) -> dict[str, ast.Constant]:
+    """Return the strings with which a class compares an attribute, each with its place."""
+    asked = [n for n in walk(state.owner.definition) if isinstance(n, ast.Compare)]
+    sides = [side for node in asked if dotted(node.left) == name for side in node.comparators]
+    parts = [part for side in sides for part in walk(side) if isinstance(part, ast.Constant)]
+    return {part.value: part for part in parts if isinstance(part.value, str)}
 
 
 def _never_passed(state: State) -> Iterator[Finding]:

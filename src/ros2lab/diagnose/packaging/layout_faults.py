@@ -22,6 +22,22 @@ def layout_faults(
     root: Path, packages: Collection[SourcePackage], passed_over: Collection[PassedOver]
 ) -> Iterator[Finding]:
     """Yield what is where colcon or ROS does not look for it."""
+    yield from _passed_over(root, packages, passed_over)
+    if not packages and not passed_over:
+        yield from outside(root)
+    for package in packages:
+        yield from own_test_faults(package)
+    yield from _built_elsewhere(root, packages)
+    yield from _renamed(
+        root, packages, {package.name for package in [*packages, *(p.package for p in passed_over)]}
+    )
+    yield from _not_writable(root, packages)
+
+
+def _passed_over(
+    root: Path, packages: Collection[SourcePackage], passed_over: Collection[PassedOver]
+) -> Iterator[Finding]:
+    """Yield packages that colcon does not see though they are needed, and what keeps Python from reading them."""
     seen = {package.name for package in packages}
     manifests = [package.manifest for package in packages if package.manifest]
     wanted = {dependency.name for manifest in manifests for dependency in manifest.exec_depends}
@@ -37,13 +53,6 @@ def layout_faults(
             copies = [other for other in passed_over if other.package.name == name and other is not skipped]
             yield hidden(skipped, [other.package.shown("").rstrip("/") for other in copies])
             yield from _unreadable(skipped.package) if skipped.is_nested else ()
-    if not packages and not passed_over:
-        yield from outside(root)
-    for package in packages:
-        yield from own_test_faults(package)
-    yield from _built_elsewhere(root, packages)
-    yield from _renamed(root, packages, seen | {skipped.package.name for skipped in passed_over})
-    yield from _not_writable(root, packages)
 
 
 def _unreadable(package: SourcePackage) -> Iterator[Finding]:

@@ -27,17 +27,14 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
     """Yield files that pytest does not collect, tests that colcon runs without it, and missing fixtures."""
     paths = [path for name in ("test", "tests") for path in sorted((package.folder / name).glob("*.py"))]
     sources = [package.read(path, path.stem) for path in paths]
-    looked_into = [
-        source for source in sources if source.name.startswith("test_") or source.name.endswith("_test")
-    ]
     others = _others(package, sources) if sources else ""
     for source in sources if not _CHOSEN.search(others) else ():
         texts = [others, *(other.text for other in sources if other is not source)]
         if not any(re.search(rf"\b{re.escape(source.name)}\b", text) for text in texts):
-            yield from _not_run(source, is_looked_into=source in looked_into)
+            yield from _not_run(source)
     tests = [
         (source, function)
-        for source in looked_into
+        for source in filter(_is_looked_into, sources)
         for function in source.tree.body
         if isinstance(function, ast.FunctionDef) and function.name.startswith("test")
     ]
@@ -48,6 +45,11 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
         own = {name for source in sources for name in _fixtures(source)}
         for source, function in tests:
             yield from _without_fixture(source, function, own)
+
+
+def _is_looked_into(source: PythonSource) -> bool:
+    """Return whether pytest looks for tests in a file of this name."""
+    return source.name.startswith("test_") or source.name.endswith("_test")
 
 
 # Settings by which pytest looks for other names, and what gives tests arguments that are not seen here.
@@ -74,31 +76,18 @@ def _has_conftest(package: SourcePackage) -> bool:
     return any((folder / "conftest.py").is_file() for folder in (package.folder, *inside))
 
 
-def _not_run(source: PythonSource, *, is_looked_into: bool) -> Iterator[Finding]:
+def _not_run(source: PythonSource) -> Iterator[Finding]:
     """Yield the tests of a file that no other names, if pytest passes over the file, or over all its functions.
 
     A file that is run, and one with classes or names from elsewhere, may hold what pytest finds.
     """
     if any(isinstance(node, ast.If) and is_guard(node) for node in source.nodes) or "import *" in source.text:
         return
-    named = collections.Counter(re.findall(r"\w+", source.text))
-    given = {*_fixtures(source)}
-    tests = [
-        function
-        for function in source.tree.body
-        if isinstance(function, ast.FunctionDef)
-        and named[function.name] == 1
-        and not function.decorator_list
-        and given.issuperset(argument.arg for argument in function.args.args)
-        and (function.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(function)))
-    ]
-    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-    defined = [node for node in source.nodes if isinstance(node, kinds)]
-    is_collected = any(isinstance(n, ast.ClassDef) or n.name.startswith(_COLLECTED) for n in defined)
-    if not tests or (is_looked_into and is_collected):
+    tests = [*_meant_as_tests(source)]
+    if not tests or (_is_looked_into(source) and any(map(_is_collected, source.nodes))):
         return
     name, place = tests[0].name, source.at(tests[0])
-    if is_looked_into:
+    if _is_looked_into(source):
         cause = f"pytest runs only functions named test_..., so {name}() is never run."
         fix = f"write test_{name.removeprefix('check_')} instead of {name}"
         yield Finding("never-called", cause, place, fix)
@@ -109,6 +98,25 @@ def _not_run(source: PythonSource, *, is_looked_into: bool) -> Iterator[Finding]
         more = f", and begin the names of its functions with test_ ({', '.join(others)})" if others else ""
         fix = f"mv {quote(source.shown)} {quote(source.shown.rpartition('/')[0] + '/' + new)}{more}"
         yield Finding("never-called", cause, source.shown, fix)
+
+
+def _meant_as_tests(source: PythonSource) -> Iterator[ast.FunctionDef]:
+    """Yield the functions that nothing names, that need no more than fixtures, and that are called tests or assert something."""
+    named = collections.Counter(re.findall(r"\w+", source.text))
+    given = {*_fixtures(source)}
+    for function in source.tree.body:
+        if not isinstance(function, ast.FunctionDef) or named[function.name] > 1 or function.decorator_list:
+            continue
+        asserts = any(isinstance(node, ast.Assert) for node in own_nodes(function))
+        takes = {argument.arg for argument in function.args.args}
+        if takes <= given and (function.name.startswith("test") or asserts):
+            yield function
+
+
+def _is_collected(node: ast.AST) -> bool:
+    """Return whether a node is a definition in which pytest may look for tests."""
+    is_test = isinstance(node, Function) and node.name.startswith(_COLLECTED)
+    return is_test or isinstance(node, ast.ClassDef)
 
 
 def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Function) -> Iterator[Finding]:
