@@ -45,7 +45,7 @@ def _called_callbacks(every: list[NodeSources], *, gives_none: bool) -> Iterator
     for sources in every:
         created = [(c.source, c.call, c.given("callback")) for c in sources.creations]
         for source in sources.sources.values():
-            calls = [node for node in source.nodes if isinstance(node, ast.Call) and node.args]
+            calls = [node for node in source.calls if node.args]
             created += [
                 (source, call, call.args[0]) for call in calls if getattr(call.func, "attr", "") == "submit"
             ]

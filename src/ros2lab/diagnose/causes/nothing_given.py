@@ -175,7 +175,7 @@ def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told
 
 def _is_called_back(source: PythonSource, function: Function) -> bool:
     """Return whether a function is a callback of ROS, or is called by one."""
-    calls = [n for n in source.nodes if isinstance(n, ast.Call)]
+    calls = source.calls
     made = (call for call in calls if getattr(call.func, "attr", "").startswith("create_"))
     given = {last_name(value) for call in made for value in given_to(call)}
     own = (call.lineno for call in calls if ast.unparse(call.func) == f"self.{function.name}")

@@ -64,7 +64,7 @@ def _defined(name: str, look: Look) -> tuple[PythonSource, ast.FunctionDef] | No
 
 def _new_names(source: PythonSource, function: ast.FunctionDef, number: int) -> list[str]:
     """Return names for the parameters that a function lacks, by what it is passed to."""
-    calls = (n for n in source.nodes if isinstance(n, ast.Call))
+    calls = source.calls
     takers = [last_name(call.func) for call in calls if function.name in map(last_name, given_to(call))]
     if number > 1:
         return ["*args"]

@@ -135,7 +135,7 @@ def _stale(read: _Read, key: str, look: Look) -> Finding | None:
 
 def _files_read(source: PythonSource, look: Look) -> Iterator[_Read]:
     """Yield the files of the packages that a program names and reads."""
-    calls = [n for n in source.nodes if isinstance(n, ast.Call) and last_name(n.func) in _READERS]
+    calls = [n for n in source.calls if last_name(n.func) in _READERS]
     names = {
         PurePath(n.value).name
         for n in source.nodes

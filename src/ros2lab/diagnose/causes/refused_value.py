@@ -59,7 +59,7 @@ def _given(spot: Spot) -> Iterator[tuple[str, ast.expr]]:
 def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[str]) -> Finding:
     least, most = int(said["least"]), int(said["most"])
     cause = f"The field {field} holds whole numbers from {least} to {most}, but `{ast.unparse(value)}` is outside that range here."
-    made = (source.resolve(node.func) or "" for node in source.nodes if isinstance(node, ast.Call))
+    made = (source.resolve(node.func) or "" for node in source.calls)
     sent = next((name for name in made if _range_of(name, field) == (least, most)), "")
     larger = _larger(sent, field, least, most)
     keep = f"keep it in that range, for example with min(max({ast.unparse(value)}, {least}), {most})"

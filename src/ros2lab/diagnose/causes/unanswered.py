@@ -87,9 +87,7 @@ def _with_wait(request: ast.Call, node: str, client: ServiceEnd, source: PythonS
     kept, method = ast.unparse(func.value), _ASKS[func.attr]
     loop = f"`while not {kept}.{method}(timeout_sec=1.0):`"
     body = f"and, indented below it, `{node}.get_logger().info('waiting for {client.name}')`"
-    there = [
-        n for n in source.nodes if isinstance(n, ast.Call) and ast.unparse(n.func).endswith(f".{method}")
-    ]
+    there = [n for n in source.calls if ast.unparse(n.func).endswith(f".{method}")]
     if not there:
         return f"write above line {request.lineno} {loop} {body}"
     bare = [n for n in source.nodes if isinstance(n, ast.Expr) and n.value in there]

@@ -149,7 +149,7 @@ def _told(found: Sequence[Leaf], wanted: str, what: str, spot: Spot) -> Finding 
 def _swapped(leaves: Sequence[Leaf]) -> list[tuple[Leaf, str]]:
     """Return a literal and its neighbour in a call, swapped as all other calls have them; empty if they are right."""
     source, node = leaves[0]
-    calls = [n for n in source.nodes if isinstance(n, ast.Call)]
+    calls = source.calls
     for call in (call for call in calls if node in call.args):
         others = [n for n in calls if ast.unparse(n.func) == ast.unparse(call.func) and n is not call]
         patterns = {tuple(map(kind_of, other.args)) for other in others}

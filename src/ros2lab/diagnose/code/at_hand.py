@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.code.unknown_names import Unknown, also_on, cause_of
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.construction import is_node_class
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.signatures import signature_of
@@ -70,12 +71,7 @@ def as_exception(unknown: Unknown) -> tuple[str, str] | None:
 
 def is_own_node(unknown: Unknown, name: str) -> bool:
     """Return whether a name is that of a node class of the file, or of Node itself."""
-    if unknown.source.names.get(name) == "rclpy.node.Node":
-        return True
-    definition = unknown.source.classes.get(name)
-    return definition is not None and any(
-        unknown.source.resolve(base) == "rclpy.node.Node" for base in definition.bases
-    )
+    return is_node_class(unknown.source, ast.Name(name))
 
 
 def holders(unknown: Unknown, wanted: set[str], *, is_node: bool = False) -> list[str]:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.construction import is_node_class
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import own_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
@@ -73,19 +74,12 @@ def _is_function(source: PythonSource, value: ast.Name | ast.Attribute) -> bool:
         return last in interfaces.members_of("rclpy.node", "Node")[0]
     made = [call for text, call in source.made if owner is not None and text == ast.unparse(owner)]
     made += [owner] if isinstance(owner, ast.Call) else []
-    if made and all(_makes_node(source, call) for call in made):
+    if made and all(
+        source.resolve(call.func) == "rclpy.create_node" or is_node_class(source, call.func) for call in made
+    ):
         return last in interfaces.members_of("rclpy.node", "Node")[0]
     names = [getattr(call.func, "attr", "") for call in made]
     return bool(names) and all(name in CREATORS or name == "get_logger" for name in names)
-
-
-def _makes_node(source: PythonSource, call: ast.Call) -> bool:
-    """Return whether a call makes a node: of a class of the file that is one, or by rclpy."""
-    whole = source.resolve(call.func) or ""
-    if whole in ("rclpy.create_node", "rclpy.node.Node"):
-        return True
-    own = source.classes.get(ast.unparse(call.func))
-    return any(source.resolve(base) == "rclpy.node.Node" for base in (own.bases if own else ()))
 
 
 def _called(source: PythonSource, function: ast.expr) -> str:

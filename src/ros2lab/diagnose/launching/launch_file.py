@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ast
-import contextlib
 import re
-import shlex
 import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -24,6 +22,7 @@ from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
 from ros2lab.diagnose.launching.plain_values import plain_value_faults
+from ros2lab.diagnose.sources.calls import as_list
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
 from ros2lab.diagnose.sources.signatures import LISTS, heads_of, signature_of
@@ -162,7 +161,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
         for keyword in node.keywords:
             if _lacks_brackets(source, node, keyword):
                 cause = f"{keyword.arg} must be a list, but {ast.unparse(keyword.value)[:60]} is not one: the brackets around it are missing."
-                fix = f"write {keyword.arg}={_as_list(keyword.value)}"
+                fix = f"write {keyword.arg}={as_list(keyword.value)}"
                 yield Finding("launch-argument", cause, source.at(keyword.value), fix)
 
 
@@ -183,20 +182,12 @@ def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) 
     return any(heads_of(parameter.type) and heads_of(parameter.type) <= LISTS for parameter in places)
 
 
-def _as_list(value: ast.expr) -> str:
-    """Return a value without brackets as a list; a text becomes the list of its words."""
-    if isinstance(value, ast.Constant) and isinstance(value.value, str):
-        with contextlib.suppress(ValueError):
-            return str(shlex.split(value.value))
-    return f"[{ast.unparse(value)[:80]}]"
-
-
 def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Finding]:
     """Yield arguments declared but not used, or the reverse; none for a file that includes others.
 
     Of those in `worded` it is known already how they should be used.
     """
-    called = (source.resolve(node.func) or "" for node in source.nodes if isinstance(node, ast.Call))
+    called = (source.resolve(node.func) or "" for node in source.calls)
     if any(name.rpartition(".")[2].startswith(_MAY_READ_ANY) for name in called):
         return
     declared = dict(arguments_named(source, "DeclareLaunchArgument"))

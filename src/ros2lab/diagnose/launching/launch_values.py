@@ -78,7 +78,7 @@ def _when_it_runs(
         case ast.Compare(ops=[ast.Eq() | ast.NotEq() as sign], comparators=[_]):
             kind = "EqualsSubstitution" if isinstance(sign, ast.Eq) else "NotEqualsSubstitution"
             made = f"{kind}({', '.join(map(ast.unparse, used))})"
-            takers = (n for n in source.nodes if isinstance(n, ast.Call) and node in n.args)
+            takers = (n for n in source.calls if node in n.args)
             is_condition = any(source.resolve(n.func) == "launch.conditions.IfCondition" for n in takers)
             do = f"write {made} here" if is_condition else f"{_WITHOUT_IF} condition=IfCondition({made})"
             more = "" if is_condition else "from launch.conditions import IfCondition; "

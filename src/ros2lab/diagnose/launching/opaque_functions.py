@@ -127,7 +127,7 @@ def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.
 def _plain_instead(source: PythonSource, made: dict[str, ast.expr], node: ast.AST) -> str:
     """Return how to write the argument's default instead of the value; empty if it has none."""
     for name, value in made.items():
-        for call in (n for n in source.nodes if isinstance(n, ast.Call)):
+        for call in source.calls:
             default = next(
                 (keyword.value for keyword in call.keywords if keyword.arg == "default_value"), None
             )

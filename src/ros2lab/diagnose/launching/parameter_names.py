@@ -152,7 +152,7 @@ def _fault(
 def _may_declare(files: NodeSources, name: str) -> bool:
     """Return whether nodes may declare a parameter other than by a call that names it."""
     for source in files.sources.values():
-        called = {id(node.func) for node in source.nodes if isinstance(node, ast.Call)}
+        called = {id(node.func) for node in source.calls}
         for node in source.nodes:
             match node:
                 case ast.Constant(value=text) if text == name:

@@ -197,6 +197,6 @@ def _only_read_once(source: PythonSource) -> set[str]:
 
 
 def _node_calls(source: PythonSource) -> list[ast.Call]:
-    calls = (node for node in source.nodes if isinstance(node, ast.Call))
+    calls = source.calls
     kinds = ("launch_ros.actions.Node", "launch_ros.actions.LifecycleNode")
     return [call for call in calls if source.resolve(call.func) in kinds]

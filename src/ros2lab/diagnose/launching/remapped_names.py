@@ -81,7 +81,7 @@ def _own_names(node: Started) -> set[str]:
     if files and any(CREATORS.keys() & node_class.methods.keys() for node_class in files.classes.values()):
         return set()  # what its own way of creating them makes is not known
     for source in files.sources.values() if files else ():
-        called = {id(call.func) for call in source.nodes if isinstance(call, ast.Call)}
+        called = {id(call.func) for call in source.calls}
         for inner in source.nodes:
             if (
                 isinstance(inner, ast.Attribute)

@@ -179,9 +179,7 @@ def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
 
 
 def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool:
-    made = sources.classes.get(sources.resolve(source, call.func) or "")
-    is_class = made is not None and sources.lineage(made)[1]
-    return is_class or sources.makes_node(source, None, None, call)
+    return sources.is_node(sources.resolve(source, call.func))
 
 
 def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:

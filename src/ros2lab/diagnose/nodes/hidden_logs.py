@@ -40,7 +40,7 @@ def hidden_logs(sources: NodeSources, owner: NodeClass) -> HiddenLogs | None:
     words = {getattr(node, "attr", getattr(node, "id", "")) for node in source.nodes}
     if words & _CONFIGURES:
         return None
-    calls = [node for node in source.nodes if isinstance(node, ast.Call)]
+    calls = source.calls
     if any(getattr(call.func, "id", "") == "print" for call in calls):
         return None
     level, setting = _level_set(calls)

@@ -277,8 +277,9 @@ def _parameter_fault(
         f"{creation.source.shown}:{function.lineno}",
         f"write {_def(function)} {function.name}({right}):",
     )
-    for other in _with_callback(sources, function):
-        if other is not creation and other.method in CALLED_WITH and _fits(other, accepts):
+    others = [other for other, called in sources.callbacks() if called is function and other is not creation]
+    for other in others:
+        if other.method in CALLED_WITH and _fits(other, accepts):
             place = creation.source.at(creation.call)
             fix = f"{removal(creation.source, creation.call, 'this line')}, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
             break
@@ -290,14 +291,6 @@ def _fits(creation: Creation, accepts: range) -> bool:
     given = len(CALLED_WITH.get(creation.method, ()))
     is_known = creation.method in CALLED_WITH
     return not is_known or given in accepts or (creation.method == "create_subscription" and 2 in accepts)
-
-
-def _with_callback(sources: NodeSources, function: Function) -> Iterator[Creation]:
-    """Yield what is made with a callback."""
-    for creation in sources.creations:
-        given = creation.given("callback")
-        if given is not None and sources.function_of(creation, given) is function:
-            yield creation
 
 
 def _action_faults(sources: NodeSources) -> Iterator[Finding]:

@@ -17,6 +17,13 @@ _SLIP = re.compile(r"_*(?:init|int|inti)_*")
 _MAKERS = frozenset(("__init__", "__new__", "__call__"))
 
 
+def is_node_class(source: PythonSource, named: ast.expr) -> bool:
+    """Return whether an expression stands for rclpy's Node, or for a class of the file that is derived from it."""
+    own = source.classes.get(ast.unparse(named))
+    classes = [named, *(own.bases if own else ())]
+    return any(source.resolve(node) == "rclpy.node.Node" for node in classes)
+
+
 def is_of_construction(sources: NodeSources, source: PythonSource, line: int, said: str) -> bool:
     """Return whether an objection is about a class that lost its `__init__`, or is not made by it alone."""
     if ".__init__`" not in said:

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from ros2lab.diagnose.sources.node_source import CREATORS, NODE_CLASSES, NodeSources
+from ros2lab.diagnose.sources.node_source import CREATORS, NodeSources
 from ros2lab.diagnose.sources.one_run import in_loops
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, given_to, last_name, walk
 from ros2lab.diagnose.sources.static_value import dotted, holds
@@ -109,10 +109,7 @@ class Entrance:
 
     def makes_node(self, call: Call) -> bool:
         """Return whether a call makes a node."""
-        is_class = (
-            call.name in self.sources.classes and self.sources.lineage(self.sources.classes[call.name])[1]
-        )
-        return is_class or call.name in NODE_CLASSES or call.name == "rclpy.create_node"
+        return self.sources.is_node(call.name)
 
     def _follow(self, source: PythonSource, function: Function) -> None:
         if id(function) in self._seen or len(self._seen) > _MOST_FUNCTIONS:

@@ -429,6 +429,13 @@ class NodeSources:
                 if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
                     yield source, owner, node
 
+    def is_node(self, name: str | None) -> bool:
+        """Return whether what has a full name makes a node when it is called."""
+        own = self.classes.get(name or "")
+        return (
+            name in NODE_CLASSES or name == "rclpy.create_node" or (own is not None and self.lineage(own)[1])
+        )
+
     def makes_node(
         self, source: PythonSource, owner: NodeClass | None, function: Function | None, node: ast.Call
     ) -> bool:
