@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator
+import subprocess
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
+from deadlines import DEADLINE
 from ros2lab.classroom import gradebook, judging
 from ros2lab.classroom.gradebook import MIGRATIONS, NAME, Gradebook, Seen, Worth, opened
 from ros2lab.classroom.handed_in import ClassError, HandedIn
@@ -19,6 +23,7 @@ from ros2lab.grading.reports.evidence_json import evidence_json
 
 ANN, BOB = HandedIn("1", "Ann", "1"), HandedIn("2", "Bob", "2")
 SEEN = Seen("{}", {"a.py": "x = 1"}, "", 6.0)
+REGRADE = ["ros2lab", "class", "regrade"]
 WORTH = Worth(90, 100, "{}", "rubric")
 
 
@@ -172,6 +177,51 @@ def test_a_decision_survives_every_regrade_and_can_be_taken_back(book: Gradebook
     assert row.worth.total == 0
     assert json.loads(row.worth.data)["submission"] == "Ann"
     assert judging.read_grade(row.worth.data).total == 0
+
+
+def class_of(count: int, folder: Path, evidence: Callable[[str], str]) -> None:
+    """Write a gradebook of so many students, graded by an older rubric, with the evidence on each."""
+    by = Judging.of(None, None, {})
+    with opened(folder, is_new_allowed=True) as book:
+        for number in range(count):
+            student = HandedIn(f"{number}", f"Student {number}", f"{number}")
+            book.register([(student, student.key, 0)])
+            seen = Seen(evidence(student.name), {}, "", 1)
+            book.record(student.key, by.assignment_digest, "g", seen, {student.key: WORTH})
+
+
+def test_a_whole_class_is_judged_again_by_several_processes_as_by_one(tmp_path: Path) -> None:
+    broken = evidence_json(nothing(tmp_path / "a.zip", "It is broken."))
+    unreadable = {"Student 7", "Student 47", "Student 87"}
+    class_of(
+        2 * judging.AT_ONCE + 3,
+        tmp_path,
+        lambda name: broken.replace('"schema": ', '"schema": 9') if name in unreadable else broken,
+    )
+    done = subprocess.run([*REGRADE, tmp_path], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert {line.partition(" keeps")[0] for line in done.stderr.splitlines()} == unreadable
+    assert done.stdout == "Of 103 grades 100 were judged again, and 100 have other points now.\n"
+    by = Judging.of(None, None, {})
+    with opened(tmp_path) as book:
+        for row in book.rows():
+            if row.handed.name not in unreadable:
+                assert row.worth == by.worth(book.evidence(row.grading), row.handed.key, row.handed.name)
+
+
+def test_processes_that_judge_again_end_with_the_one_that_is_killed(tmp_path: Path) -> None:
+    evidence = evidence_json(nothing(tmp_path / "a.zip", "It is broken."))
+    class_of(20 * judging.AT_ONCE, tmp_path, lambda _name: evidence)
+    command = psutil.Popen([*REGRADE, tmp_path])
+    started = list[psutil.Process]()
+    deadline = time.monotonic() + DEADLINE
+    while len(started) < 3 and time.monotonic() < deadline:  # two judges, and who cleans up after them
+        started = command.children()
+    assert len(started) >= 3
+    command.kill()
+    command.wait(DEADLINE)
+    _, left = psutil.wait_procs(started, DEADLINE)
+    assert not left
 
 
 def test_a_class_is_not_judged_by_another_assignment_and_loses_nothing(

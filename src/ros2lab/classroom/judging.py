@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
-from collections.abc import Iterable, Mapping
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +28,8 @@ from ros2lab.grading.reports.evidence_json import EvidenceError, read_evidence
 from ros2lab.grading.rubric import Rubric
 from ros2lab.grading.verdict import verdict
 
-AT_ONCE = 50  # submissions that are judged in one transaction
+AT_ONCE = 50  # submissions that are judged in one transaction; fewer are not worth a second process
+TOGETHER = 5  # submissions that a process takes at a time
 
 Decisions = Mapping[str, Mapping[str, "tuple[float, str, str]"]]
 
@@ -105,8 +113,19 @@ class JudgedAgain:
     problems: Mapping[str, str]
 
 
-def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> JudgedAgain:
-    """Judge again what was judged by something else, without a run.
+def regrade(
+    book: Gradebook,
+    judging: Judging,
+    rows: Iterable[Row],
+    show: Callable[[int, int], None] = lambda _done, _all: None,
+) -> JudgedAgain:
+    """Judge again what was judged by something else, without a run, on all cores.
+
+    Args:
+        book: the gradebook, into which the new points go.
+        judging: by what is judged.
+        rows: of the gradebook.
+        show: called with how many are done, and of how many.
 
     Raises:
         ClassError: if the class has handed in for another assignment.
@@ -115,17 +134,52 @@ def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> JudgedAga
     check_assignment(book, judging, rows)
     stale = [row for row in rows if row.worth and row.worth.rubric != judging.by(row.handed.key)]
     changed, problems = 0, dict[str, str]()
-    for start in range(0, len(stale), AT_ONCE):
-        worths: dict[int, dict[str, Worth | str]] = {}
-        for row in stale[start : start + AT_ONCE]:
-            worth = judging.worth(book.evidence(row.grading), row.handed.key, row.handed.name)
-            if isinstance(worth, str):
-                problems[row.handed.name] = worth
-                continue
-            worths.setdefault(row.grading, {})[row.handed.key] = worth
-            changed += worth.total != (row.worth.total if row.worth else None)
-        book.judge(worths)
+    with _judges(judging, len(stale) // AT_ONCE) as judged:
+        for start in range(0, len(stale), AT_ONCE):
+            show(start, len(stale))
+            some = stale[start : start + AT_ONCE]
+            given = [(book.evidence(row.grading), row.handed.key, row.handed.name) for row in some]
+            worths: dict[int, dict[str, Worth | str]] = {}
+            for row, worth in zip(some, judged(given), strict=True):
+                if isinstance(worth, str):
+                    problems[row.handed.name] = worth
+                    continue
+                worths.setdefault(row.grading, {})[row.handed.key] = worth
+                changed += worth.total != (row.worth.total if row.worth else None)
+            book.judge(worths)
+    show(len(stale), len(stale))
     return JudgedAgain(len(stale) - len(problems), changed, problems)
+
+
+Given = tuple[str, str, str]  # the evidence on a submission, and the student's key and name
+
+
+@contextmanager
+def _judges(judging: Judging, most: int) -> Iterator[Callable[[Sequence[Given]], Iterator[Worth | str]]]:
+    """Give a function that judges submissions: in this process, or in one on each core, but at most in so many."""
+    processes = min(most, len(os.sched_getaffinity(0)))
+    if processes < 2:
+        yield lambda given: itertools.starmap(judging.worth, given)
+        return
+    with ProcessPoolExecutor(
+        processes,
+        # A fork would share the gradebook's connection.
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_follow_the_parent,
+    ) as pool:
+        yield lambda given: pool.map(judging.worth, *zip(*given, strict=True), chunksize=TOGETHER)
+
+
+def _follow_the_parent() -> None:
+    """Leave it to the process that has the gradebook when to end: at a Ctrl-C, which reaches all, and when killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_the_parent, daemon=True).start()
+
+
+def _end_with_the_parent() -> None:
+    if parent := multiprocessing.parent_process():
+        parent.join()
+        os._exit(1)
 
 
 def check_assignment(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> None:

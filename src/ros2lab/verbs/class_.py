@@ -182,7 +182,7 @@ def regrade(
     What was decided before, by hand or from a CSV, stays and counts.
     """
     with _told_in_a_sentence("the gradebook is as it was, or new"):
-        from ros2lab.classroom import gradebook, judging  # noqa: PLC0415
+        from ros2lab.classroom import display, gradebook, judging  # noqa: PLC0415
 
         with gradebook.opened(grades) as book:
             by = judging.Judging.of(assignment, rubric, book.decisions())
@@ -192,7 +192,8 @@ def regrade(
                 book.decide(read(overrides, book.rows(), by.rubric))
                 by = judging.Judging.of(assignment, rubric, book.decisions())
             rows = book.rows()
-            done = judging.regrade(book, by, rows)
+            with display.bar("judging again") as show:
+                done = judging.regrade(book, by, rows, show)
     graded = sum(row.worth is not None for row in rows)
     for name, problem in done.problems.items():
         print(f"{_shown(name)} keeps the grade that was given before: {_shown(problem)}", file=sys.stderr)

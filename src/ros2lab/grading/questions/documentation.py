@@ -28,8 +28,9 @@ NEARLY_ALL = 0.75  # of the commands of a README that is nearly true
 LEAST_WORDS = 2  # of a README's own, as of a description
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
 _COMMENT = re.compile(r"(?<!\S)#.*")
-# What is written as names of code, topics, files and addresses are.
-_OF_CODE = re.compile(r"[\w./:-]*(?:[_/]|\w\.\w|[a-z][A-Z])[\w./:-]*", re.ASCII)
+_RUN_ON = re.compile(r"[\w./:-]+", re.ASCII)
+# In what is written as names of code, topics, files and addresses are.
+_OF_CODE = re.compile(r"[_/]|\w\.\w|[a-z][A-Z]", re.ASCII)
 _WORD = re.compile(r"[^\W\d_a-zA-Z]|[^\W\d_]{2,}")  # in some scripts, a single letter is a word
 _NAME_ENDS = r"(?!_?[A-Za-z0-9])"  # letters of scripts that use no spaces may follow
 
@@ -198,7 +199,8 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
         # A README about another package may name the topics and nodes of that one.
         seen = {"unnamed": "any topic or node", "which": " about this package" if text else ""}
         return Answer("none", seen, ("files.readme",), "README")
-    text, is_bare = _told(case), _told(case) != text
+    readme, text = text, _told(case)
+    is_bare = text != readme
     unnamed = [*dict.fromkeys(subject for subject, names in wanted if not _is_any_named(names, text))]
     unnamed = unnamed if wanted else [_NOTHING]
     is_any = any(_is_any_named(names, text) for _, names in wanted) or _is_any_named(
@@ -218,7 +220,8 @@ def _told(case: Case) -> str:
     kinds = {part.type_name for part in case.assignment.parts.values()}
     names = {*_names(case), *_topics(case), *_programs(case), *files.readme_names, *kinds}
     known = {word.lower() for name in names for word in _WORD.findall(name.replace("_", " "))}
-    own = {word.lower() for word in _WORD.findall(_OF_CODE.sub(" ", text))} - known
+    text = _RUN_ON.sub(lambda run_on: " " if _OF_CODE.search(run_on[0]) else run_on[0], text)
+    own = {word.lower() for word in _WORD.findall(text)} - known
     return files.readme if len(own) >= LEAST_WORDS else "\n".join(files.readme_commands)
 
 
