@@ -14,7 +14,7 @@ from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.own_functions import constant_of
+from ros2lab.diagnose.sources.own_functions import held_once
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import nearest
 
@@ -111,12 +111,10 @@ def _uses(spot: Spot) -> Iterator[_Use]:
                 continue
             case _:
                 continue
-        if found := constant_of(source, named):
-            home, constant = found
-            if isinstance(constant.value, str) and not any(
-                isinstance(given, ast.Starred) for _, given in values
-            ):
-                yield _Use(constant, home, constant.value, values, _WAYS[way], changes)
+        home, held = held_once(source, named) or (source, named)
+        is_plain = not any(isinstance(given, ast.Starred) for _, given in values)
+        if is_plain and isinstance(held, ast.Constant) and isinstance(held.value, str):
+            yield _Use(held, home, held.value, values, _WAYS[way], changes)
 
 
 def _right_values(right: ast.expr) -> list[tuple[str, ast.expr]]:

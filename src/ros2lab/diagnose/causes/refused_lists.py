@@ -9,7 +9,8 @@ from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources.calls import fitting
-from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to, last_name
+from ros2lab.diagnose.sources.own_functions import held_once
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name
 from ros2lab.diagnose.sources.spelling import with_article
 
 _SAYS = re.compile(
@@ -50,7 +51,8 @@ def _told(value: ast.expr, written: str, spot: Spot) -> str:
 
 def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource) -> tuple[str, str]:
     """Return a value as the wanted list, and what the value is in words; both empty if unknown."""
-    made = _assigned_once(value, source)
+    home, made = held_once(source, value) or (source, value)
+    made = made if home is source else value
     if isinstance(made, (ast.List, ast.Tuple)):
         return _of_literal(value, made, kind, count)
     name = _type_name(made, source)
@@ -116,15 +118,6 @@ def _item(element: ast.expr, kind: str) -> str:
 def _made(kind: str, text: str) -> str:
     """Return how to convert an expression to a plain type; unchanged for other types."""
     return f"{kind}({text})" if kind in ("float", "int", "str", "bool") else text
-
-
-def _assigned_once(value: ast.expr, source: PythonSource) -> ast.expr:
-    """Return the value assigned to a name if it is assigned only once, also in a class body; else itself."""
-    found = Spot(source, value.lineno).assigned(ast.unparse(value))
-    if not found and isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name):
-        bodies = [node.body for node in source.nodes if isinstance(node, ast.ClassDef)]
-        found = assigned_to((statement for body in bodies for statement in body), value.attr)
-    return found[0] if len(found) == 1 and isinstance(value, (ast.Name, ast.Attribute)) else value
 
 
 def _type_name(value: ast.expr, source: PythonSource) -> str:

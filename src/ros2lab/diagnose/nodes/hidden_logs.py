@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeClass, NodeSources
@@ -68,7 +68,7 @@ def hidden_logs(sources: NodeSources, owner: NodeClass) -> HiddenLogs | None:
     return HiddenLogs(source, tuple(call for call, *_ in written), why, fix)
 
 
-def _level_set(calls: list[ast.Call]) -> tuple[int | None, ast.Call | None]:
+def _level_set(calls: Sequence[ast.Call]) -> tuple[int | None, ast.Call | None]:
     """Return from which level on a file's node writes, None if that is open, and the call that sets it."""
     setting = [call for call in calls if getattr(call.func, "attr", "") == _SET]
     names = [ast.unparse(call.args[0]).rpartition(".")[2].lower() if call.args else "" for call in setting]

@@ -105,18 +105,19 @@ def unused_function(source: PythonSource, line: int) -> str:
     return free[0] if len(free) == 1 else ""
 
 
-def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.Constant] | None:
-    """Return a constant and its file: the expression, or what is assigned to it once, maybe elsewhere."""
-    if isinstance(named, ast.Constant):
-        return source, named
-    home, text = source, ast.unparse(named)
+def held_once(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.expr] | None:
+    """Return the only expression assigned to a name, also in a class's body, and its file: this one, or one it is imported from."""
+    if not isinstance(named, (ast.Name, ast.Attribute)):
+        return None
     module, _, name = (source.resolve(named) or "").rpartition(".")
-    if module and (origin := _file_of(source, module)):
-        home, text = origin, name
-    last = text.rpartition(".")[2]
-    values = [value for name in {text, last} for value in assigned_to(home.nodes, name)]
-    found = values[0] if len(values) == 1 else None
-    return (home, found) if isinstance(found, ast.Constant) else None
+    home = _file_of(source, module)
+    text = name if home else ast.unparse(named)
+    home = home or source
+    values = assigned_to(home.nodes, text)
+    if not values and isinstance(named, ast.Attribute):
+        bodies = [node.body for node in home.nodes if isinstance(node, ast.ClassDef)]
+        values = assigned_to((statement for body in bodies for statement in body), named.attr)
+    return (home, values[0]) if len(values) == 1 else None
 
 
 def returned(function: Function) -> list[ast.AST]:

@@ -106,12 +106,14 @@ class Signature:
 
 def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
     """Return the signature of the library function in a call; None if it is not one, or not known."""
+    name = source.resolve(call.func)
     match call.func:
         case ast.Attribute(value=ast.Call(func=ast.Name(id="super")), attr="__init__"):
             return signature_by_name(_NODE)
-        case ast.Attribute(attr=method) if source.resolve(call.func) is None and method in _methods():
+        case ast.Attribute(attr=method) if (
+            name is None and method in interfaces.members_of("rclpy.node", "Node")[0]
+        ):
             return signature_by_name(f"{_NODE}.{method}")
-    name = source.resolve(call.func)
     fields = interfaces.fields_of(name)
     if fields is not None:
         return Signature(tuple(fields_as_parameters(fields)))
@@ -156,11 +158,6 @@ def kind_of(value: ast.AST) -> str | None:  # noqa: PLR0911 -- a table
         case ast.Lambda():
             return "object"
     return "object" if getattr(value, "is_function", False) else None
-
-
-@lru_cache(maxsize=1)
-def _methods() -> frozenset[str]:
-    return interfaces.members_of("rclpy.node", "Node")[0]
 
 
 @lru_cache(maxsize=64)
