@@ -17,7 +17,7 @@ from ros2lab.diagnose.nodes.bursts import burst_faults
 from ros2lab.diagnose.nodes.life_faults import life_faults
 from ros2lab.diagnose.nodes.state_faults import state_faults
 from ros2lab.diagnose.nodes.unset_attributes import no_such_member
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.uses import Uses
 
 HEAD = """\
@@ -156,7 +156,7 @@ def test_an_attribute_is_meant_as_it_is_used(tmp_path: Path, init: str, methods:
     """A getter is called, but not by itself; a publisher of the type is there already."""
     text = f"{HEAD}{indented(init, 8)}\n{indented(methods, 4)}"
     (owner,) = sources_of(text, tmp_path).nodes
-    members = members_of("rclpy.node", "Node")[0] | owner.attributes
+    members = node_members() | owner.attributes
     missing = next(
         node
         for node in owner.source.nodes

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ros2lab.diagnose.sources.interfaces import is_interface, members_of
+from ros2lab.diagnose.sources.interfaces import is_interface, node_members
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.cases import Given, text_of
@@ -271,7 +271,7 @@ class Publishing:
         if owner is None or function.name == "__init__":
             return bool(function.decorator_list)
         is_known = self._sources.lineage(owner)[2]
-        is_inherited = function.name in members_of("rclpy.node", "Node")[0] or function.name.startswith("__")
+        is_inherited = function.name in node_members() or function.name.startswith("__")
         return not is_known or is_inherited or bool(function.decorator_list)
 
     def _of_handed(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:

@@ -13,7 +13,7 @@ import ast
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.failing import Failing
@@ -177,7 +177,7 @@ def _called_by_others(
     is_open = any(
         base is None or base.rpartition(".")[2] not in own for base in map(source.resolve, definition.bases)
     )
-    inherited = members_of("rclpy.node", "Node")[0] if definition.bases else frozenset()
+    inherited = node_members() if definition.bases else frozenset()
     for method in definition.body:
         if not isinstance(method, (ast.FunctionDef, ast.AsyncFunctionDef)):
             continue

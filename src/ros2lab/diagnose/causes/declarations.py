@@ -16,7 +16,7 @@ from ros2lab.diagnose.nodes.parameter_faults import declared_in, default_by_use
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of, first_texts, names_given
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, given_to, parameters, read_text
 from ros2lab.diagnose.sources.removal import removal
@@ -102,7 +102,7 @@ def _uses_at(
     look: Look, sources: NodeSources, source: PythonSource, spot: Spot, lines: tuple[tuple[str, int], ...]
 ) -> Iterator[_Use]:
     """Yield a use for each expression in a node's method call on these lines that may name parameters."""
-    known = members_of("rclpy.node", "Node")[0]
+    known = node_members()
     scoped = [entry for entry in sources.scoped(source) if getattr(entry[2], "lineno", 0) in spot.lines]
     for owner, function, call in reversed(scoped):  # the innermost first
         if isinstance(call, ast.Call) and getattr(call.func, "attr", "") in known:

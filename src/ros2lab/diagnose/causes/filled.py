@@ -31,7 +31,7 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
     texts = []
     libraries = [home for home in interfaces.homes_of(said["kind"]) if not home.endswith(".msg")]
     for target, wanted, value in wrong:
-        if any("to_msg" in interfaces.members_of(home, said["kind"])[0] for home in libraries):
+        if any("to_msg" in interfaces.members_of(home, said["kind"]) for home in libraries):
             texts.append(f"write {ast.unparse(target)} = {ast.unparse(value)}.to_msg()")
         else:
             texts.append(set_field(target, wanted, value))

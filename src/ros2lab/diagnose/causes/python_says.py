@@ -16,7 +16,7 @@ from ros2lab.diagnose.code.hidden_names import fix_of, known_names
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.python_source import Function
 from ros2lab.diagnose.sources.syntax_parts import is_property
 
@@ -187,7 +187,7 @@ def _overridden(spot: Spot, function: Function) -> str:
     for base in map(ast.unparse, owner.bases if owner else ()):
         inner = classes[base].body if base in classes else ()
         is_own = any(isinstance(n, ast.FunctionDef) and n.name == function.name for n in inner)
-        if is_own or (base.endswith("Node") and function.name in members_of("rclpy.node", "Node")[0]):
+        if is_own or (base.endswith("Node") and function.name in node_members()):
             return base
     return ""
 

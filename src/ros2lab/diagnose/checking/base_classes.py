@@ -114,7 +114,7 @@ def _is_given_in_library(spot: Spot, kind: str, name: str) -> bool:
         return False
     if interfaces.homes_of(kind) or interfaces.inner_homes_of(kind) or interfaces.launch_homes_of(kind):
         return any(
-            name in interfaces.members_of(home, below)[0]
+            name in interfaces.members_of(home, below)
             for below in _library_below(kind)
             if below != kind
             for home in interfaces.inner_homes_of(below)

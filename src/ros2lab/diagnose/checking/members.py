@@ -24,7 +24,7 @@ def members(owner: str, look: Look | None) -> set[str]:
         return {name for name in dir(interfaces.own_module(owner)) if not name.startswith("_")}
     found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
     for home in _homes(owner):
-        found |= interfaces.members_of(home, owner)[0] or set(interfaces.fields_of(f"{home}.{owner}") or ())
+        found |= interfaces.members_of(home, owner) or set(interfaces.fields_of(f"{home}.{owner}") or ())
     for sources in map(look.sources, look.packages) if look else ():
         for node_class in sources.classes.values():
             if node_class.name.endswith(f".{owner}"):

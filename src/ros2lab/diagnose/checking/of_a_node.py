@@ -120,14 +120,14 @@ def _asked(name: str, last: str, node: str, call: ast.Call) -> str:
     rest = ast.unparse(call).removeprefix(ast.unparse(call.func))
     for getter, home in _GIVEN.items():
         what = getter.removeprefix("get_").removesuffix("()")
-        for member in interfaces.members_of(*home)[0]:
+        for member in interfaces.members_of(*home):
             is_of_class = last != name and member == last  # Time.now of a clock
             is_of_class |= name == last == member  # rclpy.info()
             is_of_prefix = last == name and len(member) > 3 and name.endswith(member)
             prefix = name.removesuffix(member).rstrip("_")
             if is_of_class or (is_of_prefix and prefix and what.startswith(prefix)):
                 return f"{node}.{getter}.{member}{rest}"
-    methods = interfaces.members_of("rclpy.node", "Node")[0]
+    methods = interfaces.node_members()
     known = [method for method in methods if method.startswith("get_") and not name[:1].isupper()]
     method = nearest(name, known, 0.75) if last == name and name not in known else None
     value = ".value" if method == "get_parameter" else ""

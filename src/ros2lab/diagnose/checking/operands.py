@@ -71,7 +71,7 @@ def held_in(text: str, kind: str) -> str:
     if field := interfaces.only_field(kind):
         return f"{text}.{field}"
     times = [home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")]
-    is_time = any("nanoseconds" in interfaces.members_of(home, kind)[0] for home in times)
+    is_time = any("nanoseconds" in interfaces.members_of(home, kind) for home in times)
     return f"{text}.nanoseconds / 1e9" if is_time else ""
 
 

@@ -112,7 +112,7 @@ def _fits(unknown: Unknown, call: ast.Call, wanted: set[str], *, is_node: bool) 
 def _members(unknown: Unknown, name: str) -> set[str]:
     """Return what an object has that a class of the file, Node or a method of a node makes; empty if not known."""
     if name in _MADE:
-        return {*interfaces.members_of(*_MADE[name])[0]}
+        return {*interfaces.members_of(*_MADE[name])}
     if not is_own_node(unknown, name):
         return set()
     definition = unknown.source.classes.get(name)
@@ -122,7 +122,7 @@ def _members(unknown: Unknown, name: str) -> set[str]:
         for n in own
         if is_self_attribute(n) or isinstance(n, Function)
     }
-    return found | {*interfaces.members_of("rclpy.node", "Node")[0]}
+    return found | {*interfaces.node_members()}
 
 
 def _is_spun(unknown: Unknown, use: ast.Name) -> bool:

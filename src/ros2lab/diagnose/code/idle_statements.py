@@ -71,13 +71,13 @@ def _is_function(source: PythonSource, value: ast.Name | ast.Attribute) -> bool:
         return "." in whole and last.islower() and not interfaces.is_module(whole)
     owner = value.value if isinstance(value, ast.Attribute) else None
     if is_self_attribute(value):
-        return last in interfaces.members_of("rclpy.node", "Node")[0]
+        return last in interfaces.node_members()
     made = [call for text, call in source.made if owner is not None and text == ast.unparse(owner)]
     made += [owner] if isinstance(owner, ast.Call) else []
     if made and all(
         source.resolve(call.func) == "rclpy.create_node" or is_node_class(source, call.func) for call in made
     ):
-        return last in interfaces.members_of("rclpy.node", "Node")[0]
+        return last in interfaces.node_members()
     names = [getattr(call.func, "attr", "") for call in made]
     return bool(names) and all(name in CREATORS or name == "get_logger" for name in names)
 
@@ -111,7 +111,7 @@ def properties(source: PythonSource) -> set[str]:
     own = {node.name for node in source.nodes if isinstance(node, Function) and is_property(node)}
     imported = filter(interfaces.is_interface, source.names.values())
     fields = {field for name in imported for field in interfaces.fields_of(name) or ()}
-    return own | fields | interfaces.properties_of("rclpy.node", "Node")
+    return own | fields | interfaces.node_properties()
 
 
 def tried_statements(source: PythonSource) -> set[int]:

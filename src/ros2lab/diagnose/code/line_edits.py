@@ -271,6 +271,4 @@ def _joined(line: _Line, known: Collection[str]) -> Iterator[Repair]:
 
 def _of_ros() -> Collection[str]:
     """Return the names of rclpy, and of what a node has."""
-    return interfaces.members_of("rclpy.node", "Node")[0] | (
-        interfaces.importable_names("rclpy") or frozenset()
-    )
+    return interfaces.node_members() | (interfaces.importable_names("rclpy") or frozenset())

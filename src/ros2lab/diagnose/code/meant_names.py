@@ -337,7 +337,7 @@ def _unused_class(unknown: Unknown) -> str:
     for imported in source.imports:
         module, _, name = imported.target.rpartition(".")
         if imported.local not in loaded and imported.is_from and name[:1].isupper():
-            members = interfaces.members_of(module, name)[0] if unknown.attributes else frozenset[str]()
+            members = interfaces.members_of(module, name) if unknown.attributes else frozenset[str]()
             if unknown.attributes and unknown.attributes <= members:
                 found.append(imported.local)
     return f"{found[0]}()" if len(found) == 1 else ""
@@ -351,7 +351,7 @@ def _has_all(unknown: Unknown, definition: ast.ClassDef) -> bool:
         n.name for n in definition.body if isinstance(n, Function)
     }
     is_node = any(ast.unparse(base).rpartition(".")[2] == "Node" for base in definition.bases)
-    names |= interfaces.members_of("rclpy.node", "Node")[0] if is_node else set()
+    names |= interfaces.node_members() if is_node else set()
     is_handed = any(isinstance(unknown.above(use), ast.Call) for use in unknown.uses)
     return is_free and unknown.attributes <= names and bool(unknown.attributes or (is_node and is_handed))
 

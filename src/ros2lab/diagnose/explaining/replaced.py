@@ -6,7 +6,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import spot_of
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import node_members
 
 
 def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
@@ -25,7 +25,7 @@ def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
         return None
     spot = spot_of(error.report, look)
     name = spot.function.name if spot.function else ""
-    if name.startswith("__") or name not in members_of("rclpy.node", "Node")[0]:
+    if name.startswith("__") or name not in node_members():
         return None
     cause = f"Every node has a method {name}, which rclpy itself calls: this one hides it and is called too early."
     fix = f"rename it, for example to {name}_, also where it is used"

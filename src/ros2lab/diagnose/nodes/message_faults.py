@@ -179,7 +179,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
     if fields is not None and name not in fields and not name.startswith("_"):
         inner = [f for f, kind in fields.items() if name in (interfaces.fields_of(field_kind(kind)) or {})]
         short = _short(str(message))
-        of_rclpy = interfaces.members_of(f"rclpy.{short.lower()}", short)[0]
+        of_rclpy = interfaces.members_of(f"rclpy.{short.lower()}", short)
         if {"from_msg", name} <= of_rclpy and isinstance(node, ast.Attribute):
             cause = f"This {short} is a message, with the fields {', '.join(fields)}: {name} belongs to rclpy's {short}."
             fix = f"write `{short}.from_msg({ast.unparse(node.value)}).{name}` instead of `{ast.unparse(node)}`, with `from rclpy.{short.lower()} import {short}` at the top"
@@ -300,7 +300,7 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         return
     message, method, place = owner.removeprefix(PUBLISHER), node.func.attr, scope.source.at(node)
     if method != "publish":
-        members = members_of("rclpy.publisher", "Publisher")[0]
+        members = members_of("rclpy.publisher", "Publisher")
         if members and method not in members:
             cause = f"A publisher has no method {method}.{did_you_mean(method, ['publish'])}"
             yield Finding(

@@ -17,7 +17,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.answered import plain_returns, unanswered
 from ros2lab.diagnose.sources.calls import meant_call
 from ros2lab.diagnose.sources.construction import given_to_super, lost_constructor, super_call
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import fixed_node_properties, node_members
 from ros2lab.diagnose.sources.node_source import (
     CREATORS,
     NODE_CLASSES,
@@ -73,7 +73,7 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
             yield from _init_call_faults(sources, owner, call)
     if constructor is None:
         return
-    order = SuperOrder(sources, owner, members_of("rclpy.node", "Node")[0])
+    order = SuperOrder(sources, owner, node_members())
     if not order.calls_init():
         cause = f"The constructor of {owner.definition.name} never calls super().__init__(), so there is no node when it is used."
         fix = f"write {super_call(sources, owner)} as the first line of __init__"
@@ -112,7 +112,7 @@ def _init_call_faults(sources: NodeSources, owner: NodeClass, call: ast.Call) ->
 
 
 def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
-    properties = members_of("rclpy.node", "Node")[1]
+    properties = fixed_node_properties()
     members = sources.members(owner)
     own = {name for inner in sources.lineage(owner)[0] for name in inner.methods}
     called = {id(node.func) for node in calls_in(walk(owner.definition))}

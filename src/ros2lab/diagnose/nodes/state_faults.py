@@ -10,7 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.read_once import meant_to_change
 from ros2lab.diagnose.nodes.stale_values import computed_once
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
@@ -165,7 +165,7 @@ def _never_called(state: State) -> Iterator[Finding]:
 
     Such a method looks like a callback and no other does its work, or it alone changes an attribute in use.
     """
-    inherited = members_of("rclpy.node", "Node")[0]
+    inherited = node_members()
     sources = state.uses.sources
     if sources.is_managed(state.owner):
         return  # rclpy calls its methods by name

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.interfaces import members_of, method_of
+from ros2lab.diagnose.sources.interfaces import fixed_node_properties, method_of, node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, walk
@@ -88,7 +88,7 @@ def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding:
 
 def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
     """Return cause and fix, by name, for attributes that a class sets although every node has them."""
-    members, properties = members_of("rclpy.node", "Node")
+    members, properties = node_members(), fixed_node_properties()
     found: dict[str, tuple[str, str]] = {}
     for node in walk(owner.definition):
         match node:

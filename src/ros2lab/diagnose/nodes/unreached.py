@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
 from ros2lab.diagnose.finding import Finding, in_a_row
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import members_of, node_members
 from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.uses import named
 @lru_cache(maxsize=16)
 def unreached(sources: NodeSources) -> Mapping[int, tuple[NodeClass, Function]]:
     """Return the methods of nodes, by `id`, that no other code names: only they themselves and each other do."""
-    inherited = members_of("rclpy.node", "Node")[0] | members_of("rclpy.lifecycle", "LifecycleNode")[0]
+    inherited = node_members() | members_of("rclpy.lifecycle", "LifecycleNode")
     alone = {
         id(method): (owner, method)
         for owner in sources.nodes

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 from ros2lab.diagnose.code.at_hand import holders
 from ros2lab.diagnose.code.unknown_names import Unknown, compared, first_value
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.interfaces import method_of, properties_of
+from ros2lab.diagnose.sources.interfaces import method_of, node_properties
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -68,7 +68,7 @@ def _only_holder(owner: NodeClass, node: ast.Attribute) -> str:
 
 def _as_used(owner: NodeClass, node: ast.Attribute, close: str) -> str | None:
     """Return a similar name as it gives the value that is used: a method that takes nothing, called; None if none."""
-    if close not in owner.attributes and close in properties_of("rclpy.node", "Node"):
+    if close not in owner.attributes and close in node_properties():
         return None  # such as `timers`, all of them
     method = owner.methods.get(close) or method_of("rclpy.node", "Node", close)
     if method is None or is_property(method) or isinstance(node.ctx, ast.Store):

@@ -83,7 +83,7 @@ class Given:
     def _takes_only(self, source: PythonSource, function: ast.expr, depth: int = 0) -> bool:
         """Return whether a function is of Python or ROS, also through an object that they made."""
         node: ast.AST | None = function
-        own = {f"self.{member}" for member in interfaces.members_of("rclpy.node", "Node")[0]}
+        own = {f"self.{member}" for member in interfaces.node_members()}
         while node is not None and depth < 5:
             if name := source.resolve(node):
                 return name.partition(".")[0] in _TAKES_ONLY

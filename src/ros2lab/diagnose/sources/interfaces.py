@@ -383,33 +383,39 @@ def method_of(module: str, class_name: str, name: str) -> ast.FunctionDef | None
     return next((method for method in defined if method.name == name and not method.decorator_list), None)
 
 
+def node_members() -> frozenset[str]:
+    """Return the members of rclpy's Node."""
+    return members_of("rclpy.node", "Node")
+
+
 @lru_cache(maxsize=16)
-def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Return the members of an installed class, and which of them are properties that cannot be set."""
+def members_of(module: str, class_name: str) -> frozenset[str]:
+    """Return the members of an installed class."""
     found = _class(module, class_name)
-    if found is None:
-        return frozenset(), frozenset()
-    members: set[str] = set()
-    properties: set[str] = set()
-    settable: set[str] = set()
-    for node in ast.walk(found):
-        if isinstance(node, Function):
-            members.add(node.name)
-            decorators = {ast.unparse(decorator) for decorator in node.decorator_list}
-            if "property" in decorators:
-                properties.add(node.name)
-            if f"{node.name}.setter" in decorators and not isinstance(node.body[-1], ast.Raise):
-                settable.add(node.name)  # one that only raises sets nothing
-        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
-            members.add(node.attr)
-    for statement in found.body:
+    nodes = [*ast.walk(found)] if found else []
+    members = {node.name for node in nodes if isinstance(node, Function)}
+    members |= {n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)}
+    for statement in found.body if found else ():
         targets = getattr(statement, "targets", [getattr(statement, "target", None)])
         members |= {target.id for target in targets if isinstance(target, ast.Name)}
-    return frozenset(members), frozenset(properties - settable)
+    return frozenset(members)
 
 
-@lru_cache(maxsize=16)
-def properties_of(module: str, class_name: str) -> frozenset[str]:
-    """Return the properties of an installed class, and the attributes that it assigns to itself."""
-    members = members_of(module, class_name)[0]
-    return frozenset(name for name in members if method_of(module, class_name, name) is None)
+@lru_cache(maxsize=1)
+def node_properties() -> frozenset[str]:
+    """Return the properties of rclpy's Node, and the attributes that it assigns to itself."""
+    return frozenset(name for name in node_members() if method_of("rclpy.node", "Node", name) is None)
+
+
+@lru_cache(maxsize=1)
+def fixed_node_properties() -> frozenset[str]:
+    """Return the properties of rclpy's Node that cannot be set."""
+    found = _class("rclpy.node", "Node")
+    fixed: set[str] = set()
+    settable: set[str] = set()
+    for method in (node for node in (ast.walk(found) if found else ()) if isinstance(node, Function)):
+        decorators = {ast.unparse(decorator) for decorator in method.decorator_list}
+        fixed |= {method.name} if "property" in decorators else set()
+        if f"{method.name}.setter" in decorators and not isinstance(method.body[-1], ast.Raise):
+            settable.add(method.name)  # one that only raises sets nothing
+    return frozenset(fixed - settable)

@@ -10,7 +10,7 @@ from typing import Any, TypeGuard
 
 from ros2lab.diagnose.sources.beyond import NOTHING, Beyond
 from ros2lab.diagnose.sources.handed_on import given_from_outside
-from ros2lab.diagnose.sources.interfaces import members_of
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.known_values import value_of
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -197,7 +197,7 @@ class NodeSources:
     def members(self, node_class: NodeClass) -> frozenset[str] | None:
         """Return every attribute that `self` has in a class; None if they are not all known."""
         _, is_node, is_known = self.lineage(node_class)
-        inherited = members_of("rclpy.node", "Node")[0]
+        inherited = node_members()
         given = self.given(node_class) if is_node and is_known and inherited else None
         if given is None or self.is_managed(node_class):
             return None

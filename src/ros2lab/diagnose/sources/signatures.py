@@ -110,9 +110,7 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
     match call.func:
         case ast.Attribute(value=ast.Call(func=ast.Name(id="super")), attr="__init__"):
             return signature_by_name(_NODE)
-        case ast.Attribute(attr=method) if (
-            name is None and method in interfaces.members_of("rclpy.node", "Node")[0]
-        ):
+        case ast.Attribute(attr=method) if name is None and method in interfaces.node_members():
             return signature_by_name(f"{_NODE}.{method}")
     fields = interfaces.fields_of(name)
     if fields is not None:
