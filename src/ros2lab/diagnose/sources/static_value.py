@@ -39,7 +39,7 @@ _COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
     ast.LtE: operator.le,
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
-    # Equal texts and numbers may be the same object or not.
+    # Of constants, those that are equal are the same object.
     ast.Is: lambda left, right: type(left) is type(right) and left == right,
     ast.IsNot: lambda left, right: type(left) is not type(right) or left != right,
     ast.In: lambda item, items: item in items,
@@ -175,8 +175,12 @@ def _either(node: ast.BoolOp, sure: Callable[[ast.expr], Any]) -> Any:
     return value
 
 
-def _compared(node: ast.Compare, sure: Callable[[ast.expr], Any]) -> bool:
-    values = [sure(side) for side in (node.left, *node.comparators)]
+def _compared(node: ast.Compare, sure: Callable[[ast.expr], Any]) -> Any:
+    sides = (node.left, *node.comparators)
+    is_same = any(isinstance(sign, (ast.Is, ast.IsNot)) for sign in node.ops)
+    if is_same and not all(isinstance(side, (ast.Constant, ast.Name, ast.Attribute)) for side in sides):
+        return UNKNOWN  # what has been computed may be another object
+    values = [*map(sure, sides)]
     pairs = zip(values, node.ops, values[1:], strict=False)
     return all(_COMPARES[type(sign)](left, right) for left, sign, right in pairs)
 
