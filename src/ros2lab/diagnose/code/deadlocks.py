@@ -26,6 +26,8 @@ from ros2lab.diagnose.sources.uses import own_stores
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
 _THREADS, _REENTRANT = "MultiThreadedExecutor", "ReentrantCallbackGroup"
+# What rclpy runs as a task, in no callback group: what takes it, and its place and name among the arguments.
+_TAKES_TASK = {"ActionServer": (3, "execute_callback"), "add_done_callback": (0, "fn"), "create_task": (0, "callback")}
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,7 @@ class _Callback:
 
     Attributes:
         given: the call of rclpy that the callback was passed to.
+        is_task: whether it holds no callback group, so that its node can be spun in it.
         is_direct: whether it is the callback itself, not a method that it calls.
     """
 
@@ -75,6 +78,7 @@ class _Callback:
     owner: NodeClass | None
     function: Function
     given: ast.Call
+    is_task: bool
     is_direct: bool
 
     @property
@@ -97,11 +101,13 @@ def deadlocks(sources: NodeSources) -> Iterator[Finding]:
         source, function = callback.source, callback.function
         if id(function) in seen or _REENTRANT in names[source]:
             continue
-        seen.add(id(function))
         waits = [*_waits(source, function)]
-        if has_threads:
+        if callback.is_task:
+            waits = [wait for wait in waits if not has_threads and not _spins(source, wait.node)]
+        elif has_threads:
             waits = [wait for wait in waits if _is_in_its_group(callback, wait)]
         if waits:
+            seen.add(id(function))
             yield _told(callback, waits, sources, has_threads=has_threads)
 
 
@@ -131,12 +137,23 @@ def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
                 function = function or _plain(source, given)
                 if function is None:
                     continue
-                yield _Callback(source, owner, function, call, is_direct=True)
+                is_task = _is_task(call, given)
+                yield _Callback(source, owner, function, call, is_task, is_direct=True)
                 for node in own_nodes(function):
                     inner = node.func if isinstance(node, ast.Call) else None
                     called = sources.method(owner, inner.attr) if is_self_attribute(inner) else None
                     if called is not None:
-                        yield _Callback(source, owner, called, call, is_direct=False)
+                        yield _Callback(source, owner, called, call, is_task, is_direct=False)
+
+
+def _is_task(call: ast.Call, given: ast.expr) -> bool:
+    """Return whether rclpy runs a function that it is given as a task."""
+    place, name = _TAKES_TASK.get(last_name(call.func), (0, ""))
+    return bool(name) and argument(call, place, name) is given
+
+
+def _spins(source: PythonSource, node: ast.AST) -> bool:
+    return isinstance(node, ast.Call) and source.resolve(node.func) in _SPINS
 
 
 def _plain(source: PythonSource, given: ast.expr) -> Function | None:
