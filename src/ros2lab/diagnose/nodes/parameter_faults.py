@@ -170,10 +170,10 @@ def unread_file(shown: str, text: str, error: ParameterFileError) -> Finding:
     return Finding("parameter-file-syntax", f"{shown} {said}: {why}.", place, fix)
 
 
-def declared_in(sources: NodeSources) -> dict[str, Any] | None:
-    """Return the declared parameters with their defaults (or `UNKNOWN`); None if a name is not known."""
+def declared_in(sources: NodeSources, files: Iterable[str] | None = None) -> dict[str, Any] | None:
+    """Return the parameters that all or some files declare, with defaults (or `UNKNOWN`); None if a name is not known."""
     found: dict[str, Any] = {}
-    for source in sources.sources.values():
+    for source in sources.sources.values() if files is None else map(sources.sources.__getitem__, files):
         for node in source.nodes:
             declared = _declared_by(sources, source, node) if isinstance(node, ast.Call) else {}
             if declared is None:
@@ -238,7 +238,10 @@ def file_faults(
         if isinstance(content, Mapping) and BELOW in text:
             offered = {*names} - {*moved} | {*launched}
             own = {key: values for key, values in sections_of(content) if not is_node(key, others)}
-            yield from _content_faults(own, names, offered, declared, lines_of)
+            yield from _other_nodes(own, sources, names, offered, lines_of) if "" not in names else ()
+            for section in (own[key] for key in own if is_node(key, names) or "" in names):
+                for name, value in section.items():
+                    yield from _value_faults(name, value, section, declared or {}, lines_of)
             yield from _apart(content, full, lines_of)
             yield from replaced_values(shown, text)
         elif isinstance(content, Mapping) and (near := _nearly_below(content)):
@@ -291,47 +294,42 @@ def other_name(key: str, runs_as: str, shown: str, place: str) -> Finding:
     )
 
 
-def _content_faults(
+def _other_nodes(
     sections: Mapping[str, Mapping[Any, Any]],
+    sources: NodeSources,
     names: Collection[str],
     offered: Collection[str],
-    declared: Mapping[str, Any] | None,
-    lines: _Lines,
-) -> Iterator[Finding]:
-    wrong = [key for key in sections if not is_node(key, names)]
-    if "" not in names:
-        yield from _other_nodes(wrong, sections, sorted(name for name in offered if name), declared, lines)
-    for values in (sections[key] for key in sections if key not in wrong or "" in names):
-        for name, value in values.items():
-            yield from _value_faults(name, value, values, declared or {}, lines)
-
-
-def _other_nodes(
-    wrong: Iterable[str],
-    sections: Mapping[str, Mapping[Any, Any]],
-    own: Sequence[str],
-    declared: Mapping[str, Any] | None,
     lines: _Lines,
 ) -> Iterator[Finding]:
     """Yield sections for nodes that the package does not have, and that are plainly meant for one that it has.
 
-    A file may also be for somebody else's node, or be read by the code itself.
+    A file may also be for somebody else's node, be read by the code itself, or name a node as whoever starts it will.
     """
     told = {key.rpartition("/")[2] for key in sections}
-    free = [name for name in own if name not in told]
-    for key in wrong if free else ():
+    for key in (key for key in sections if not is_node(key, names)):
         short = key.rpartition("/")[2]
-        if any(is_near_miss(short, name) for name in told & {*own}):
+        is_one_of_many = re.sub(r"_?\d+$", "", short) in names
+        if is_one_of_many or any(is_near_miss(short, name) for name in told & {*names}):
             continue  # that node has its section
-        near = next((name for name in free if is_near_miss(short, name)), None)
-        if near or (sections[key] and declared and sections[key].keys() <= declared.keys()):
-            alike = [name for name in free if {*name.split("_")} & {*short.split("_")}]
-            likely = near or " or ".join(alike if len(alike) == 1 else free)
-            cause = (
-                f"{lines.shown} sets parameters for a node called {short}, but {'the node is' if len(own) == 1 else 'the nodes are'} "
-                f"called {', '.join(own)} here, so the defaults are kept silently."
-            )
-            yield Finding("parameter-file-node", cause, lines.at(key), f"write {likely} instead of {short}")
+        takers = _takers(sources, sections[key])
+        meant = [n for n in takers if is_near_miss(short, n)] or takers
+        alike = [name for name in meant if {*name.split("_")} & {*short.split("_")}]
+        meant = alike if len(alike) == 1 else meant
+        does = f"declare{'s' * (len(meant) == 1)} them"
+        if not meant:
+            meant, does = [name for name in sorted(offered) if is_near_miss(short, name)][:1], "is meant"
+        if meant and told.isdisjoint(meant) and {*meant} <= {*offered}:
+            nodes = " and ".join(meant)
+            cause = f"{lines.shown} sets parameters for a node called {short}, but there is none here: {nodes} {does}, so the defaults are kept silently."
+            fix = f"write {' or '.join(meant)} instead of {short}"
+            yield Finding("parameter-file-node", cause, lines.at(key), fix)
+
+
+def _takers(sources: NodeSources, section: Mapping[Any, Any]) -> list[str]:
+    """Return the nodes whose files declare every parameter of a section."""
+    homes = {name: source for name, (source, _) in sources.node_names().items() if name and section}
+    declared = {name: declared_in(sources, sources.together(home.name)) for name, home in homes.items()}
+    return [name for name, found in sorted(declared.items()) if (found or {}).keys() >= section.keys()]
 
 
 def _value_faults(
