@@ -67,6 +67,28 @@ RIGHT = [
 ]
 
 
+SERVER = "self.server = ActionServer(self, Fibonacci, 'mine', self.ask)"
+GOALS = (
+    "self.server = ActionServer(self, Fibonacci, 'mine', execute_callback=self.run, goal_callback=self.ask)"
+)
+DONE = "self.cli.call_async(self.req).add_done_callback(self.ask)"
+TASK = "self.executor.create_task(self.ask)"
+ASKED = "answer = self.cli.call_async(self.req)\n" + SPIN.format("answer")
+# What rclpy runs as a task holds no callback group: a nested spin serves the node, and another thread may answer.
+AS_TASKS = [
+    (SERVER, ASKED, False),
+    (SERVER, "while self.turns < 4:\n    rclpy.spin_once(self)", False),
+    (SERVER, "self.cli.call(self.req)", True),
+    (SERVER, "answer = self.cli.call_async(self.req)\nwhile not answer.done():\n    pass", True),
+    (f"{THREADS}\n{SERVER}", "self.cli.call(self.req)", False),
+    (GOALS, ASKED, True),
+    (DONE, ASKED, False),
+    (DONE, "self.cli.call(self.req)", True),
+    (TASK, ASKED, False),
+    (f"{SERVER}\n{TIMER}", ASKED, True),
+]
+
+
 # In one callback group, several threads run one callback after the other.
 IN_ONE_GROUP = [
     (TIMER, "self.cli.call(self.req)"),
@@ -103,7 +125,7 @@ def test_what_owes_nothing_goes_on_when_the_answer_has_come(body: str, count: in
 
 
 @pytest.mark.parametrize(("body", "awaited", "client"), OWED)
-@pytest.mark.parametrize("init", [SERVICE, "self.server = ActionServer(self, Fibonacci, 'mine', self.ask)"])
+@pytest.mark.parametrize("init", [SERVICE, GOALS])
 def test_what_owes_an_answer_awaits_another_one(init: str, body: str, awaited: str, client: str) -> None:
     _, (finding,) = told(init, body, "self, request, response")
     assert f"`{awaited}` on line" in finding.fix
@@ -128,6 +150,11 @@ def test_a_method_that_a_callback_calls_waits_as_well() -> None:
 @pytest.mark.parametrize(("init", "body"), RIGHT)
 def test_what_waits_for_nothing_is_right(init: str, body: str) -> None:
     assert told(init, body)[1] == []
+
+
+@pytest.mark.parametrize(("init", "body", "is_told"), AS_TASKS)
+def test_a_task_may_spin_its_node(init: str, body: str, *, is_told: bool) -> None:
+    assert bool(told(init, body, "self, given")[1]) is is_told
 
 
 @pytest.mark.parametrize(("init", "body"), IN_ONE_GROUP)

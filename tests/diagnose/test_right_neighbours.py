@@ -46,6 +46,8 @@ def codes(files: Files, folder: Path, *wanted: str) -> list[str]:
         ("robot:\n  wheels:\n    ros__parameters:\n      frequency: 30.0\n", "", False),
         ("filter:\n  ros__parameters:\n    period: 3.0\n", "", True),
         (f"{NAME.module}s:\n  ros__parameters:\n    frequency: 30.0\n", "", True),
+        (f"{NAME.module}_01:\n  ros__parameters:\n    period: 3.0\n", "", False),
+        ("voice:\n  ros__parameters:\n    period: 3.0\n", OWN.replace("MORE", "namespace='left'"), False),
     ],
 )
 def test_a_section_for_another_node(tmp_path: Path, section: str, actions: str, is_told: bool) -> None:
@@ -55,6 +57,12 @@ def test_a_section_for_another_node(tmp_path: Path, section: str, actions: str, 
         files.put("launch/more.launch.py", LAUNCH.replace("ACTIONS", actions))
     found = codes(files, tmp_path, "parameter-file-node", "parameter-type")
     assert found == ["parameter-file-node"] * is_told
+
+
+def test_a_section_is_for_the_node_that_declares_its_parameters(tmp_path: Path) -> None:
+    files = Files.right(NAME).put("config/more.yaml", "filter:\n  ros__parameters:\n    period: 3.0\n")
+    (found,) = [f for f in of_workspace(files.write(tmp_path)) if f.code == "parameter-file-node"]
+    assert found.fix == f"write {NAME.module} instead of filter"
 
 
 CLOCK = "parameters=[{'use_sim_time': True}]"

@@ -361,3 +361,126 @@ def test_words_are_turned_only_into_a_parameter_of_the_node(tmp_path: Path, word
     look = Look(files.write(tmp_path), loads=True)
     (proposed,) = [finding.fix for finding in look.findings if finding.code == "words-unread"]
     assert proposed.startswith(fix)
+
+
+HIDDEN = "        try:\n            {}\n        except Exception:\n            return\n"
+
+
+def in_callback(lines: str, *changes: tuple[str, str]) -> Files:
+    """Return a workspace with lines at the head of the second node's callback, and with other changes of its file."""
+    files = right().change("driver", "        msg = Twist()\n", f"{lines}        msg = Twist()\n")
+    for old, new in changes:
+        files.change("driver", old, new)
+    return files
+
+
+IN_MAIN = ("    rclpy.spin(node)", "    node.create_timer(1.0, look)\n    rclpy.spin(node)")
+LOOK = "\n\ndef look():\n    try:\n        print(1 / len('a'))\n    except Exception:\n        pass\n\n\ndef main("
+
+
+@pytest.mark.parametrize(
+    ("files", "shown"),
+    [
+        (in_callback(HIDDEN.format("self.speed = 1 / self.speed")), "self.get_logger().error(str(error))"),
+        (
+            in_callback(
+                HIDDEN.format("self.speed = 1 / self.speed"),
+                ("(Node)", ""),
+                ("super().__init__('wheels')", "self.nh = rclpy.create_node('wheels')"),
+                ("self.create_publisher", "self.nh.create_publisher"),
+                ("self.create_timer", "self.nh.create_timer"),
+                ("rclpy.spin(node)", "rclpy.spin(node.nh)"),
+            ),
+            "self.nh.get_logger().error(str(error))",
+        ),
+        (right().change("driver", *IN_MAIN).change("driver", "\n\ndef main(", LOOK), "print(error)"),
+        (
+            right().change(
+                "driver",
+                "    rclpy.spin(node)",
+                LOOK.removeprefix("\n\n")
+                .removesuffix("\n\n\ndef main(")
+                .replace("\n", "\n    ")
+                .join(("    ", "\n"))
+                + IN_MAIN[1],
+            ),
+            "node.get_logger().error(str(error))",
+        ),
+    ],
+)
+def test_an_error_is_shown_by_a_node_that_is_known_there(tmp_path: Path, files: Files, shown: str) -> None:
+    (fix,) = found(files, tmp_path, "errors-hidden")
+    assert f" and {shown} below it" in fix
+
+
+@pytest.mark.parametrize(
+    ("lines", "way"),
+    [
+        ("        raise ValueError\n        return\n", "remove line "),
+        ("        raise ValueError\n        print(1)\n", "move the raise to the end"),
+    ],
+)
+def test_what_is_never_reached(tmp_path: Path, lines: str, way: str) -> None:
+    """What ends a function is not moved behind what ends it, too."""
+    text = f"        try:\n            self.speed += 1\n        except TypeError:\n{lines.replace('        ', '            ')}"
+    fixes = found(in_callback(text), tmp_path, "unreachable")
+    assert [fix.startswith(way) for fix in fixes] == [True]
+
+
+@pytest.mark.parametrize(
+    ("module", "call", "way"),
+    [
+        ("random", "random(-1.0, 1.0)", "write random.NAME(...), with"),
+        ("time", "time()", "write time.time(...) instead of time(...)"),
+        ("random", "random()", "write random.random(...) instead of random(...)"),
+        ("math", "math(2)", "write math.NAME(...), with"),
+        ("datetime", "datetime(2024, 1, 1)", "write datetime.datetime(...) instead of datetime(...)"),
+    ],
+)
+def test_a_module_is_called(tmp_path: Path, module: str, call: str, way: str) -> None:
+    files = in_callback(f"        self.got = {call}\n", (FIRST, f"{FIRST}import {module}\n"))
+    (fix,) = found(files, tmp_path, "not-callable")
+    assert fix.startswith(way)
+
+
+@pytest.mark.parametrize("declared", ["rcl.py", "rclpy.node"])
+def test_a_tag_that_has_a_package_s_letters_means_it(tmp_path: Path, declared: str) -> None:
+    files = right().change("package.xml", "<depend>rclpy</depend>", f"<depend>{declared}</depend>")
+    assert found(files, tmp_path, "dependency-joined") == ["write `<depend>rclpy</depend>`"]
+
+
+@pytest.mark.parametrize(
+    ("name", "module"),
+    [("XMLLaunchDescriptionSource", "launch_xml"), ("YAMLLaunchDescriptionSource", "launch_yaml")],
+)
+def test_a_source_of_another_launch_package(tmp_path: Path, name: str, module: str) -> None:
+    line = f"from launch.launch_description_sources import {name}\n"
+    launch = "launch/robot.launch.py"
+    files = right()
+    files.change(launch, "from launch import", f"{line}from launch import")
+    fix = f"write `from {module}.launch_description_sources import {name}`"
+    assert [told.startswith(fix) for told in found(files, tmp_path, "import-wrong")] == [True]
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        ("period", "pass it to a node"),
+        ("use_sim_time", "pass it to a node"),
+        ("use_gui", "remove it, or write LaunchConfiguration('use_gui') where"),
+    ],
+)
+def test_a_launch_argument_is_given_to_a_node_that_has_the_parameter(
+    tmp_path: Path, name: str, way: str
+) -> None:
+    files = right().change(
+        "launch/robot.launch.py",
+        "LaunchDescription([",
+        f"LaunchDescription([DeclareLaunchArgument({name!r}, default_value='1'), ",
+    )
+    files.change(
+        "launch/robot.launch.py",
+        "from launch import",
+        "from launch.actions import DeclareLaunchArgument\nfrom launch import",
+    )
+    assert [fix.startswith(way) for fix in found(files, tmp_path, "launch-unused")] == [True]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property, partial
@@ -36,6 +37,7 @@ from ros2lab.diagnose.nodes.bursts import burst_faults
 from ros2lab.diagnose.nodes.environments import Program, environment_apart
 from ros2lab.diagnose.nodes.life_faults import life_faults
 from ros2lab.diagnose.nodes.message_faults import message_faults
+from ros2lab.diagnose.nodes.named_alike import named_alike
 from ros2lab.diagnose.nodes.node_faults import node_faults
 from ros2lab.diagnose.nodes.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.nodes.partners import Partners
@@ -144,6 +146,7 @@ class Look:
                 yield from order.proposed(package, of_manifest)
             yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
             yield from source_faults(self.sources(package), _mains(package))
+            yield from guarded(named_alike, self.sources(package), self._alternatives)
             yield from guarded(bare_imports, package, self.sources(package))
             yield from guarded(self._shadowed, package)
             of_files = guarded(self._file_faults, package)
@@ -157,6 +160,19 @@ class Look:
         yield from started
         if self.environ is not None:
             yield from guarded(environment_faults, self.root, by_name, self.environ)
+
+    @cached_property
+    def _alternatives(self) -> set[frozenset[str]]:
+        """The pairs of modules that launch files have, but that none of them starts together by one name."""
+        points: dict[tuple[str | None, ...], str]
+        points = {(p.name, point.name): point.module for p in self.packages for point in p.points}
+        found: tuple[set[frozenset[str]], ...] = set(), set()
+        for file in self.launch_files:
+            for number, choice in enumerate(file.choices):
+                known = [(points[node[:2]], node[2:]) for node in choice if node[:2] in points]
+                for (one, name), (other, same) in itertools.combinations(known, 2):
+                    found[number > 0 and name == same].add(frozenset((one, other)))
+        return found[0] - found[1]
 
     def _file_faults(self, package: SourcePackage) -> Iterator[Finding]:
         """Yield what is wrong with a package's parameter files."""

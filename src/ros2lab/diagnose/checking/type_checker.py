@@ -31,6 +31,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, own_nodes, parameters
 from ros2lab.diagnose.sources.spelling import nearest, snake_case, write_instead
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
 def type_faults(
@@ -211,9 +212,24 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
             return "attribute-missing", cause, f"write {method[1]}() instead of {method[1]}"
         return "attribute-missing", *_no_attribute(owner, name, spot, look, said["whole"])
     if rule == "not-callable":
+        if module := re.fullmatch(r"<module '([\w.]+)'>", owner):
+            return rule, *_of_module_called(module[1], spot)
         fix = "remove the parentheses; or, if a method was meant, give the attribute a different name from the method"
         return rule, f"What comes before the parentheses is {plain(owner)}, not a function.", fix
     return "operand-type", *_of_operator(name, said, spot)
+
+
+def _of_module_called(module: str, spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of a module that is called, perhaps instead of the function of that name in it."""
+    assert spot.source is not None
+    call = next((call for call in calls_in(spot.nodes) if spot.source.resolve(call.func) == module), None)
+    text = ast.unparse(call.func) if call else module
+    inner = f"{text}.{module.rpartition('.')[2]}"
+    way = ast.unparse(call).replace(text, inner, 1) if call else ""
+    fix = f"write {text}.NAME(...), with the name of the function in {module} that is meant"
+    if call and first_that_stands(spot.source, call, [way]):
+        fix = f"write {inner}(...) instead of {text}(...)"
+    return f"{text} is a module here, and only the functions in it can be called.", fix
 
 
 def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]:

@@ -27,7 +27,11 @@ from ros2lab.diagnose.sources.uses import own_stores
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
 _THREADS, _REENTRANT = "MultiThreadedExecutor", "ReentrantCallbackGroup"
 # What rclpy runs as a task, in no callback group: what takes it, and its place and name among the arguments.
-_TAKES_TASK = {"ActionServer": (3, "execute_callback"), "add_done_callback": (0, "fn"), "create_task": (0, "callback")}
+_TAKES_TASK = {
+    "ActionServer": (3, "execute_callback"),
+    "add_done_callback": (0, "fn"),
+    "create_task": (0, "callback"),
+}
 
 
 @dataclass(frozen=True)

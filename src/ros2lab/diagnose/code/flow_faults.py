@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import ast
 import itertools
-import re
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.code.deadlocks import deadlocks
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import is_lasting
-from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import CREATORS, Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import blocks, is_steady
 from ros2lab.diagnose.sources.python_source import (
@@ -20,6 +18,7 @@ from ros2lab.diagnose.sources.python_source import (
     last_name,
     names_bound,
     own_nodes,
+    parameters,
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
@@ -42,8 +41,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from _never_true(source)
     yield from deadlocks(sources)
     for creation, function in sources.callbacks():
-        yield from _hidden(creation.source, function)
-    yield from _named_alike(sources)
+        yield from _hidden(creation, function)
     for owner in sources.nodes:
         yield from _never_started(sources, owner)
     for creation in sources.creations:
@@ -131,34 +129,6 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
         yield Finding("period", cause, creation.source.at(given), f"write 1.0 / {text}")
 
 
-def _named_alike(sources: NodeSources) -> Iterator[Finding]:
-    """Yield node names that are used in two files which executables run."""
-    first: dict[str, tuple[PythonSource, ast.AST]] = {}
-    for source in sources.sources.values():
-        for owner, function, node in sources.scoped(source):
-            if not isinstance(node, ast.Call) or not sources.makes_node(source, owner, function, node):
-                continue
-            if not may_run(sources, source, owner):
-                continue
-            name = sources.value(source, node.args[0] if node.args else None)
-            before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
-            stems = [file.name.rpartition(".")[2] for file in (before[0], source)]
-            # Interchangeable nodes have neither file's name, or one file adds a word, as in driver_sim.
-            if before[0] is not source and name in stems and not _is_variant(*stems):
-                # The node whose file has a different name was copied.
-                here, place = before if source.name.endswith(f".{name}") else (source, node)
-                stem = here.name.rpartition(".")[2]
-                cause = f"The nodes in {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart."
-                fix = f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}"
-                yield Finding("name-twice", cause, here.at(place), fix)
-
-
-def _is_variant(stem: str, other: str) -> bool:
-    """Return whether one name has all the words of the other and at least one more."""
-    words, others = (set(re.findall("[A-Za-z]+", name)) for name in (stem, other))
-    return words < others or others < words
-
-
 def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) -> Iterator[Finding]:
     for before, after in itertools.pairwise(block):
         if isinstance(before, _LEAVES) and not isinstance(after, ast.Pass):
@@ -167,7 +137,10 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
                 continue
             where = f" of {function.name}()" if isinstance(function, Function) else ""
             cause = f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`."
-            fix = f"move the {type(before).__name__.lower()} to the end, or below the condition it belongs to"
+            kind = type(before).__name__.lower()
+            fix = f"move the {kind} to the end, or below the condition it belongs to"
+            if any(isinstance(statement, _LEAVES) for statement in block[block.index(before) + 1 :]):
+                fix = f"remove line {before.lineno}, or what comes after it; or write the {kind} below the condition it belongs to"
             yield Finding("unreachable", cause, source.at(after), fix)
 
 
@@ -297,7 +270,25 @@ def _call_of(source: PythonSource, statement: ast.stmt) -> ast.Call | None:
     return value if is_asked else None
 
 
-def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
+def _shown(creation: Creation, function: Function) -> str:
+    """Return how a callback shows an error: by its node's logger, if the name of the node is known in it."""
+    made_by = creation.call.func.value if isinstance(creation.call.func, ast.Attribute) else None
+    own = creation.function
+    is_inside = own is not None and function is not own and function in walk(own)
+    known = [parameter.arg for parameter in parameters(function)]
+    known += [
+        *names_bound(own_nodes(creation.source.tree)),
+        *(names_bound(own_nodes(own)) if own and is_inside else ()),
+    ]
+    first = next((n.id for n in ast.walk(made_by) if isinstance(n, ast.Name)), "") if made_by else ""
+    return (
+        f"{ast.unparse(made_by)}.get_logger().error(str(error))"
+        if made_by and first in known
+        else "print(error)"
+    )
+
+
+def _hidden(creation: Creation, function: Function) -> Iterator[Finding]:
     """Yield except clauses that silently catch every error of a callback."""
     for node in own_nodes(function):
         if not isinstance(node, ast.ExceptHandler) or not all(
@@ -308,8 +299,9 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
             cause = (
                 f"{function.name}() catches every error without reporting it, so failures there stay silent."
             )
-            fix = "write `except ValueError as error:`, or whichever error you expect, and self.get_logger().error(str(error)) below it"
-            yield Finding("errors-hidden", cause, source.at(node), fix)
+            shown = _shown(creation, function)
+            fix = f"write `except ValueError as error:`, or whichever error you expect, and {shown} below it"
+            yield Finding("errors-hidden", cause, creation.source.at(node), fix)
 
 
 def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:

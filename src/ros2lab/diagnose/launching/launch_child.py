@@ -6,7 +6,9 @@ It runs in a process of its own that can change nothing and that ends with the p
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
+import itertools
 import json
 import logging
 import os
@@ -127,6 +129,18 @@ def _inside(entity: Any) -> list[Any]:
     return [child for _, several in inner for child in several]
 
 
+def _text(context: Any, given: Any) -> str | None:
+    """Return what launch makes of a text with substitutions; None for nothing."""
+    from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+
+    if given is None:
+        return None
+    given = getattr(given, "param_file", given)
+    given = given if isinstance(given, (list, tuple)) else [given]
+    plain = [str(piece) if isinstance(piece, os.PathLike) else piece for piece in given]
+    return str(perform_substitutions(context, normalize_to_list_of_substitutions(plain)))
+
+
 class _Loading:
     """A launch file, with every node that it makes, and those that would be started."""
 
@@ -135,6 +149,10 @@ class _Loading:
         self.made: list[tuple[Any, dict[str, Any], int | None]] = []
         self.nodes: list[dict[str, Any]] = []
         self.reached: set[int] = set()
+        self.conditions: dict[int, tuple[Any, ...]] = {}  # of each entity, with those of what it is in
+        self.choices: list[
+            list[list[str | None]]
+        ] = []  # all nodes, then those that each choice of arguments starts
         self.faults: list[dict[str, Any]] = []
         self.arguments: set[str] = set()
         self.asked: dict[str, set[str]] = {}  # by tag, the attributes that its action asks for
@@ -167,6 +185,7 @@ class _Loading:
             return {}
         return {
             "nodes": self.nodes,
+            "choices": self.choices,
             "arguments": sorted(self.arguments),
             "lost": [] if error else lost,
             "faults": self.faults,
@@ -203,12 +222,36 @@ class _Loading:
         from launch.launch_description_sources import AnyLaunchDescriptionSource
 
         included = IncludeLaunchDescription(AnyLaunchDescriptionSource(self.path))  # as `ros2 launch` does
-        self._visit(included, LaunchContext(noninteractive=True))
+        context = LaunchContext(noninteractive=True)
+        self._visit(included, context)
+        with contextlib.suppress(Exception):  # of a node that is not started, anything may be unknown
+            self._choose(context)
+
+    def _choose(self, context: Any) -> None:
+        """Note all nodes, and then those that start with the defaults and with each other value of a switch."""
+        given = context.launch_configurations
+        words = [
+            [_text(context, made.get(word)) for word in ("package", "executable", "name")]
+            for _, made, _ in self.made
+        ]
+        self.choices.append(words)
+        switches = [name for name in self.arguments if given.get(name, "").lower() in ("true", "false")]
+        for name, value in [("", ""), *itertools.product(switches, ("true", "false"))]:
+            before, given[name] = given.get(name, ""), value
+            starts = [self._is_started(node, context) for node, _, _ in self.made]
+            self.choices.append([*itertools.compress(words, starts)])
+            given[name] = before
+
+    def _is_started(self, node: Any, context: Any) -> bool:
+        """Return whether the conditions of a node, and of what it is in, hold; one that fails counts as if it did."""
+        with contextlib.suppress(Exception):
+            return all(condition.evaluate(context) for condition in self.conditions.get(id(node), ()))
+        return True
 
     def _visit(self, entity: Any, context: Any) -> None:
         from launch.actions import ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction
 
-        self._reach(entity)
+        self._reach(entity, ())
         condition = getattr(entity, "condition", None)
         if not isinstance(entity, (ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction)):
             for child in entity.visit(context) or []:
@@ -235,26 +278,19 @@ class _Loading:
                 self.later.append({"lacks": lacks, "line": self._line_of(problem)})
         self.is_later = was_later
 
-    def _reach(self, entity: Any) -> None:
+    def _reach(self, entity: Any, conditions: tuple[Any, ...]) -> None:
         from launch.actions import DeclareLaunchArgument
 
         self.reached.add(id(entity))
+        own = getattr(entity, "condition", None)
+        conditions = self.conditions.setdefault(id(entity), conditions if own is None else (*conditions, own))
         if isinstance(entity, DeclareLaunchArgument):
             self.arguments.add(entity.name)
         for child in _inside(entity):
-            self._reach(child)
+            self._reach(child, conditions)
 
     def _start(self, action: Any, context: Any) -> None:
-        from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
-
-        def text(given: Any) -> str | None:
-            if given is None:
-                return None
-            given = getattr(given, "param_file", given)
-            given = given if isinstance(given, (list, tuple)) else [given]
-            plain = [str(piece) if isinstance(piece, os.PathLike) else piece for piece in given]
-            return str(perform_substitutions(context, normalize_to_list_of_substitutions(plain)))
-
+        text = functools.partial(_text, context)
         known = next(((given, line) for node, given, line in self.made if node is action), None)
         given, line = known or ({}, None)  # a process that is not a node may be anything
         parameters = given.get("parameters") or []

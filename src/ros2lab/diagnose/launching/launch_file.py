@@ -21,7 +21,7 @@ from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
-from ros2lab.diagnose.launching.plain_values import plain_value_faults
+from ros2lab.diagnose.launching.plain_values import may_be_parameter, plain_value_faults
 from ros2lab.diagnose.sources.calls import as_list
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
@@ -77,6 +77,7 @@ class LaunchFile:
         lacks: findings about what is not on this machine, without which launch cannot load it.
         arguments: the names of its launch arguments; None where they are not known.
         refusal: launch's error message, if it refuses the file.
+        choices: package, executable and name of all nodes in it, then of those that each choice of arguments starts.
     """
 
     shown: str
@@ -86,6 +87,7 @@ class LaunchFile:
     lacks: tuple[Finding, ...] = ()
     arguments: tuple[str, ...] | None = None
     refusal: str = ""
+    choices: tuple[tuple[tuple[str | None, ...], ...], ...] = ()
 
 
 def read_launch_file(path: Path, shown: str) -> LaunchFile:
@@ -200,7 +202,10 @@ def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Findin
     if not used.keys() - declared.keys():
         for name in declared.keys() - used.keys() - {*worded}:
             cause = f"The launch argument {name} is declared but never used, so it changes nothing."
-            fix = f"pass it to a node: parameters=[{{'{name}': LaunchConfiguration('{name}')}}]"
+            value = f"LaunchConfiguration('{name}')"
+            fix = f"remove it, or write {value} where its value is needed"
+            if may_be_parameter(source, name):
+                fix = f"pass it to a node: parameters=[{{'{name}': {value}}}]"
             yield Finding("launch-unused", cause, source.at(declared[name]), fix)
 
 

@@ -153,7 +153,8 @@ def _joined(
     faults += (*_from_here(source, given, packages),)
     for lacking in told["later"]:
         faults += (*_lacking(path, file, lacking, packages, is_later=True),)
-    return LaunchFile(file.shown, nodes, faults, is_loaded=True, arguments=tuple(told["arguments"]))
+    loaded = LaunchFile(file.shown, nodes, faults, is_loaded=True, arguments=tuple(told["arguments"]))
+    return replace(loaded, choices=tuple(tuple(map(tuple, choice)) for choice in told["choices"]))
 
 
 def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:

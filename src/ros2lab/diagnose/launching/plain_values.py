@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_arguments import arguments_named
@@ -138,6 +138,8 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
                     ]
                     if len(free) > 1:
                         free = [call for call in free if _may_take(source, call, value)]
+                    argument = _argument_of(source, value)
+                    free = free if not argument or may_be_parameter(source, argument) else []
                     lines = " or ".join(str(call.lineno) for call in free)
                     where = f"add {written} to the Node on line {lines}"
                     if keyword == "arguments" or not 0 < len(free) <= _MOST_NODES:
@@ -149,12 +151,25 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
 _MOST_NODES = 3  # that are offered to take a value
 
 
+def may_be_parameter(source: PythonSource, name: str) -> bool:
+    """Return whether a name is known as that of a parameter: every node has it, or code beside a launch file declares it."""
+    home = _home(source)
+    paths = home.parent.rglob("*.py") if home and name != "use_sim_time" else ()
+    declares = re.compile(rf"declare_parameters?\b.*?['\"]{re.escape(name)}['\"]", re.DOTALL)
+    return name == "use_sim_time" or any(declares.search(read_text(path)) for path in paths)
+
+
+def _home(source: PythonSource) -> Path | None:
+    """Return the folder of the package that a launch file is in."""
+    homes = source.path.parents if source.path else ()
+    return next((folder for folder in homes if (folder / "package.xml").is_file()), None)
+
+
 def _may_take(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
     """Return whether a node may be meant to get a value: one of a parameter file that has a section for it."""
     texts = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
     names = [PurePosixPath(text).name for text in texts if text.endswith((".yaml", ".yml"))]
-    homes = source.path.parents if source.path else ()
-    home = next((folder for folder in homes if (folder / "package.xml").is_file()), None)
+    home = _home(source)
     file = next((path for name in names for path in home.rglob(name)), None) if home else None
     if file is None or "ros__parameters" not in (text := read_text(file)):
         return True
@@ -174,9 +189,7 @@ def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, s
     ]
     are_pairs = bool(items) and all(isinstance(item, ast.Tuple) and len(item.elts) == 2 for item in items)
     are_values = bool(items) and all(isinstance(item, ast.Dict) for item in items)
-    is_argument = (
-        called.endswith(".LaunchConfiguration") and texts[0] in _only_read_once(source) if texts else False
-    )
+    is_argument = _argument_of(source, value) in _only_read_once(source)
     ways = (
         (are_pairs, "remappings", name),
         (are_values, "parameters", name),
@@ -186,6 +199,11 @@ def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, s
         (bool(files), "arguments", f"[{name}]"),
     )
     return next(((keyword, f"{keyword}={written}") for is_so, keyword, written in ways if is_so), ("", ""))
+
+
+def _argument_of(source: PythonSource, value: ast.expr) -> str:
+    """Return the launch argument that an expression reads; empty for any other expression."""
+    return next((name for name, call in arguments_named(source, *READING) if call is value), "")
 
 
 def _only_read_once(source: PythonSource) -> set[str]:

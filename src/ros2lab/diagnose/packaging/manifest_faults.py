@@ -255,12 +255,19 @@ def _dependency_faults(
     )
 
 
+def _named_in(word: str, known: Collection[str]) -> list[str]:
+    """Return the packages that a word of a tag names: as a whole, `rcl.py` for rclpy, or by the parts of a path."""
+    path = re.split(r"[./:]+", word)
+    whole = [name for name in sorted(known) if same_letters(name, word)]
+    return whole[:1] or [part for part in path if part in known] or path[:1]
+
+
 def _joined(
     package: SourcePackage, written: str, place: str, declared: Collection[str], known: Collection[str]
 ) -> Iterator[Finding]:
     """Yield how to declare the packages that are written in one tag, as a list or as what Python imports of them."""
-    paths = [re.split(r"[./:]+", path) for path in re.findall(r"[^\W\d][\w./:-]*", written)]
-    parts = [part for path in paths for part in [p for p in path if p in known] or path[:1]]
+    words = re.findall(r"[^\W\d][\w./:-]*", written)
+    parts = [part for word in words for part in _named_in(word, known)]
     names = [*dict.fromkeys(part for part in parts if not keyword.iskeyword(part))]
     new = [name for name in names if name not in declared]
     text = read_text(package.folder / "package.xml")

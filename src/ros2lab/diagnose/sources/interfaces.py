@@ -36,6 +36,8 @@ LAUNCH_MODULES = (
     "launch_ros.substitutions",
     "launch.conditions",
     "launch.launch_description_sources",
+    "launch_xml.launch_description_sources",
+    "launch_yaml.launch_description_sources",
     "launch",
     "ament_index_python.packages",
 )
