@@ -9,6 +9,16 @@ from xml.parsers import expat
 # What catkin_pkg raises besides its InvalidPackage: for a format that is no number, or a condition that cannot be read;
 # for a format of the future; for tags in hundreds of others.
 NOT_TAKEN: tuple[type[Exception], ...] = (ValueError, AssertionError, RecursionError)
+# The keys of modules whose names differ from them; a ROS package is its own key.
+KEYS = {
+    "PIL": "python3-pil",
+    "cv2": "python3-opencv",
+    "numpy": "python3-numpy",
+    "pytest": "python3-pytest",
+    "serial": "python3-serial",
+    "tf2_ros": "tf2_ros_py",
+    "yaml": "python3-yaml",
+}
 _TAG = re.compile(r"</?[\w:.-]+")
 _TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
 _TEMPLATE = "TODO: Package description"  # as `ros2 pkg create` writes it

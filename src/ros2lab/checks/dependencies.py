@@ -17,6 +17,7 @@ from ros2lab import course
 from ros2lab.checks import CheckError, answer_of, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.manifests import manifest_of, names_in_export
 from ros2lab.checks.programs import create_package
+from ros2lab.manifest_words import KEYS
 
 SURVEY = "~/survey_ws/src"
 
@@ -110,16 +111,6 @@ KNOWN_TAGS = (
     "depend",
 )
 
-# The keys of modules whose names differ from them; a ROS package is its own key.
-KEYS = {
-    "PIL": "python3-pil",
-    "cv2": "python3-opencv",
-    "numpy": "python3-numpy",
-    "pytest": "python3-pytest",
-    "serial": "python3-serial",
-    "tf2_ros": "tf2_ros_py",
-    "yaml": "python3-yaml",
-}
 # What wind_report imports, as keys: its program must not become simpler instead.
 WIND_REPORT_KEYS = {"rclpy", "geometry_msgs", "std_msgs", "python3-yaml"}
 

@@ -20,7 +20,14 @@ from ros2lab.diagnose.packaging.layout_faults import hidden, outside
 from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed, is_module, nearest_module
+from ros2lab.diagnose.sources.interfaces import (
+    PACKAGES,
+    install_of,
+    is_installed,
+    is_module,
+    nearest_module,
+    package_of,
+)
 from ros2lab.diagnose.sources.other_names import by_another_name, meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource
@@ -210,6 +217,11 @@ def no_module(name: str, place: str, look: Look) -> Finding | None:
         return None
     if found := _own_module(name, place, look):
         return found
+    if top in PACKAGES and not is_installed(top):
+        brings = package_of(top)
+        cause = f"{top} comes with the package {brings} of ROS, which is not installed here."
+        fix = f"{install_of(brings)}, and declare it in package.xml: <depend>{brings}</depend>"
+        return Finding("module-missing", cause, place, fix)
     own = {part for package in look.packages for module in package.sources for part in module.split(".")}
     if top in own or nearest_module(name) or any(is_near_miss(top, own_name) for own_name in own):
         return None

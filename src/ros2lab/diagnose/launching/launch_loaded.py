@@ -22,7 +22,7 @@ from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.launching.own_modules import own_module
 from ros2lab.diagnose.launching.unlisted import unlisted
 from ros2lab.diagnose.nodes.parameter_faults import unread_file
-from ros2lab.diagnose.sources.interfaces import PACKAGES, launch_classes_below
+from ros2lab.diagnose.sources.interfaces import PACKAGES, install_of, launch_classes_below, package_of
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_other_yaml, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
@@ -337,7 +337,8 @@ def _lacking(
     is_module = "No module" in told["lacks"]
     if not name or top in own or (is_module and top in _modules(packages)):
         return  # it may be found once the workspace is installed
-    is_right = top in PACKAGES or any(top in package.declared for package in packages)
+    brings = package_of(top) if is_module else top
+    is_right = top in PACKAGES or any(brings in package.declared for package in packages)
     known = () if is_right else (*own, *sorted(PACKAGES))
     near = next((other for other in known if is_near_miss(name, other)), None)
     here = own_module(path, name, packages) if is_module and not is_right else None
@@ -369,7 +370,8 @@ def _modules(packages: Sequence[SourcePackage]) -> set[str]:
 def _how_to_get(name: str, *, is_module: bool, is_right: bool) -> str:
     """Say how what a launch file names may be installed."""
     if is_right or not is_module:
-        apt = f"sudo apt install ros-jazzy-{name.partition('.')[0].replace('_', '-')}"
+        top = name.partition(".")[0]
+        apt = install_of(package_of(top) if is_module else top)
         how = f"install it ({apt}), or put its source into src"
     else:
         how = "install the package that provides it"

@@ -11,11 +11,10 @@ from pathlib import Path, PurePosixPath
 from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, shown_path
+from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
-# Where ROS looks for the packages of a prefix: one file for each, with the name of the package.
-INDEX = "share/ament_index/resource_index/packages"
 _BUILD = "colcon build --packages-select"
 
 

@@ -7,7 +7,8 @@ import itertools
 import keyword
 import re
 import sys
-from collections.abc import Collection, Iterator, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -20,9 +21,9 @@ from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import build_type_written, repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
 from ros2lab.diagnose.sources.commented_out import without_comments, without_texts
-from ros2lab.diagnose.sources.interfaces import PACKAGES, meant
+from ros2lab.diagnose.sources.interfaces import PACKAGES, meant, package_of
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss, nearest, same_letters
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
@@ -36,7 +37,7 @@ _BROUGHT_ALONG = frozenset(
 
 
 def manifest_faults(
-    package: SourcePackage, workspace_names: Collection[str], plain: Collection[str] = ()
+    package: SourcePackage, workspace: Mapping[str, SourcePackage], plain: Collection[str] = ()
 ) -> Iterator[Finding]:
     """Yield what is wrong with the package.xml of a package for ROS; of the plain packages, it need not declare any."""
     shown = package.shown("package.xml")
@@ -60,7 +61,7 @@ def manifest_faults(
         yield Finding("manifest-invalid", cause, at(shown, line), fix)
         return
     yield from _build_type_faults(package, shown)
-    yield from _dependency_faults(package, shown, workspace_names, plain)
+    yield from _dependency_faults(package, shown, workspace, plain)
 
 
 def no_manifest(package: SourcePackage) -> Finding:
@@ -210,7 +211,7 @@ def _installs_by_folder(text: str, files: Collection[Path], package: SourcePacka
 
 
 def _dependency_faults(
-    package: SourcePackage, shown: str, workspace_names: Collection[str], plain: Collection[str]
+    package: SourcePackage, shown: str, workspace: Mapping[str, SourcePackage], plain: Collection[str]
 ) -> Iterator[Finding]:
     manifest = package.manifest
     runtime = [*manifest.build_depends, *manifest.exec_depends, *manifest.build_export_depends]
@@ -219,7 +220,7 @@ def _dependency_faults(
             dependency.name for dependency in [*runtime, *manifest.test_depends, *manifest.buildtool_depends]
         )
     ]
-    known = PACKAGES | set(workspace_names)
+    known = PACKAGES | workspace.keys()
     for export in (e for e in manifest.exports if e.tagname.endswith("depend") and e.content):
         name = str(export.content).strip()
         element = f"<{export.tagname}>{name}</{export.tagname}>"
@@ -244,15 +245,16 @@ def _dependency_faults(
         # The name of a package of ROS 1 often gets a 2, as in rviz2.
         slips = (candidate for candidate in sorted(known) if _is_slip(package, name, candidate))
         of_ros_2 = ROS_1.get(name) or (f"{name}2" if f"{name}2" in PACKAGES else "")
+        if not package.is_built_by_cmake:
+            of_ros_2 = package_of(of_ros_2)
         if wanted := of_ros_2 or next(slips, None):
             cause = f"package.xml declares {name}, but there is no such package; the name is {wanted}."
             fix = f"write {wanted} instead of {name}"
             if wanted in declared:
                 fix = f"remove this line: {wanted} is declared as well"
             yield Finding("dependency-unknown", cause, place, fix, (name,))
-    yield from _undeclared(
-        package, {*declared} | package.conditional, known - {*plain}, set(workspace_names) - {*plain}
-    )
+    own = [other for name, other in workspace.items() if name not in plain]
+    yield from _undeclared(package, {*declared} | package.conditional, known - {*plain}, own)
 
 
 def _named_in(word: str, known: Collection[str]) -> list[str]:
@@ -315,10 +317,11 @@ def launched_packages(package: SourcePackage) -> Iterator[tuple[str, str]]:
 
 
 def _undeclared(
-    package: SourcePackage, declared: set[str], known: Collection[str], own: Collection[str]
+    package: SourcePackage, declared: set[str], known: Collection[str], workspace: Collection[SourcePackage]
 ) -> Iterator[Finding]:
     launched: set[str] = set()
     told: set[str] = set()
+    own, homes = {other.name for other in workspace}, _homes(workspace)
     for name, place in launched_packages(package):
         if name in own and name not in launched | declared | {package.name}:
             launched.add(name)
@@ -329,14 +332,35 @@ def _undeclared(
         if re.search(r"(^|/)tests?/", source.shown):
             continue
         for imported in source.imports:
-            name = imported.target.partition(".")[0]
-            if name in told | declared | _BROUGHT_ALONG or name == package.name or imported.is_guarded:
+            module = imported.target.partition(".")[0]
+            name = homes.get(module) or package_of(module)
+            if name in told | declared | _BROUGHT_ALONG or imported.is_guarded:
+                continue
+            if package.name in (name, module) or (name != module and _lies_here(package, source, module)):
                 continue
             is_interface = name.endswith(("_msgs", "_srvs", "_interfaces")) and name not in package.sources
             if name in known or (is_interface and not meant(name)):
                 told.add(name)
                 if difflib.get_close_matches(name, [d for d in declared if d not in known], n=1, cutoff=0.85):
                     continue  # it is declared but misspelt, which is reported already
-                cause = f"{source.shown} imports {name}, but package.xml does not declare it: it may be missing on another machine, and colcon may build in the wrong order."
+                what = (
+                    f"{module}, but package.xml does not declare it"
+                    if name == module
+                    else f"{module}, which the package {name} brings, but package.xml does not declare {name}"
+                )
+                cause = f"{source.shown} imports {what}: it may be missing on another machine, and colcon may build in the wrong order."
                 fix = f"add <depend>{name}</depend> to package.xml"
                 yield Finding("dependency-undeclared", cause, source.at(imported.line), fix, (name,))
+
+
+def _homes(packages: Collection[SourcePackage]) -> Mapping[str, str]:
+    """Return the packages of a workspace by the modules that only they install."""
+    tops = [(p.name, {name.partition(".")[0] for name in p.packages or ()}) for p in packages]
+    counts = Counter(module for _, modules in tops for module in modules - sys.stdlib_module_names)
+    return {module: name for name, modules in tops for module in modules if counts[module] == 1}
+
+
+def _lies_here(package: SourcePackage, source: PythonSource, module: str) -> bool:
+    """Return whether a module lies beside the file that imports it, or in the package's own folder."""
+    folders = (package.folder, source.path.parent if source.path else package.folder)
+    return any((folder / module).is_dir() or (folder / f"{module}.py").is_file() for folder in folders)

@@ -15,19 +15,22 @@ from types import ModuleType
 
 from ros2lab.diagnose.sources.python_source import Function, read_text
 from ros2lab.diagnose.sources.spelling import nearest, snake_case
+from ros2lab.manifest_words import KEYS
 
 # The packages that a student may name, even if they are not installed.
 _NAMES = """
     rclpy rclcpp std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs diagnostic_msgs shape_msgs stereo_msgs
     trajectory_msgs visualization_msgs actionlib_msgs action_msgs example_interfaces builtin_interfaces
     rcl_interfaces lifecycle_msgs rosgraph_msgs unique_identifier_msgs composition_interfaces tf2 tf2_ros tf2_msgs
-    tf2_geometry_msgs tf_transformations turtlesim launch launch_ros launch_testing launch_xml launch_yaml
+    tf2_geometry_msgs tf2_py tf2_ros_py sensor_msgs_py tf_transformations turtlesim launch launch_ros launch_testing launch_xml launch_yaml
     ament_index_python ament_cmake ament_cmake_python ament_python rosidl_default_generators
     rosidl_default_runtime ros2launch xacro robot_state_publisher joint_state_publisher rviz2 nav2_msgs
     nav2_simple_commander control_msgs cv_bridge image_transport message_filters ament_copyright ament_flake8
     launch_testing_ros launch_pytest ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
     """
 PACKAGES = frozenset(_NAMES.split())
+# Where ROS looks for the packages of a prefix: one file for each, with the name of the package.
+INDEX = "share/ament_index/resource_index/packages"
 # The modules from which launch files import.
 LAUNCH_MODULES = (
     "launch_ros.actions",
@@ -52,6 +55,25 @@ def folder_of(package: str) -> Path | None:
         return None
     places = list(spec.submodule_search_locations or []) if spec else []
     return Path(places[0]) if places else None
+
+
+def package_of(module: str) -> str:
+    """Return the package that brings a top-level module, as it is called in a package.xml."""
+    return _brought(tuple(sys.path)).get(module) or KEYS.get(module, module)
+
+
+def install_of(package: str) -> str:
+    """Return the command that installs a package of ROS on Ubuntu."""
+    return f"sudo apt install ros-jazzy-{package.replace('_', '-')}"
+
+
+@lru_cache(maxsize=1)
+def _brought(path: Sequence[str]) -> Mapping[str, str]:
+    """Return the installed packages of ROS by the modules that they bring."""
+    lists = [file for folder in path for file in Path(folder).glob("*.egg-info/top_level.txt")]
+    names = {file: file.parent.name.removesuffix(".egg-info").partition("-")[0] for file in lists}
+    own = [file for file in lists if any((up / INDEX / names[file]).is_file() for up in file.parents[4:6])]
+    return {module: names[file] for file in own for module in read_text(file).split()}
 
 
 @lru_cache(maxsize=256)
