@@ -22,9 +22,7 @@ def bare_imports(package: SourcePackage, sources: NodeSources) -> Iterator[Findi
     """
     own = sources.sources
     points = package.points
-    waiting = (
-        [] if _finds_more(package, sources) else [point.module for point in points if point.module in own]
-    )
+    waiting = [] if finds_more(package) else [point.module for point in points if point.module in own]
     seen: set[str] = set()
     while waiting:
         source = own[waiting.pop()]
@@ -43,9 +41,9 @@ def bare_imports(package: SourcePackage, sources: NodeSources) -> Iterator[Findi
             waiting += [name for name in (target, target.rpartition(".")[0]) if name in own]
 
 
-def _finds_more(package: SourcePackage, sources: NodeSources) -> bool:
+def finds_more(package: SourcePackage) -> bool:
     """Return whether a package changes where Python looks for modules."""
-    own = sources.sources.values()
+    own = package.sources.values()
     used = {
         source.resolve(n) for source in own for n in source.nodes if isinstance(n, (ast.Name, ast.Attribute))
     }

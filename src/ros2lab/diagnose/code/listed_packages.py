@@ -8,6 +8,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from shlex import quote
 
+from ros2lab.diagnose.code.bare_imports import finds_more
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
@@ -63,7 +64,9 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
         return Finding("init-file-missing", cause, package.shown(f"{folder}/__init__.py"), fix)
     inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
     below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}
-    written = _with(setup, [name, *sorted(below - {name, *names})])
+    above = [name[:end] for end, sign in enumerate(name) if sign == "." and name[:end] not in names]
+    above = [outer for outer in above if (folder_of(package, outer) / "__init__.py").is_file()]
+    written = _with(setup, [*above, name, *sorted(below - {name, *names})])
     fix = f"write {name!r} into the list of packages in setup.py"
     if not names:
         fix = f"write packages={[name]!r} instead of what is there"
@@ -112,24 +115,45 @@ def _taking(keyword: ast.keyword, names: list[str]) -> ast.keyword | None:
     return ast.keyword(keyword.arg, ast.List(patterns, ast.Load())) if patterns else None
 
 
-def needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
-    """Yield the Python packages to install: that of the package's name, those of entry points and imports."""
+def needed_packages(package: SourcePackage) -> Iterator[str]:
+    """Yield the Python packages to install: that of the package's name, and those that programs and what is installed import."""
     inner = package.folder / package.name
-    if inner.is_dir() and any(map(_has_code, inner.glob("*.py"))) and not package.package_dirs:
-        yield package.name
-    modules = [point.module for point in setup.entry_points or ()]
-    for source in package.sources.values():
-        for imported in source.imports:
-            modules.append(imported.target)
-            if imported.is_from:  # what is imported may be a module, too
-                modules.append(imported.target.rpartition(".")[0])
-    for named in modules:
-        name, _, module = named.rpartition(".")
-        folder = folder_of(package, name)
-        if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
-            yield name
-        if package.folder in folder.parents and (folder / module / "__init__.py").is_file():
-            yield named
+    is_own = inner.is_dir() and any(map(_has_code, inner.glob("*.py"))) and not package.package_dirs
+    waiting = [*(package.packages or ()), *([package.name] if is_own else [])]
+    waiting += [home for point in package.points for home in _homes_of(package, point.module)]
+    files = [*package.sources.values()]
+    is_elsewhere = finds_more(package)
+    seen: set[str] = set()
+    while waiting:
+        home = waiting.pop(0)
+        if home in seen:
+            continue
+        seen.add(home)
+        yield home
+        own = (s for s in files if home == (s.name if s.is_package else s.name.rpartition(".")[0]))
+        for imported in (imported for source in own for imported in source.imports):
+            # What is imported from a module may be a module, too.
+            named = [imported.target, *([imported.target.rpartition(".")[0]] if imported.is_from else [])]
+            homes = (home for name in named for home in _homes_of(package, name))
+            waiting += [home for home in homes if not (is_elsewhere and _is_data(package, home))]
+
+
+def _homes_of(package: SourcePackage, named: str) -> Iterator[str]:
+    """Yield the Python packages among the files of a package that must be installed for a module to be imported."""
+    name, _, module = named.rpartition(".")
+    folder = folder_of(package, name)
+    if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
+        yield name
+    if package.folder in folder.parents and (folder / module / "__init__.py").is_file():
+        yield named
+
+
+def _is_data(package: SourcePackage, name: str) -> bool:
+    """Return whether setup.py installs the files of a Python package as data, or may do so."""
+    setup, folder = package.setup, folder_of(package, name).relative_to(package.folder).as_posix()
+    files = (file for _, files in setup.data_files for file in files) if setup else ()
+    is_open = setup is not None and not setup.are_data_files_known
+    return is_open or any(file.startswith(f"{folder}/") for file in files)
 
 
 def _has_code(path: Path) -> bool:

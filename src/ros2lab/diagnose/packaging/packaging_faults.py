@@ -131,7 +131,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         )
         fix = f"create the folder {name} in {package.shown('')} with an empty __init__.py, and put the nodes into it"
         yield Finding("package-folder-missing", cause, place, fix)
-    for name in dict.fromkeys(needed_packages(package, setup)):
+    for name in needed_packages(package):
         if name not in names:
             yield not_listed(package, setup, name)
 

@@ -183,11 +183,11 @@ class SourcePackage:
 
     @property
     def packages(self) -> list[str] | None:
-        """The Python packages that setup.py installs; None if not known."""
+        """The Python packages that setup.py installs, also those written as folders; None if not known."""
         value = self.setup.keywords.get("packages", []) if self.setup else None
         if not isinstance(value, (list, tuple)) or not all(isinstance(name, str) for name in value):
             return None
-        return list(value)
+        return [name.rstrip("/").replace("/", ".") if re.match(r"\w", name) else name for name in value]
 
     @cached_property
     def launch_files(self) -> list[Path]:

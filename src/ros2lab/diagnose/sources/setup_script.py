@@ -7,6 +7,7 @@ import glob
 import os
 import re
 from collections.abc import Iterator
+from configparser import RawConfigParser
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -198,11 +199,7 @@ def _take_configuration(script: SetupScript, folder: Path) -> None:
     if "packages" in options:
         value = options["packages"].strip()
         given["packages"] = (
-            packages_in(folder)
-            if value == "find:"
-            else UNKNOWN
-            if value.startswith("find")
-            else value.split()
+            _found_by_cfg(folder, parser, value.strip()) if value.startswith("find") else value.split()
         )
     given |= dict.fromkeys({"package_dir", "py_modules", "scripts"} & {*options}, UNKNOWN)
     if parser.has_option("metadata", "name"):
@@ -213,6 +210,15 @@ def _take_configuration(script: SetupScript, folder: Path) -> None:
         given = dict.fromkeys(_KEYWORDS, UNKNOWN) | given
     for keyword, value in given.items():
         script.keywords.setdefault(keyword, value)
+
+
+def _found_by_cfg(folder: Path, parser: RawConfigParser, way: str) -> list[str]:
+    """Return the packages that setuptools finds by a setup.cfg with `find:` or `find_namespace:`."""
+    found = parser["options.packages.find"] if parser.has_section("options.packages.find") else {}
+    asked = {
+        key: tuple(re.split(r"[,\s]+", found[key].strip())) for key in ("include", "exclude") if key in found
+    }
+    return packages_in(folder / found.get("where", "."), **asked, is_namespace=way == "find_namespace:")
 
 
 def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
@@ -322,8 +328,8 @@ def _calls(folder: Path) -> dict[str, Any]:
     def found_packages(where: str = ".", exclude: Any = (), include: Any = ("*",)) -> list[str]:
         return packages_in(folder / where, tuple(exclude), tuple(include))
 
-    def namespaces(*_: Any, **__: Any) -> Any:
-        return UNKNOWN
+    def namespaces(where: str = ".", exclude: Any = (), include: Any = ("*",)) -> list[str]:
+        return packages_in(folder / where, tuple(exclude), tuple(include), is_namespace=True)
 
     return {
         "os.path.join": os.path.join,
@@ -346,14 +352,24 @@ def _calls(folder: Path) -> dict[str, Any]:
     }
 
 
-def packages_in(folder: Path, exclude: tuple[str, ...] = (), include: tuple[str, ...] = ("*",)) -> list[str]:
-    """Return what `find_packages` finds: folders with an `__init__.py`, and such folders in them."""
+def packages_in(
+    folder: Path,
+    exclude: tuple[str, ...] = (),
+    include: tuple[str, ...] = ("*",),
+    *,
+    is_namespace: bool = False,
+) -> list[str]:
+    """Return what `find_packages` finds: folders with an `__init__.py`, and such folders in them.
+
+    The name of such a folder may be any without a dot; `find_namespace_packages` needs no `__init__.py`.
+    """
     found: list[str] = []
     queue = [(folder, "")]
     while queue and len(found) < _LARGEST_PACKAGE:
         parent, prefix = queue.pop()
         for path in sorted(parent.iterdir()) if parent.is_dir() else ():
-            if path.is_dir() and path.name.isidentifier() and (path / "__init__.py").is_file():
+            is_one = path.is_dir() and "." not in path.name
+            if is_one and (is_namespace or (path / "__init__.py").is_file()):
                 name = prefix + path.name
                 queue.append((path, f"{name}."))
                 is_wanted = any(fnmatchcase(name, pattern) for pattern in include)
