@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
@@ -382,15 +381,11 @@ class Look:
             points = package.setup.entry_points if package.setup else None
             scripts = package.setup.keywords.get("scripts") if package.setup else None
             is_known = bool(points) and all(point.module for point in points or ()) and not scripts
-            if package.setup is not None and not package.setup.are_data_files_known:
-                is_known &= re.search(r"['\"]/?lib['\"/]", package.setup.source.text) is None
-            names = [point.name for point in points or ()]
-            # What is copied into the folder of the executables is one, too.
-            files = package.setup.data_files if package.setup else ()
-            copied = [path for folder, paths in files if folder == f"lib/{package.name}" for path in paths]
+            copied = package.copied  # each of these is an executable, too
+            names = [point.name for point in points or ()] + [Path(path).name for path in copied or ()]
             before = found.get(package.name, [])
-            all_names = dict.fromkeys([*(before or ()), *names, *(Path(path).name for path in copied)])
-            found[package.name] = [*all_names] if is_known and before is not None else None
+            is_known &= before is not None and copied is not None
+            found[package.name] = [*dict.fromkeys([*(before or ()), *names])] if is_known else None
         return found
 
 

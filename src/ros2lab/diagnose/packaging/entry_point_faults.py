@@ -54,9 +54,7 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         and not any(f"{main}:" in read_text(path) for path in package.beside.rglob("setup.py"))
     ):
         named = re.sub(r"[^\w.]+", "_", main)
-        shown = package.sources[main].shown
-        new = f"{shown.rpartition('/')[0]}/{named.rpartition('.')[2]}.py"
-        before = "" if can_be_named(main) else f"mv {quote(shown)} {quote(new)}, and "
+        before = "".join(f"{move}, and " for move in _moves(package, main))
         cause = f"setup.py has no entry point, so {main} cannot be run with `ros2 run`."
         fix = f"{before}add '{named.rpartition('.')[2]} = {named}:main' to 'console_scripts' in entry_points"
         yield Finding("entry-points-missing", cause, place, fix)
@@ -71,12 +69,23 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
         yield from (replace(finding, about=(point.name, *finding.about)) for finding in found)
 
 
+def _moves(package: SourcePackage, module: str) -> Iterator[str]:
+    """Yield the commands after which an entry point can name a module: its folders and its file, each where it needs it."""
+    parts, count = Path(package.sources[module].shown).parts, module.count(".") + 1
+    folder = Path(*parts[:-count])
+    for name in parts[-count:]:
+        stem, dot, ending = name.partition(".")
+        better = re.sub(r"\W+", "_", stem)
+        old, new = folder / name, folder / f"{better}{dot}{ending}"
+        if old != new:
+            yield f"mv {quote(str(old))} {quote(str(new))}"
+        folder = new
+
+
 def _has_scripts(package: SourcePackage, setup: SetupScript) -> bool:
     """Return whether a setup.py installs executables in another way, or may do so."""
-    folders = [folder for folder, _ in setup.data_files]
-    is_open = not setup.are_data_files_known and "lib" in setup.source.text
     others = {"scripts"} & setup.keywords.keys() or {*(setup.groups or ())} - {"console_scripts"}
-    return bool(others) or is_open or f"lib/{package.name}" in folders
+    return bool(others) or package.copied != []
 
 
 def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Finding:

@@ -15,7 +15,7 @@ from pathlib import Path
 from shlex import quote
 
 from ros2lab.diagnose.code.imports import ROS_1
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.build_order import needed
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import build_type_written, repaired
@@ -60,8 +60,20 @@ def manifest_faults(
         cause = f"package.xml is not valid, so colcon does not treat this as a ROS package: {said}"
         yield Finding("manifest-invalid", cause, at(shown, line), fix)
         return
+    if package.is_of_ros_1:
+        yield _of_ros_1(package)
+        return
     yield from _build_type_faults(package, shown)
     yield from _dependency_faults(package, shown, workspace, plain)
+
+
+def _of_ros_1(package: SourcePackage) -> Finding:
+    """Return that a package is one of ROS 1, which has to be made anew."""
+    name, folder = package.name, package.shown("").rstrip("/")
+    cause = f"{name} is a package of ROS 1: it is built by catkin, which ROS 2 does not have."
+    fix = f"touch {quote(f'{folder}/COLCON_IGNORE')} if it is not needed here; otherwise make a new package (ros2 pkg create --build-type ament_python) and write its nodes anew with rclpy there"
+    line = manifest_line(package, "catkin")
+    return Finding("build-type-unknown", cause, at(package.shown("package.xml"), line), fix)
 
 
 def no_manifest(package: SourcePackage) -> Finding:
@@ -135,8 +147,8 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         cause = f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but {'this is a Python package' if is_python else 'there is none'}."
         found = _with_build_type("build-type-cmake", cause, package, "ament_python")
         yield found if is_python else replace(found, fix=create)
-    elif kind == "ament_cmake" and (file := _python_alone(package)):
-        yield _not_installed_by_cmake(package, shown, file)
+    elif kind == "ament_cmake" and (files := _python_alone(package)):
+        yield _not_installed_by_cmake(package, shown, files)
 
 
 def _several_build_types(package: SourcePackage, shown: str, several: Sequence[str]) -> Finding:
@@ -163,12 +175,18 @@ def _with_build_type(code: str, cause: str, package: SourcePackage, kind: str) -
     return Finding(code, cause, at(package.shown("package.xml"), line), fix)
 
 
-def _not_installed_by_cmake(package: SourcePackage, shown: str, file: str) -> Finding:
-    """Return a finding that a package is built by CMake, which does not install its Python file."""
-    name, place = package.name, at(shown, manifest_line(package, "build_type"))
+def _not_installed_by_cmake(package: SourcePackage, shown: str, files: Sequence[str]) -> Finding:
+    """Return a finding that a package is built by CMake, which does not install its Python files."""
+    name, place, file = package.name, at(shown, manifest_line(package, "build_type")), files[0]
     if package.has("setup.py"):
         cause = f"package.xml has the build type ament_cmake, so colcon builds {name} with CMakeLists.txt, which does not install {file}, and does not read setup.py."
         return _with_build_type("build-type-cmake", cause, package, "ament_python")
+    text = read_text(package.folder / "CMakeLists.txt")
+    if re.search(r"^\s*install\s*\(", text, re.MULTILINE):
+        line = line_with(text, "ament_package")
+        cause = f"CMakeLists.txt does not install {', '.join(files)}, so `ros2 run` and `ros2 launch` do not find {'it' if len(files) == 1 else 'them'}."
+        fix = f"write `install(PROGRAMS {' '.join(files)} DESTINATION lib/${{PROJECT_NAME}})` above ament_package(), and build again; the first line of a program must be #!/usr/bin/env python3"
+        return Finding("build-type-cmake", cause, at(package.shown("CMakeLists.txt"), line), fix)
     manifest = package.manifest
     needs = dict.fromkeys(dependency.name for dependency in manifest.exec_depends) if manifest else {}
     create = f"ros2 pkg create {name} --build-type ament_python"
@@ -179,8 +197,8 @@ def _not_installed_by_cmake(package: SourcePackage, shown: str, file: str) -> Fi
     return Finding("build-type-cmake", cause, place, fix)
 
 
-def _python_alone(package: SourcePackage) -> str:
-    """Return a Python file that a CMake package, with nothing to compile, does not install; empty if none."""
+def _python_alone(package: SourcePackage) -> list[str]:
+    """Return the Python files that a CMake package, with nothing to compile, does not install, those of one folder."""
     endings = ("cpp", "c", "cc", "msg", "srv", "action")
     compiled = [path for ending in endings for path in package.folder.rglob(f"*.{ending}")]
     folders = (
@@ -193,9 +211,9 @@ def _python_alone(package: SourcePackage) -> str:
     files = [path for folder in folders for path in sorted(folder.glob("*.py")) if path.name not in names]
     text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
     is_told = ".py" in text or "ament_python" in text or "catkin_python" in text
-    if compiled or not files or is_told or _installs_by_folder(text, files, package):
-        return ""
-    return files[0].relative_to(package.folder).as_posix()
+    if compiled or is_told or _installs_by_folder(text, files, package):
+        return []
+    return [p.relative_to(package.folder).as_posix() for p in files if p.parent == files[0].parent]
 
 
 def _installs_by_folder(text: str, files: Collection[Path], package: SourcePackage) -> bool:

@@ -6,6 +6,7 @@ import ast
 import collections
 import re
 from collections.abc import Collection, Iterator
+from fnmatch import fnmatchcase
 from functools import lru_cache
 from importlib.metadata import entry_points
 from shlex import quote
@@ -28,9 +29,12 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
     paths = [path for name in ("test", "tests") for path in sorted((package.folder / name).glob("*.py"))]
     sources = [package.read(path, path.stem) for path in paths]
     others = _others(package, sources) if sources else ""
+    # A loop of CMake may give each file that a pattern finds to pytest by its name.
+    chosen = _BY_CMAKE.findall(others) if package.is_built_by_cmake else ()
     for source in sources if not _CHOSEN.search(others) else ():
         texts = [others, *(other.text for other in sources if other is not source)]
-        if not any(re.search(rf"\b{re.escape(source.name)}\b", text) for text in texts):
+        is_named = any(re.search(rf"\b{re.escape(source.name)}\b", text) for text in texts)
+        if not is_named and not any(fnmatchcase(f"{source.name}.py", pattern) for pattern in chosen):
             yield from _not_run(source)
     tests = [
         (source, function)
@@ -54,6 +58,7 @@ def _is_looked_into(source: PythonSource) -> bool:
 
 # Settings by which pytest looks for other names, and what gives tests arguments that are not seen here.
 _CHOSEN = re.compile(r"\bpython_(?:files|functions|classes)\b|collect_file")
+_BY_CMAKE = re.compile(r"(?i:\bfile\s*\(\s*GLOB)[^()]*?([\w*?.\[\]-]*\*[\w*?.\[\]-]*\.py)\b")
 _COLLECTED = ("test", "generate_test")
 _GIVES_ANY = re.compile(r"\bpytest(?:[-_][a-z]|11|mark)|launch_pytest|import \*")
 
@@ -62,10 +67,11 @@ def _others(package: SourcePackage, sources: Collection[PythonSource]) -> str:
     """Return the texts of the other files that may name a file of tests: code, launch files, settings and builds."""
     paths = {source.path for source in (*package.sources.values(), *sources) if source.path}
     known = {source.path for source in sources}
-    endings = (".py", ".cfg", ".ini", ".toml", ".txt", ".xml")
+    endings = (".py", ".cfg", ".ini", ".toml", ".txt", ".xml", ".cmake")
     paths |= {path for path in package.folder.glob("*") if path.suffix in endings and path.is_file()}
     paths |= {path for path in package.launch_files if path.suffix in endings}
-    inner = (path for name in ("test", "tests") for path in (package.folder / name).rglob("*.py"))
+    inner = (path for name in ("test", "tests") for path in (package.folder / name).rglob("*"))
+    inner = (path for path in inner if path.suffix in (".py", ".txt", ".cmake") and path.is_file())
     return "\n".join(map(read_text, sorted({*paths, *inner} - known)))
 
 

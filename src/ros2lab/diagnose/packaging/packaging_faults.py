@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
 from configparser import RawConfigParser
@@ -64,8 +65,9 @@ def packaging_faults(
     if is_for_ros:
         yield from _places_for_ros(package, setup)
     is_library = setup.entry_points == [] and "scripts" not in setup.keywords
-    if is_for_ros and package.build_type in (None, "ament_python") and not is_library:
-        yield from _cfg_faults(package)
+    lost = "" if is_library else _lost(package)
+    if is_for_ros and package.build_type in (None, "ament_python") and lost:
+        yield from _cfg_faults(package, lost)
     yield from entry_point_faults(package, setup)
 
 
@@ -245,17 +247,26 @@ def _scripts(package: SourcePackage) -> dict[str, tuple[str, str]]:
     return {"develop": ("script_dir", folder), "install": ("install_scripts", folder)}
 
 
-def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
+def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
     shown = package.shown("setup.cfg")
     if not package.has("setup.cfg"):
-        yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {_LOST}.", shown, _cfg_fix(package))
+        yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, _cfg_fix(package))
         return
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
     for section in _scripts(package) if fault is None else ():  # otherwise `_cfg_form` reports it
-        yield from _cfg_section(package, config, section)
+        yield from _cfg_section(package, config, section, lost)
 
 
-_LOST = "the executables go into bin, where `ros2 run` does not look"
+def _lost(package: SourcePackage) -> str:
+    """Say which executables `ros2 run` does not find without a right setup.cfg; empty if none, as far as is known."""
+    if package.copied is None:
+        return ""
+    there = {Path(file).name for file in package.copied if os.access(package.folder / file, os.X_OK)}
+    left = [point.name for point in package.points if point.name not in there]
+    if package.points and not left:
+        return ""
+    what = f"{' and '.join(left)} {'go' if len(left) > 1 else 'goes'}" if there else "the executables go"
+    return f"{what} into bin, where `ros2 run` does not look"
 
 
 def _cfg_fix(package: SourcePackage) -> str:
@@ -267,7 +278,9 @@ def _cfg_fix(package: SourcePackage) -> str:
     return f"write these lines in setup.cfg: {', '.join(f'`{row}`' for row in rows)}"
 
 
-def _cfg_section(package: SourcePackage, config: RawConfigParser, section: str) -> Iterator[Finding]:
+def _cfg_section(
+    package: SourcePackage, config: RawConfigParser, section: str, lost: str
+) -> Iterator[Finding]:
     """Yield what is wrong in one section of a setup.cfg."""
     shown, wanted = package.shown("setup.cfg"), f"lib/{package.name}"
     key, right = _scripts(package)[section]
@@ -287,7 +300,7 @@ def _cfg_section(package: SourcePackage, config: RawConfigParser, section: str) 
     elif near:
         cause = f"setup.cfg has {near} in [{section}], but the option is called {key}."
     elif value is None and section == "install":
-        cause = f"setup.cfg has no {key} in [{section}], so {_LOST}."
+        cause = f"setup.cfg has no {key} in [{section}], so {lost}."
     elif value is not None and not value.strip().rstrip("/").endswith(wanted):
         cause = f"setup.cfg installs the executables in {value.strip()}, but `ros2 run` looks in {wanted}."
     else:

@@ -74,6 +74,8 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
         better = package.name.replace("-", "_")
         cause = f"The name {package.name} has a hyphen, which a Python package name may not have; use an underscore."
         fix = f"create the package again with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and rename the folders"
+        if there := _named(package, better):
+            fix = f"touch {quote(package.shown('COLCON_IGNORE'))}, if {there} has replaced it, for that package is called {better}; otherwise give it another name, with underscores"
         yield Finding("package-name", cause, package.shown(""), fix)
     elif isinstance(name, str) and given and name.replace("-", "_") != given:
         if (package.folder / name).is_dir() and not (package.folder / given).is_dir():
@@ -86,6 +88,14 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
         cause = f"setup.py names the package {name}, but package.xml names it {given}."
         fix = f"write {given} instead of {name}"
         yield Finding("package-name", cause, at(setup.source.shown, line), fix)
+
+
+def _named(package: SourcePackage, name: str) -> str:
+    """Return the folder of the package beside this one that has a name; empty if the name is free."""
+    others = (
+        SourcePackage(path.parent, package.root) for path in sorted(package.beside.rglob("package.xml"))
+    )
+    return next((other.shown("").rstrip("/") for other in others if other.name == name), "")
 
 
 def _keywords(setup: SetupScript) -> Iterator[Finding]:

@@ -100,13 +100,19 @@ class SourcePackage:
 
     @property
     def build_type(self) -> str | None:
-        """The build type in package.xml; None if there is none or package.xml is not valid."""
+        """The build type in package.xml; None if there is none or package.xml is not valid.
+
+        A CMake package that names no other tool than catkin is built by it.
+        """
         exports = (
             [export for export in self.manifest.exports if export.tagname == "build_type"]
             if self.manifest
             else []
         )
-        return str(exports[0].content or "").strip() if exports else None
+        if exports:
+            return str(exports[0].content or "").strip()
+        tools = [tool.name for tool in self.manifest.buildtool_depends] if self.manifest else []
+        return "catkin" if tools == ["catkin"] and self.has("CMakeLists.txt") else None
 
     @property
     def kind(self) -> str:
@@ -127,7 +133,12 @@ class SourcePackage:
     @property
     def is_built_by_cmake(self) -> bool:
         """Whether colcon builds it with its CMakeLists.txt alone, also if there is a setup.py."""
-        return self.build_type in ("ament_cmake", "cmake") and self.has("CMakeLists.txt")
+        return self.build_type in ("ament_cmake", "cmake", "catkin") and self.has("CMakeLists.txt")
+
+    @property
+    def is_of_ros_1(self) -> bool:
+        """Whether it is built by catkin, the tool of ROS 1, and so follows none of the rules of ROS 2."""
+        return self.build_type == "catkin" and self.has("CMakeLists.txt")
 
     @cached_property
     def setup_cfg(self) -> RawConfigParser | None:
@@ -139,6 +150,15 @@ class SourcePackage:
     def points(self) -> Sequence[EntryPoint]:
         """The entry points of its setup.py, as far as they are known."""
         return (self.setup.entry_points if self.setup else None) or ()
+
+    @property
+    def copied(self) -> list[str] | None:
+        """The files that setup.py copies to where `ros2 run` looks for executables; None if not known."""
+        setup = self.setup
+        if setup and not setup.are_data_files_known and re.search(r"['\"]/?lib['\"/]", setup.source.text):
+            return None
+        rows = setup.data_files if setup else ()
+        return [file for folder, files in rows if folder == f"lib/{self.name}" for file in files]
 
     @cached_property
     def sources(self) -> Mapping[str, PythonSource]:
@@ -191,8 +211,9 @@ class SourcePackage:
 
     @cached_property
     def launch_files(self) -> list[Path]:
-        """Its launch files in Python, XML or YAML, in any folder: recognized by their names or contents."""
-        return sorted(path for path in self.own_files() if _is_launch_file(path))
+        """Its launch files in Python, XML or YAML, in any folder: recognized by their names or contents; none of ROS 1."""
+        paths = () if self.is_of_ros_1 else self.own_files()
+        return sorted(path for path in paths if _is_launch_file(path))
 
     @cached_property
     def parameter_files(self) -> list[Path]:
