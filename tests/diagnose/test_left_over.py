@@ -10,7 +10,7 @@ from workspace_files import NAMES, Files
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.packaging.installed import INDEX
+from ros2lab.diagnose.sources.interfaces import INDEX
 
 PACKAGE = NAMES[0].package
 SCRIPT = "#!/usr/bin/python3\n# 'console_scripts'\n"

@@ -32,6 +32,8 @@ RIGHT = {
     "called in its own file": {"test_a.py": "def check():\n    assert 1\n\n\ncheck()\n"},
     "names that setup.cfg chooses": {"check_a.py": "def check_sum():\n    assert 1\n", "../pytest.ini": "[pytest]\npython_files = check_*.py\npython_functions = check_*\n"},
     "named by CMake": {"sums.py": ONE, "../CMakeLists.txt": "ament_add_pytest_test(sums test/sums.py)\n"},
+    "named by CMake in its folder": {"sums.py": ONE, "CMakeLists.txt": "ament_add_pytest_test(sums.py sums.py)\n"},
+    "named in a list of CMake": {"sums.py": ONE, "tests.cmake": "set(tests sums)\n"},
     "fixture with another name": {"test_a.py": "import pytest\n\n\n@pytest.fixture(name='robot')\ndef _robot():\n    return 1\n\n\ndef test_it(robot):\n    assert robot\n"},
     "fixture that is assigned": {"test_a.py": "import pytest\n\n\ndef make():\n    return 1\n\n\nrobot = pytest.fixture(make)\n\n\ndef test_it(robot):\n    assert robot\n"},
     "fixture that is imported": {"given.py": "import pytest\n\n\n@pytest.fixture\ndef robot():\n    return 1\n", "test_a.py": "from given import robot\n\n\ndef test_it(robot):\n    assert robot\n"},
@@ -45,6 +47,8 @@ WRONG = {
     "check": ({"test_a.py": "def check_sum():\n    assert 1\n"}, "never-called", "test_a.py:1"),
     "check with a fixture": ({"test_a.py": "import pytest\n\n\n@pytest.fixture\ndef a():\n    return 1\n\n\ndef is_sum(a):\n    assert a\n"}, "never-called", "test_a.py:9"),
     "file": ({"sums_tests.py": ONE}, "never-called", "sums_tests.py"),
+    "file beside one that CMake names": ({"sums_tests.py": ONE, "cases.py": ONE, "CMakeLists.txt": "ament_add_pytest_test(x cases.py)\n"}, "never-called", "sums_tests.py"),
+    "file in a folder that CMake names": ({"sums_tests.py": ONE, "../CMakeLists.txt": "ament_add_pytest_test(all test)\n"}, "never-called", "sums_tests.py"),
     "file beside another": ({"sums_tests.py": ONE, "test_a.py": ONE}, "never-called", "sums_tests.py"),
     "no fixture": ({"test_a.py": "def test_it(robot):\n    assert robot\n"}, "test-fixture", "test_a.py:1"),
     "maker": ({"test_a.py": "def make_robot():\n    return 1\n\n\ndef test_it(robot):\n    assert robot\n"}, "test-fixture", "test_a.py:5"),
@@ -67,6 +71,17 @@ def found(texts: dict[str, str], root: Path) -> list[tuple[str, str]]:
 @pytest.mark.parametrize("way", RIGHT)
 def test_what_pytest_need_not_run_is_no_fault(tmp_path: Path, way: str) -> None:
     assert found(RIGHT[way], tmp_path) == []
+
+
+@pytest.mark.parametrize(("pattern", "is_told"), [("test/*.py", False), ("test/test_*.py", True)])
+def test_a_pattern_of_cmake_finds_tests_by_any_name(tmp_path: Path, pattern: str, is_told: bool) -> None:
+    files = (
+        Files.right(NAMES[1]).change("package.xml", "ament_python", "ament_cmake").put("test/sums.py", ONE)
+    )
+    files.put("CMakeLists.txt", f"file(GLOB tests RELATIVE ${{DIR}} {pattern})\n")
+    assert [f.code for f in of_workspace(files.write(tmp_path)) if f.code == "never-called"] == [
+        "never-called"
+    ] * is_told
 
 
 @pytest.mark.parametrize("way", WRONG)

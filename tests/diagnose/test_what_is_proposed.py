@@ -210,7 +210,7 @@ def test_a_package_is_not_moved_into_another_one(tmp_path: Path) -> None:
     [
         ("<depend>rviz</depend>", "write rviz2 instead of rviz"),
         ("<exec_depend>rospy</exec_depend>", "remove this line: rclpy is declared as well"),
-        ("<depend>tf</depend>", "write tf2_ros instead of tf"),
+        ("<depend>tf</depend>", "write tf2_ros_py instead of tf"),
     ],
 )
 def test_a_package_of_ros_1_has_another_name(tmp_path: Path, tag: str, fix: str) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 UNKNOWN = "unknown"  # the code of an error that is quoted but not explained
@@ -147,6 +148,16 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("axis",),  # correct for anything but a robot on the ground
 )
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
+
+
+_MOVE = re.compile(r"\bmv ('[^']+'|\S+) ('[^']+'|[^\s,;)`]+)")
+
+
+def without_loss(finding: Finding, root: Path) -> Finding:
+    """Return a finding that tells of each file that its `mv` would write over."""
+    taken = [to for _, to in _MOVE.findall(finding.fix) if (root / to.strip("'")).is_file()]
+    told = "".join(f"; look first which of the two is needed: there is a {to} already" for to in taken)
+    return replace(finding, fix=finding.fix + told) if told else finding
 
 
 def ranked(findings: Iterable[Finding]) -> list[Finding]:

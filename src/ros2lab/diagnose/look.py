@@ -24,7 +24,7 @@ from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.code.private_names import private_name_faults
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.units import unit_faults
-from ros2lab.diagnose.finding import Finding, ranked
+from ros2lab.diagnose.finding import Finding, ranked, without_loss
 from ros2lab.diagnose.launching.launch_faults import launch_faults
 from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
@@ -48,7 +48,7 @@ from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.for_ros import is_for_ros
 from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.packaging.layout_faults import duplicate_faults, layout_faults
-from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, manifest_faults
+from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, homes_of, manifest_faults
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
 from ros2lab.diagnose.sources.beyond import Beyond
 from ros2lab.diagnose.sources.made_modules import is_made, written_modules
@@ -126,7 +126,7 @@ class Look:
     @cached_property
     def findings(self) -> list[Finding]:
         """Everything that is wrong, the likeliest cause first."""
-        return ranked(self._findings()) if self else []
+        return ranked(without_loss(finding, self.root) for finding in self._findings()) if self else []
 
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
@@ -138,10 +138,11 @@ class Look:
         started = [*guarded(self._started_faults)]
         told = {(finding.code, finding.place) for finding in started}
         order = BuildOrder(self.packages)
+        homes = homes_of(package for package in self.packages if package.name not in plain)
         for package in self.packages:
             is_plain = package.name in plain
             if not is_plain:
-                of_manifest = _each_once(guarded(manifest_faults, package, by_name, plain))
+                of_manifest = _each_once(guarded(manifest_faults, package, by_name, plain, homes))
                 yield from order.proposed(package, of_manifest)
             yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
             yield from source_faults(self.sources(package), _mains(package))

@@ -8,7 +8,7 @@ import keyword
 import re
 import sys
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -37,9 +37,19 @@ _BROUGHT_ALONG = frozenset(
 
 
 def manifest_faults(
-    package: SourcePackage, workspace: Mapping[str, SourcePackage], plain: Collection[str] = ()
+    package: SourcePackage,
+    workspace_names: Collection[str],
+    plain: Collection[str] = (),
+    homes: Mapping[str, str] | None = None,
 ) -> Iterator[Finding]:
-    """Yield what is wrong with the package.xml of a package for ROS; of the plain packages, it need not declare any."""
+    """Yield what is wrong with the package.xml of a package for ROS.
+
+    Args:
+        package: which.
+        workspace_names: the packages of its workspace.
+        plain: those of them that are not for ROS, which it need not declare.
+        homes: the others by the modules that they bring.
+    """
     shown = package.shown("package.xml")
     if not package.has("package.xml") and (misnamed := renamed_manifest(package)):
         cause = f"The manifest is called {misnamed} but must be called package.xml, so colcon does not treat this as a ROS package."
@@ -64,7 +74,8 @@ def manifest_faults(
         yield _of_ros_1(package)
         return
     yield from _build_type_faults(package, shown)
-    yield from _dependency_faults(package, shown, workspace, plain)
+    yield from _dependency_faults(package, shown, workspace_names)
+    yield from _undeclared(package, {*workspace_names} - {*plain}, homes or {})
 
 
 def _of_ros_1(package: SourcePackage) -> Finding:
@@ -229,7 +240,7 @@ def _installs_by_folder(text: str, files: Collection[Path], package: SourcePacka
 
 
 def _dependency_faults(
-    package: SourcePackage, shown: str, workspace: Mapping[str, SourcePackage], plain: Collection[str]
+    package: SourcePackage, shown: str, workspace_names: Collection[str]
 ) -> Iterator[Finding]:
     manifest = package.manifest
     runtime = [*manifest.build_depends, *manifest.exec_depends, *manifest.build_export_depends]
@@ -238,7 +249,7 @@ def _dependency_faults(
             dependency.name for dependency in [*runtime, *manifest.test_depends, *manifest.buildtool_depends]
         )
     ]
-    known = PACKAGES | workspace.keys()
+    known = PACKAGES | {*workspace_names}
     for export in (e for e in manifest.exports if e.tagname.endswith("depend") and e.content):
         name = str(export.content).strip()
         element = f"<{export.tagname}>{name}</{export.tagname}>"
@@ -271,8 +282,6 @@ def _dependency_faults(
             if wanted in declared:
                 fix = f"remove this line: {wanted} is declared as well"
             yield Finding("dependency-unknown", cause, place, fix, (name,))
-    own = [other for name, other in workspace.items() if name not in plain]
-    yield from _undeclared(package, {*declared} | package.conditional, known - {*plain}, own)
 
 
 def _named_in(word: str, known: Collection[str]) -> list[str]:
@@ -334,12 +343,11 @@ def launched_packages(package: SourcePackage) -> Iterator[tuple[str, str]]:
             yield from ((match["name"], at(shown, number)) for match in _NAMED_BY_LAUNCH.finditer(code))
 
 
-def _undeclared(
-    package: SourcePackage, declared: set[str], known: Collection[str], workspace: Collection[SourcePackage]
-) -> Iterator[Finding]:
+def _undeclared(package: SourcePackage, own: Collection[str], homes: Mapping[str, str]) -> Iterator[Finding]:
     launched: set[str] = set()
     told: set[str] = set()
-    own, homes = {other.name for other in workspace}, _homes(workspace)
+    declared = {dependency.name for dependency in needed(package)} | package.conditional
+    known = PACKAGES.union(own)
     for name, place in launched_packages(package):
         if name in own and name not in launched | declared | {package.name}:
             launched.add(name)
@@ -371,8 +379,8 @@ def _undeclared(
                 yield Finding("dependency-undeclared", cause, source.at(imported.line), fix, (name,))
 
 
-def _homes(packages: Collection[SourcePackage]) -> Mapping[str, str]:
-    """Return the packages of a workspace by the modules that only they install."""
+def homes_of(packages: Iterable[SourcePackage]) -> Mapping[str, str]:
+    """Return packages of a workspace by the modules that only they install."""
     tops = [(p.name, {name.partition(".")[0] for name in p.packages or ()}) for p in packages]
     counts = Counter(module for _, modules in tops for module in modules - sys.stdlib_module_names)
     return {module: name for name, modules in tops for module in modules if counts[module] == 1}

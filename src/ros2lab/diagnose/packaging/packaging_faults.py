@@ -20,8 +20,8 @@ from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
-from ros2lab.diagnose.packaging.installed import INDEX
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
+from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text, read_toml
