@@ -61,13 +61,32 @@ def test_what_setup_leaves_out_no_build_installs(
     assert fix in found.fix
 
 
-def test_a_list_in_setup_cfg_is_mended_there(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("cfg", "fix"),
+    [
+        ("packages =\n    bot\n", "write bot.inner on a line of its own below bot,"),
+        ("packages = find:\n[options.packages.find]\ninclude = bot\n", "and below it bot, bot.inner, each"),
+        ("packages = find:\n[options.packages.find]\nwhere = bot/away\n", "and below it bot.inner, each"),
+    ],
+)
+def test_a_list_in_setup_cfg_is_mended_there(tmp_path: Path, cfg: str, fix: str) -> None:
     package = made(tmp_path, "version='0.0.1'", *INNER)
-    (package.folder / "setup.cfg").write_text("[options]\npackages =\n    bot\n")
+    (package.folder / "setup.cfg").write_text(f"[options]\n{cfg}")
     found = not_built(package, "bot.inner")
     assert found is not None
     assert found.place == "src/bot/setup.cfg:2"
-    assert "write bot.inner on a line of its own" in found.fix
+    assert fix in found.fix
+
+
+@pytest.mark.parametrize("where", ["/usr/lib", "../.."])
+def test_nothing_outside_a_package_is_searched(tmp_path: Path, where: str) -> None:
+    package = made(tmp_path, f"packages=find_packages({where!r})", *INNER)
+    assert package.packages is None
+    (package.folder / "setup.cfg").write_text(
+        f"[options]\npackages = find:\n[options.packages.find]\nwhere = {where}\n"
+    )
+    (package.folder / "setup.py").write_text("from setuptools import setup\nsetup()\n")
+    assert SourcePackage(package.folder).packages is None
 
 
 @pytest.mark.parametrize(("given", "files", "module"), BUILT)

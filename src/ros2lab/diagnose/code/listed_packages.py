@@ -54,8 +54,14 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
     names = package.packages or []
     folder = folder_of(package, name).relative_to(package.folder).as_posix()
     # A package that is listed by name is installed even without an __init__.py.
-    if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
-        cause = f"The folder {folder} has no __init__.py, so find_packages() skips it and nothing in it is installed."
+    cfg = package.setup_cfg
+    in_cfg = (
+        cfg.get("options", "packages", fallback="").strip() if cfg and setup.line("packages") is None else ""
+    )
+    if ("find_packages(" in setup.source.text or in_cfg == "find:") and not package.has(
+        f"{folder}/__init__.py"
+    ):
+        cause = f"The folder {folder} has no __init__.py, so {in_cfg or 'find_packages()'} skips it and nothing in it is installed."
         fix = (
             f"mv {quote(package.shown(called))} {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
             if (called := alike(package.folder, f"{folder}/__init__.py"))
@@ -72,14 +78,15 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
         fix = f"write packages={[name]!r} instead of what is there"
     elif written:
         fix += f": `packages={written},`"
-    cfg = package.setup_cfg
-    if setup.line("packages") is None and cfg is not None and cfg.has_option("options", "packages"):
+    if in_cfg:
         lines = read_text(package.folder / "setup.cfg").splitlines()
         line = next((n for n, text in enumerate(lines, 1) if text.startswith("packages")), None)
-        cause = (
-            f"setup.cfg does not install the Python package {name}: its `packages` holds {', '.join(names)}."
-        )
-        fix = f"write {name} on a line of its own below {names[-1]}, as far to the right, and build again"
+        cause = f"setup.cfg does not install the Python package {name}: its `packages` holds {', '.join(names) or 'nothing'}."
+        if in_cfg.startswith("find"):
+            each = ", ".join([*names, name])
+            fix = f"write `packages =` instead of `packages = {in_cfg}`, and below it {each}, each on an indented line of its own, and build again"
+        else:
+            fix = f"write {name} on a line of its own below {names[-1]}, as far to the right, and build again"
         return Finding("package-not-listed", cause, at(package.shown("setup.cfg"), line), fix)
     return Finding(
         "package-not-listed",

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from configparser import RawConfigParser
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -212,13 +213,20 @@ def _take_configuration(script: SetupScript, folder: Path) -> None:
         script.keywords.setdefault(keyword, value)
 
 
-def _found_by_cfg(folder: Path, parser: RawConfigParser, way: str) -> list[str]:
+def _found_by_cfg(folder: Path, parser: RawConfigParser, way: str) -> Any:
     """Return the packages that setuptools finds by a setup.cfg with `find:` or `find_namespace:`."""
     found = parser["options.packages.find"] if parser.has_section("options.packages.find") else {}
-    asked = {
-        key: tuple(re.split(r"[,\s]+", found[key].strip())) for key in ("include", "exclude") if key in found
-    }
-    return packages_in(folder / found.get("where", "."), **asked, is_namespace=way == "find_namespace:")
+    kinds = [key for key in ("include", "exclude") if key in found]
+    asked: dict[str, Any] = {key: re.split(r"[,\s]+", found[key].strip()) for key in kinds}
+    return _found(folder, found.get("where", "."), **asked, is_namespace=way == "find_namespace:")
+
+
+def _found(folder: Path, where: str = ".", exclude: Any = (), include: Any = ("*",), **form: bool) -> Any:
+    """Return the packages below a folder, as `find_packages` takes its arguments; nothing outside is searched."""
+    inner = (folder / where).resolve()
+    if not inner.is_relative_to(folder.resolve()):
+        return UNKNOWN
+    return packages_in(inner, tuple(exclude), tuple(include), **form)
 
 
 def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
@@ -325,12 +333,6 @@ def _calls(folder: Path) -> dict[str, Any]:
         pattern = os.path.join(folder, pattern)  # noqa: PTH118 -- the pattern may be absolute
         return [os.path.relpath(path, folder) for path in glob.glob(pattern, recursive=True)]  # noqa: PTH207
 
-    def found_packages(where: str = ".", exclude: Any = (), include: Any = ("*",)) -> list[str]:
-        return packages_in(folder / where, tuple(exclude), tuple(include))
-
-    def namespaces(where: str = ".", exclude: Any = (), include: Any = ("*",)) -> list[str]:
-        return packages_in(folder / where, tuple(exclude), tuple(include), is_namespace=True)
-
     return {
         "os.path.join": os.path.join,
         "os.path.basename": os.path.basename,
@@ -339,8 +341,8 @@ def _calls(folder: Path) -> dict[str, Any]:
         "os.path.abspath": str,
         "glob.glob": found,
         "glob.iglob": found,
-        "setuptools.find_packages": found_packages,
-        "setuptools.find_namespace_packages": namespaces,
+        "setuptools.find_packages": partial(_found, folder),
+        "setuptools.find_namespace_packages": partial(_found, folder, is_namespace=True),
         "catkin_pkg.python_setup.generate_distutils_setup": dict,
         "str": str,
         "list": list,
