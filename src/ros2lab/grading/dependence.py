@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Iterator
 from functools import cache, cached_property
 
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PAUSES, PythonSource
 from ros2lab.grading.compared import LOOKS_FOR, compared
 from ros2lab.grading.running import Code
 
@@ -105,7 +105,7 @@ class _Flow:
             case ast.While(test=test, body=body, orelse=orelse):
                 matters = test is not node or bool(self._done((*body, *orelse)))
             case ast.Expr():
-                matters = isinstance(node, (ast.Call, ast.Await, ast.Yield)) and not _is_look_up(node)
+                matters = isinstance(node, (ast.Call, *PAUSES)) and not _is_look_up(node)
             case ast.Assert():
                 matters = False
             case ast.Assign() | ast.AnnAssign() | ast.AugAssign():

@@ -14,7 +14,7 @@ from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, is_generator
 from ros2lab.grading.arguments import is_refused
 from ros2lab.grading.cases import ARITHMETIC, COMPARISONS, Given, range_within
 from ros2lab.grading.possible import Possible
@@ -47,7 +47,7 @@ _LOOKS = frozenset(
 )  # functions that change nothing of what they are given
 _READS = frozenset(("get", "items", "keys", "values", "index", "count"))
 _COMPOUND = (ast.Try, ast.With, ast.AsyncWith, ast.Match)
-_LEAVES = (ast.Return, ast.Break, ast.Continue, ast.Yield, ast.YieldFrom, ast.Raise)
+_LEAVES = (ast.Return, ast.Break, ast.Continue, *YIELDS, ast.Raise)
 
 
 class _Message:
@@ -212,7 +212,7 @@ class Failing:
     def _always_fails(self, source: PythonSource, function: Function) -> bool:
         """Return whether one of the statements that a function certainly reaches fails."""
         home = self._possible.scopes[function][0] if function in self._possible.scopes else source
-        if any(isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)):
+        if is_generator(function):
             return False
         for statement in function.body:
             if isinstance(statement, ast.Raise) or self.fails(home, statement):

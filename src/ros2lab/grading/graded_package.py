@@ -12,8 +12,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import PythonSource, read_text, read_toml
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript, packages_in
 from ros2lab.grading.clean_copy import shown
 from ros2lab.grading.submission import MOST_SOURCE

@@ -17,7 +17,7 @@ from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, own_nodes, parameters
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.grading.arguments import Arguments
 from ros2lab.grading.assigned import Store, Stores, value_before
@@ -320,7 +320,7 @@ class Possible:
         """Return the values that a function of the files may return."""
         inside = own_nodes(function)
         is_plain = isinstance(function, ast.FunctionDef) and not function.decorator_list
-        if not is_plain or any(isinstance(node, (ast.Yield, ast.YieldFrom)) for node in inside):
+        if not is_plain or any(isinstance(node, YIELDS) for node in inside):
             return ANY
         if function in self._known:
             return self._known[function]

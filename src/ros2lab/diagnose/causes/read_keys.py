@@ -17,8 +17,9 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource, last_name, read_toml
+from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource, last_name
 from ros2lab.diagnose.sources.spelling import nearest
 
 _READERS = ("DictReader", "load", "safe_load", "loads", "read")

@@ -12,6 +12,7 @@ from ros2lab.diagnose.sources.entrance import is_lasting
 from ros2lab.diagnose.sources.node_source import CREATORS, Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import blocks, is_steady
 from ros2lab.diagnose.sources.python_source import (
+    YIELDS,
     Function,
     PythonSource,
     given_to,
@@ -133,7 +134,7 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
     for before, after in itertools.pairwise(block):
         if isinstance(before, _LEAVES) and not isinstance(after, ast.Pass):
             # An unreachable yield is how an empty generator is written.
-            if any(isinstance(n, (ast.Yield, ast.YieldFrom)) for n in ast.walk(after)):
+            if any(isinstance(n, YIELDS) for n in ast.walk(after)):
                 continue
             where = f" of {function.name}()" if isinstance(function, Function) else ""
             cause = f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`."

@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.construction import is_node_class
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import own_function
-from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.python_source import PAUSES, Function, PythonSource
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by
@@ -53,7 +53,7 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
             fix = f"write {ast.unparse(counted)} {added}= 1"
             yield Finding("no-effect", cause, source.at(value), fix)
         case ast.BinOp() | ast.UnaryOp():
-            kinds = (ast.Call, ast.Await, ast.Yield, *_SHIFTS)
+            kinds = (ast.Call, *PAUSES, *_SHIFTS)
             if not any(isinstance(n, kinds) for n in ast.walk(value)):
                 cause = f"`{text}` is computed, but its result is not used."
                 fix = f"assign it to a variable, or {removal(source, value, 'the line')}"

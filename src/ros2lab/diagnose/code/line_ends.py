@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.kinds import Kinds, Scope
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.python_source import YIELDS, own_nodes
 from ros2lab.diagnose.sources.syntax_parts import equal_sides, stores_in
 
 _FILE, _LINES, _LINE, _PARTS = "file", "lines", "line", "parts"  # what an expression may hold
@@ -120,9 +120,7 @@ class _Reader:
         if found is None or found[1].decorator_list:
             return ""
         inner = _Reader(Scope(self._scope.kinds, found[0], self._scope.owner, found[1]))
-        returned = [
-            node for node in own_nodes(found[1]) if isinstance(node, (ast.Return, ast.Yield, ast.YieldFrom))
-        ]
+        returned = [node for node in own_nodes(found[1]) if isinstance(node, (ast.Return, *YIELDS))]
         return _agreed(
             [inner.kind(node.value, depth) if isinstance(node, ast.Return) else "" for node in returned]
         )

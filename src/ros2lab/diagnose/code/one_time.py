@@ -8,7 +8,15 @@ from collections.abc import Iterator
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.one_run import may_leave
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, assignments, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import (
+    PAUSES,
+    Function,
+    PythonSource,
+    assignments,
+    is_generator,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.uses import State, Uses, uses_of
 
@@ -17,7 +25,6 @@ _MAKERS = frozenset(
 )
 _TAKERS = frozenset(("list", "tuple", "set", "sorted", "sum", "max", "min", "dict", "frozenset"))
 _LOOPS = (ast.For, ast.AsyncFor, ast.While)
-_PAUSES = (ast.Yield, ast.YieldFrom, ast.Await)
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp)
 
 
@@ -68,7 +75,7 @@ def _walked_twice(sources: NodeSources, source: PythonSource, function: Function
         loads = sorted(others, key=lambda load: (load.lineno, load.col_offset))
         first, loops = loads[0], [n for n in nodes if isinstance(n, _LOOPS) and made not in walk(n)]
         around = [n for n in loops if any(first in walk(s) for s in n.body)]
-        if around and not may_leave(around[-1].body, *_PAUSES):
+        if around and not may_leave(around[-1].body, *PAUSES):
             yield _finding(source, value, name, "this is inside a loop: from the second pass on")
         elif len(loads) > 1 and _is_sure(function, first, loads[1]):
             yield _finding(source, value, name, f"line {first.lineno} has used it up: here")
@@ -95,7 +102,7 @@ def _is_once(sources: NodeSources, source: PythonSource, value: ast.expr) -> boo
     if name in sources.functions:
         function = sources.functions[name][1]
         is_made = not function.decorator_list and isinstance(function, ast.FunctionDef)
-        return is_made and any(isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function))
+        return is_made and is_generator(function)
     return name in _MAKERS and not (name == "iter" and len(value.args) > 1)
 
 
@@ -104,7 +111,7 @@ def _is_all(function: Function, load: ast.AST) -> bool:
     for node in walk(function):
         match node:
             case ast.For(iter=given, body=body) if given is load:
-                return not may_leave(body, *_PAUSES)
+                return not may_leave(body, *PAUSES)
             case ast.comprehension(iter=given) if given is load:
                 return any(
                     node in comprehension.generators
@@ -118,7 +125,7 @@ def _is_all(function: Function, load: ast.AST) -> bool:
             case ast.For(iter=ast.Call(func=ast.Name(id="enumerate"), args=[given, *_]), body=body) if (
                 given is load
             ):
-                return not may_leave(body, *_PAUSES)
+                return not may_leave(body, *PAUSES)
     return False
 
 

@@ -13,6 +13,8 @@ from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import (
+    PAUSES,
+    YIELDS,
     Function,
     PythonSource,
     assigned_to,
@@ -313,7 +315,7 @@ def _nothing_returned(
     if (
         is_passed
         or isinstance(function, ast.AsyncFunctionDef)
-        or any(isinstance(node, (ast.Return, ast.Yield, ast.YieldFrom, ast.Raise)) for node in nodes)
+        or any(isinstance(node, (ast.Return, *YIELDS, ast.Raise)) for node in nodes)
     ):
         return
     match function.body[-1]:
@@ -379,7 +381,7 @@ def _only_computes(function: Function) -> bool:
     for node in nodes:
         if isinstance(node, (ast.Attribute, ast.Subscript)) and isinstance(node.ctx, ast.Store):
             return False
-        if isinstance(node, (ast.Global, ast.Nonlocal, ast.Raise, ast.Yield, ast.Await, ast.Assert)):
+        if isinstance(node, (ast.Global, ast.Nonlocal, ast.Raise, *PAUSES, ast.Assert)):
             return False
         if isinstance(node, ast.Call) and not (
             getattr(node.func, "id", "") in _PURE or (dotted(node.func) or "").startswith("math.")

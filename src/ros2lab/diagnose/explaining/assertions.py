@@ -14,7 +14,12 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.spots import place_of, spot_at
-from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes, read_text
+from ros2lab.diagnose.sources.python_source import (
+    PythonSource,
+    last_name,
+    read_text,
+    returns_value,
+)
 from ros2lab.diagnose.sources.static_value import evaluate, expression
 
 _MOST_OF_TESTS = 20_000  # characters of the test results
@@ -113,8 +118,6 @@ def _returns_nothing(tested: ast.expr, look: Look) -> tuple[PythonSource, ast.Fu
     for package in look.packages:
         for source in package.sources.values():
             for node in source.nodes:
-                if isinstance(node, ast.FunctionDef) and node.name == name:
-                    given = [n for n in own_nodes(node) if isinstance(n, (ast.Return, ast.Yield))]
-                    if not any(n.value for n in given):
-                        return source, node
+                if isinstance(node, ast.FunctionDef) and node.name == name and not returns_value(node):
+                    return source, node
     return None

@@ -10,7 +10,7 @@ from ros2lab.diagnose.sources.entrance import SPINNING
 from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import goes_on_forever, may_leave
 from ros2lab.diagnose.sources.own_functions import called_function
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import PAUSES, Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 from ros2lab.diagnose.sources.uses import is_log
@@ -65,7 +65,7 @@ def _is_endless(sources: NodeSources, source: PythonSource, owner: NodeClass | N
     spins = any(isinstance(n, ast.Attribute) and n.attr in SPINNING for n in (*inside, *called))
     is_ended = any(isinstance(n, ast.Raise) or _ends(n) for n in (*inside, *called))
     is_lasting = goes_on_forever(source, node) or (is_self_attribute(node.test) and _leaves_alone(node))
-    return is_lasting and not spins and not is_ended and not may_leave([node], ast.Yield, ast.Await)
+    return is_lasting and not spins and not is_ended and not may_leave([node], *PAUSES)
 
 
 def _leaves_alone(loop: ast.While) -> bool:

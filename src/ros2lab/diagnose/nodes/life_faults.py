@@ -24,7 +24,14 @@ from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_call
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, may_leave, own_calls, run_once
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    is_generator,
+    own_nodes,
+    parameters,
+    walk,
+)
 from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
@@ -114,7 +121,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
             continue
         seen.add(id(function))
         own = [sources.method(owner, name) for name in own_calls(function)]
-        functions = [function, *(method for method in own if method is not None)]
+        functions = [function, *(method for method in own if method and not is_generator(method))]
         yield from endless_loops(sources, source, owner, functions, what)
         yield from _waits(sources, source, owner, functions, what)
         yield from _needs_asyncio(sources, source, functions, what)

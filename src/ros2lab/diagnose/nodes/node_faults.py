@@ -27,7 +27,7 @@ from ros2lab.diagnose.sources.node_source import (
     is_self_attribute,
 )
 from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -232,7 +232,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
 def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
     """Yield callbacks that a yield turns into generators, so that none of their code ever runs."""
     for node in own_nodes(function):
-        if isinstance(node, (ast.Yield, ast.YieldFrom)):
+        if isinstance(node, YIELDS):
             cause = f"The yield makes {function.name}() a generator: ROS calls it, but none of its code ever runs."
             fix = f"remove the yield: publish or return the value, or call the function, in {function.name}()"
             never = (creation.source.at(function),)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import PAUSES, Function, own_nodes, walk
 from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def called_always(
     sources: NodeSources, owner: NodeClass | None, function: Function, depth: int = 0
 ) -> Iterator[tuple[str, ast.Call]]:
     """Yield the calls that a function always makes, also by methods of its own; none if it may end early."""
-    leaves = (ast.Return, ast.Raise, ast.Yield, ast.Await)
+    leaves = (ast.Return, ast.Raise, *PAUSES)
     ends = ("destroy", "shutdown", "exit", "cancel")
     for node in own_nodes(function):
         called = ast.unparse(node.func) if isinstance(node, ast.Call) else ""

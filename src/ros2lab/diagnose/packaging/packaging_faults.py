@@ -21,10 +21,11 @@ from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
+from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import read_text, read_toml
+from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_cfg import cfg_repair, read_cfg
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss

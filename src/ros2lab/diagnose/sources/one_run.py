@@ -8,7 +8,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import (
+    PAUSES,
+    Function,
+    PythonSource,
+    children,
+    is_generator,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -62,7 +70,7 @@ def run_once(
     named = Counter(node.attr for node in files if isinstance(node, ast.Attribute))
     for name, call in own_calls(function).items():
         method = sources.method(owner, name)
-        if method is not None and named[name] == 1 and id(call) not in repeated:
+        if method and not is_generator(method) and named[name] == 1 and id(call) not in repeated:
             once |= {id(node) for node in own_nodes(method)} - in_loops(method)
     return once
 
@@ -110,8 +118,7 @@ def _own(statement: ast.stmt) -> tuple[ast.AST, ...]:
 def is_steady(expression: ast.expr) -> bool:
     """Return whether an expression gives the same value each time that it is evaluated in one condition."""
     return not any(
-        isinstance(node, (ast.Await, ast.NamedExpr, ast.Yield))
-        or (isinstance(node, ast.Call) and not _only_counts(node))
+        isinstance(node, (ast.NamedExpr, *PAUSES)) or (isinstance(node, ast.Call) and not _only_counts(node))
         for node in walk(expression)
     )
 

@@ -11,9 +11,11 @@ from typing import TypeVar
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import reaches_end
 from ros2lab.diagnose.sources.python_source import (
+    YIELDS,
     Function,
     PythonSource,
     assigned_to,
+    is_generator,
     last_name,
     own_nodes,
     parameters,
@@ -122,11 +124,10 @@ def held_once(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.
 
 def returned(function: Function) -> list[ast.AST]:
     """Return the `return` statements with a value and the `yield` expressions of a function."""
-    kinds = (ast.Yield, ast.YieldFrom)
     return [
         n
         for n in own_nodes(function)
-        if isinstance(n, kinds) or (isinstance(n, ast.Return) and n.value is not None)
+        if isinstance(n, YIELDS) or (isinstance(n, ast.Return) and n.value is not None)
     ]
 
 
@@ -185,8 +186,6 @@ def as_function(function: Function | None, call: ast.Call, passed: Sequence[str]
 
 def may_fall_through(function: Function) -> bool:
     """Return whether a function may reach its end and return None."""
-    if function.decorator_list or any(
-        isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)
-    ):
+    if function.decorator_list or is_generator(function):
         return False
     return not returned(function) or reaches_end(function.body)

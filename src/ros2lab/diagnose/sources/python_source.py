@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import importlib
 import math
 import warnings
 from collections import Counter
@@ -11,14 +10,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from ros2lab.diagnose.finding import at
+from ros2lab.diagnose.sources.file_texts import decoded
 from ros2lab.diagnose.sources.static_value import bound, dotted
 
 _Kind = TypeVar("_Kind", bound=ast.stmt)
 _Given = TypeVar("_Given", bound=ast.expr | None)
 Function = ast.FunctionDef | ast.AsyncFunctionDef
+YIELDS = (ast.Yield, ast.YieldFrom)
+PAUSES = (*YIELDS, ast.Await, ast.AsyncFor, ast.AsyncWith)  # where others may go on before the function does
 
 DEEPEST = 200  # levels; a deeper tree was not written by hand, and is ignored
 MOST_FAULTS = 5  # syntax errors to repair in a file
@@ -61,7 +63,7 @@ class PythonSource:
         try:
             with warnings.catch_warnings(record=True) as warned:
                 warnings.simplefilter("always")
-                tree = ast.parse(self.text)
+                tree = ast.parse(self._written)
                 self.is_beyond = _depth(tree) >= DEEPEST
                 if self.is_beyond:
                     return ast.Module([], [])
@@ -76,6 +78,11 @@ class PythonSource:
             self.is_beyond = isinstance(error, RecursionError)
             self.fault = SyntaxError(str(error) or "too deeply nested", (self.shown, 1, 1, ""))
         return ast.Module([], [])
+
+    @property
+    def _written(self) -> str | bytes:
+        """The text; the bytes of the file where they are not in the encoding that Python expects, so that it says so."""
+        return self.path.read_bytes() if self.path and "\ufffd" in self.text else self.text
 
     @property
     def readable_to(self) -> float:
@@ -298,28 +305,13 @@ def read_source(path: Path, name: str, shown: str) -> PythonSource:
     return PythonSource(name, shown, read_text(path), path.name == "__init__.py", path)
 
 
-def read_toml(text: str) -> dict[str, Any]:
-    """Return the contents of a text in TOML; empty if it cannot be read."""
-    for name in ("tomllib", "setuptools.compat.py310"):  # Python 3.10 has none of its own
-        try:
-            module = importlib.import_module(name)
-        except ImportError:
-            continue
-        reader = getattr(module, "tomllib", module)
-        try:
-            return dict(reader.loads(text))
-        except (ValueError, RecursionError):
-            return {}
-    return {}
-
-
 def read_text(path: Path) -> str:
     """Return the text of a file; empty if it is missing, cannot be read or is too large."""
     try:
         # Reading a device or a pipe may never end.
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:
             return ""
-        return path.read_bytes().decode("utf-8-sig", errors="replace")
+        return decoded(path.read_bytes(), path)
     except OSError:
         return ""
 
@@ -445,5 +437,10 @@ def _outside(node: ast.AST) -> list[ast.expr]:
 
 def returns_value(function: Function) -> bool:
     """Return whether a function returns or yields a value."""
-    kinds = (ast.Return, ast.Yield, ast.YieldFrom)
+    kinds = (ast.Return, *YIELDS)
     return any(isinstance(node, kinds) and node.value is not None for node in own_nodes(function))
+
+
+def is_generator(function: Function) -> bool:
+    """Return whether a call of a function runs nothing of it yet, because it yields."""
+    return any(isinstance(node, YIELDS) for node in own_nodes(function))
