@@ -40,6 +40,32 @@ def test_a_node_does_not_have_the_first_name(tmp_path: Path, pair: str, fix: str
     assert fix in found.fix
 
 
+SPACE = "namespace='robot1'"
+
+
+def inside(pair: str, space: str = f", {SPACE}") -> Files:
+    """Return a workspace whose driver uses a relative name, in a namespace."""
+    return (
+        remapped(pair).change("driver", "'/cmd_vel'", "'cmd_vel'").change(LAUNCH, DRIVER, f"{DRIVER}{space}")
+    )
+
+
+@pytest.mark.parametrize(
+    ("files", "wanted"),
+    [
+        (inside("('/cmd_vel', 'wheels')"), "write 'cmd_vel'"),
+        (remapped("('cmd_vel', 'wheels')").change(LAUNCH, DRIVER, f"{DRIVER}, {SPACE}"), "write '/cmd_vel'"),
+        (inside("('cmd_vel', 'wheels')"), ""),
+        (inside("('/robot1/cmd_vel', 'wheels')"), ""),
+        (remapped("('/cmd_vel', 'wheels')").change(LAUNCH, DRIVER, f"{DRIVER}, {SPACE}"), ""),
+        (inside("('/cmd_vel', 'wheels')", ""), ""),
+    ],
+)
+def test_a_slash_leaves_the_namespace(tmp_path: Path, files: Files, wanted: str) -> None:
+    found = found_in(files, tmp_path)
+    assert [one.fix.startswith(wanted) for one in found] == [True] * bool(wanted)
+
+
 @pytest.mark.parametrize(
     ("first", "begin"),
     [("/robot/report", "write ('/cmd_vel',"), ("steering", "remove it if '/cmd_vel' is right")],

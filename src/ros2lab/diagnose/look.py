@@ -24,7 +24,10 @@ from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.code.private_names import private_name_faults
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.units import unit_faults
+from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.finding import Finding, ranked, without_loss
+from ros2lab.diagnose.launching.awaited_ends import awaited_ends
+from ros2lab.diagnose.launching.keyboards import keyboard_faults
 from ros2lab.diagnose.launching.launch_faults import launch_faults
 from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
@@ -55,7 +58,7 @@ from ros2lab.diagnose.sources.made_modules import is_made, written_modules
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.other_files import OtherFiles
 from ros2lab.diagnose.sources.package import SourcePackage, discover
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 
 
 def workspace_around(folder: Path) -> Path | None:
@@ -256,11 +259,14 @@ class Look:
         return service_faults(ends, names, moved | self._remapped(), self._partners, is_alone=is_alone)
 
     def _started_faults(self) -> Iterator[Finding]:
-        for launch_file in self.launch_files:
+        for launch_file, path in self.launches:
             if launch_file.is_loaded:
                 yield from guarded(self._faults_of_started, launch_file)
                 nodes = started_in(launch_file, self._with_sources)
                 yield from guarded(unknown_names, launch_file, nodes)
+                yield from guarded(keyboard_faults, launch_file, read_text(path), nodes)
+                if path.suffix == ".py":
+                    yield from guarded(awaited_ends, read_source(path, path.stem, launch_file.shown), nodes)
                 yield from guarded(set_back, nodes)
 
     def _faults_of_started(self, launch_file: LaunchFile) -> Iterator[Finding]:

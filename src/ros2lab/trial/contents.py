@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import ast
-import builtins
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.python_source import last_name
 from ros2lab.grading.evidence import Run
 
 if TYPE_CHECKING:
@@ -46,10 +46,8 @@ def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
                 f"write 1.0 instead of 1 where {tiny} is set",
             )
         elif _are_blank(values) and seen.is_free(run):
-            ends = seen.ends(topic, is_publisher=True)
-            takes_words = run.subscribes.keys() - {"/clock"}
-            if any(map(_varies, ends)) or (takes_words and any(map(_is_computed, ends))):
-                continue  # what would change it, such as a certain word, is not known
+            if any(map(_is_computed, seen.ends(topic, is_publisher=True))):
+                continue  # it is filled, and what would change the value, or whether it is to be zero, is not known
             yield Finding(
                 "message-empty",
                 f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, even after every command: the published message is not the one that was filled, or nothing fills it.",
@@ -81,55 +79,20 @@ def _leaves(value: Any) -> Iterator[Any]:
 
 
 def _is_computed(end: Any) -> bool:
-    """Return whether a class fills the messages that it publishes with computed values."""
-    return any(not isinstance(value, ast.Constant) for value in _given(end))
-
-
-def _varies(end: Any) -> bool:
-    """Return whether a class fills its messages with values that it reads or changes while it runs."""
-    owner = end.creation.owner
-    methods = [*owner.methods.values()] if owner else []
-    bound = [pair for method in methods for node in ast.walk(method) for pair in _bound(node)]
-    changed = _changed(method for method in methods if method.name != "__init__")
-    waiting, seen = _given(end), set[str]()
-    while waiting:
-        for node in ast.walk(waiting.pop()):
-            if (isinstance(node, ast.Call) and _asks(node)) or ast.unparse(node) in changed:
-                return True
-            if isinstance(node, ast.Name) and node.id not in seen:
-                seen.add(node.id)
-                waiting += [value for target, value in bound if getattr(target, "id", "") == node.id]
-    return False
-
-
-def _changed(methods: Iterable[ast.AST]) -> set[str]:
-    """Return the attributes to which methods assign values other than constants."""
-    pairs = (pair for method in methods for node in ast.walk(method) for pair in _bound(node))
-    return {
-        ast.unparse(target)
-        for target, value in pairs
-        if isinstance(target, ast.Attribute) and not isinstance(value, ast.Constant)
-    }
+    """Return whether a class fills the messages that it publishes with anything but constants and empty messages."""
+    read = (node for value in _given(end) for node in ast.walk(value))
+    return any(
+        isinstance(node, (ast.Name, ast.Attribute)) and not last_name(node)[:1].isupper() for node in read
+    )
 
 
 def _bound(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """Yield the targets of an assignment or a loop, each with its value."""
+    """Yield the targets of an assignment, each with its value."""
     match node:
         case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)):
             yield from zip(targets, values, strict=False)
         case ast.Assign(targets=targets, value=value):
             yield from ((target, value) for target in targets)
-        case ast.AugAssign(target=target):
-            yield target, node.target  # the new value depends on the old one
-        case ast.For(target=target, iter=value) | ast.NamedExpr(target=target, value=value):
-            yield target, value
-
-
-def _asks(call: ast.Call) -> bool:
-    """Return whether a call may return a new value each time, unlike conversions, parameters and classes."""
-    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
-    only_converts = isinstance(getattr(builtins, name, None), type)
-    return name[:1].islower() and not only_converts and not name.startswith("get_parameter")
 
 
 def _given(end: Any) -> list[ast.expr]:

@@ -10,6 +10,7 @@ from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.grading.evidence import Run
+from ros2lab.grading.player import finds_no_keyboard
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
@@ -67,8 +68,8 @@ def needs_others(seen: Seen, run: Run) -> bool:
 def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     """Explain the exception that ended a program; ending with a message of its own is no fault."""
     said = run.ended[name]
-    if not read_error(said).reports:
-        return
+    if not read_error(said).reports or finds_no_keyboard(said):
+        return  # nobody types while a program is watched
     if explained := [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]:
         yield explained[0]
         return

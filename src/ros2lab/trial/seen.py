@@ -68,6 +68,11 @@ class Seen:
             e for e in self._ends if e.is_publisher is is_publisher and e.topic.rpartition("/")[2] == name
         ]
 
+    def unwatched(self, file: str) -> list[str]:
+        """Return the topics of a file's publishers and subscriptions that every node may have, and that no run records."""
+        own = (f"/{end.topic.lstrip('/')}" for end in self._ends if end.creation.source.shown == file)
+        return [topic for topic in dict.fromkeys(own) if topic in every_node.HIDDEN_TOPICS]
+
     def place(self, topic: str, *, is_publisher: bool = True) -> str:
         """Return the place of a publisher or subscription of a topic; empty if it is not known."""
         return next((end.place for end in self.ends(topic, is_publisher=is_publisher)), "")

@@ -9,6 +9,7 @@ from ros2lab.diagnose.nodes.service_faults import service_ends
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Heard, Run
+from ros2lab.grading.player import finds_no_keyboard
 from ros2lab.rhythm import median_gap
 from ros2lab.trial.ends import word_that_ended
 from ros2lab.trial.unmade import unmade_notes
@@ -33,8 +34,13 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     parts += [f"subscribed to {topic}{_missed(seen, topic, called)}" for topic in run.subscribes]
     if run.ended:
         word = word_that_ended(run)
-        parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
+        is_asking = finds_no_keyboard(run.ended.get(name) or "")
+        alone = (
+            "asked the keyboard, where nobody types while it is watched" if is_asking else "ended by itself"
+        )
+        parts.append(alone if word is None else f"ended when it was sent {word!r}")
     parts += _offered(seen, seen.main(name))
+    parts += [f"uses {topic}, which is not watched here" for topic in seen.unwatched(seen.main(name))]
     parts = [*parts, *_unserved(seen, seen.main(name))] or ["neither published nor subscribed to anything"]
     shown = f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
     return " ".join([shown, *_unshown(seen, seen.main(name), called)])

@@ -12,10 +12,12 @@ from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
 from ros2lab.diagnose.causes.later_calls import of_later_call
+from ros2lab.diagnose.causes.lost_slashes import of_lost_slash
 from ros2lab.diagnose.causes.namesakes import of_namesake
 from ros2lab.diagnose.causes.parameters_given import of_parameters
 from ros2lab.diagnose.causes.raised_in_callbacks import of_own_raise
 from ros2lab.diagnose.causes.refused_names import of_refused_name, of_refused_rule
+from ros2lab.diagnose.causes.ros_arguments import of_ros_arguments
 from ros2lab.diagnose.causes.shadowed import of_shadow
 from ros2lab.diagnose.causes.taken import of_taken
 from ros2lab.diagnose.causes.unanswered import of_unanswered
@@ -195,6 +197,8 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or of_answer(error, look)
         or of_refused_name(error, look)
         or of_refused_rule(error, look)
+        or of_lost_slash(error, look)
+        or of_ros_arguments(error, look)
         or made_twice(error, known, look)
         or called_by_rclpy(error, look)
         or taken_from_rclpy(error, known, look)

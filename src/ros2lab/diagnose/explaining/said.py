@@ -18,7 +18,7 @@ from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
 from ros2lab.diagnose.explaining.started_files import of_line_ends
 from ros2lab.diagnose.explaining.warnings_told import of_warning
-from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.names_there import node_names, topic_ends
@@ -243,7 +243,8 @@ def _missing(path: str, look: Look) -> Finding:
     if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
         cause = f"There is no {path}: the workspace {look.root} has not been built yet."
         return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
-    if found := of_shared_file(path, look):
+    dropped = (f for f in look.findings if f.code == "path-absolute" and f.cause.startswith(repr(path)))
+    if found := of_shared_file(path, look) or next(dropped, None):
         return found
     near = sorted(_alike(path, look)) if look else []
     where = f"; there is {near[0]}" if near else ""
@@ -269,10 +270,11 @@ def _denied(path: str, *, is_run: bool) -> Finding:
 def _alike(path: str, look: Look) -> Iterator[str]:
     """Yield the paths in a workspace that a wrong path may mean: of a similar path, or of a similar name."""
     wanted, meant = Path(path).name, look.root
-    for part in Path(path).parts:
+    for part in Path(shown_path(Path(path), look.root)).parts:
         inside = os.listdir(meant) if meant.is_dir() else []  # noqa: PTH208
         meant /= part if part in inside else nearest(part, inside, 0.6) or part
-    if meant.exists() and meant != look.root:
+    is_of_its_kind = meant.is_file() if Path(path).suffix else meant.exists()
+    if is_of_its_kind and meant != look.root and meant.is_relative_to(look.root):
         yield str(meant.relative_to(look.root))
         return
     for folder, names, files in os.walk(look.root):

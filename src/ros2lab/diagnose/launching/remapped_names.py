@@ -31,10 +31,15 @@ def unknown_names(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Findin
                 continue
             if any(_is_among(topic, own, other) for own, other in zip(names, takers, strict=True)):
                 continue
-            own = {name for taken in names for name in taken}
+            written = {name for taken in names for name in taken}
+            own = {name.lstrip("/") for name in written}
+            if topic.lstrip("/") in own:  # the node is in a namespace, so a slash makes it another topic
+                yield _of_another_space(node, topic, written)
+                continue
             if len(given) > 1 and not nearest(topic.lstrip("/"), own, 0.6):
                 continue  # such as the transforms, which a launch file may rename for all nodes alike
-            beside = {name for other in nodes if other is not node for name in known[id(other.launched)]}
+            others = (other for other in nodes if other is not node)
+            beside = {name.lstrip("/") for other in others for name in known[id(other.launched)]}
             yield _remapped(node, (topic, new), own, beside, _wanted(node, topic, nodes, own))
 
 
@@ -98,9 +103,19 @@ def _is_among(topic: str, names: set[str], node: Started) -> bool:
     """Return whether a remapping's first name is one of a node's names, or may be a hidden one."""
     is_every_nodes = f"/{topic.lstrip('/')}" in every_node.HIDDEN_TOPICS or topic.startswith(("~", "_"))
     is_below_node = node.name in topic.split("/") or ":" in topic
-    is_named = topic.lstrip("/") in {name.lstrip("~/") for name in names}
+    is_named = not node.namespace and topic.lstrip("/") in {name.lstrip("~/") for name in names}
     is_resolved = node.resolved_alone(topic) in {node.resolved_alone(name) for name in names}
     return is_every_nodes or is_below_node or is_named or is_resolved
+
+
+def _of_another_space(node: Started, topic: str, written: set[str]) -> Finding:
+    """Return a finding about a remapping whose first name differs from a node's name only by the slash before it."""
+    meant = next(name for name in sorted(written) if name.lstrip("/") == topic.lstrip("/"))
+    full = node.resolved_alone(meant)
+    cause = f"The launch file remaps {topic!r}, which is {node.resolved_alone(topic)}, but {node.launched.executable} is in the namespace {node.namespace}, and its {meant} is {full}: the remapping changes nothing."
+    return Finding(
+        "remap-unknown", cause, node.launched.place, f"write {meant!r} as the first name of the remapping"
+    )
 
 
 def _remapped(
@@ -123,7 +138,7 @@ def _remapped(
 
 
 def _names(files: NodeSources) -> set[str]:
-    """Return the names of all topics and services, without leading slashes; empty if any is not known."""
+    """Return the names of all topics and services, as they are written; empty if any is not known."""
     created = [creation for creation in files.creations if creation.method != "create_timer"]
     names = [files.value(creation.source, creation.given("topic", "srv_name")) for creation in created]
-    return {name.lstrip("/") for name in names} if all(isinstance(name, str) for name in names) else set()
+    return set(names) if all(isinstance(name, str) for name in names) else set()

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator
 from configparser import RawConfigParser
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from shlex import quote
@@ -254,8 +255,15 @@ def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
         yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, _cfg_fix(package))
         return
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
-    for section in _scripts(package) if fault is None else ():  # otherwise `_cfg_form` reports it
-        yield from _cfg_section(package, config, section, lost)
+    sections = _scripts(package) if fault is None else {}  # otherwise `_cfg_form` reports it
+    found = [one for section in sections for one in _cfg_section(package, config, section, lost)]
+    match found:
+        case [other, last] if other.code == last.code and other.fix != last.fix and ":" in other.place:
+            # Of two wrong lines, the last one decides where colcon installs; mended alone, the other one stays wrong.
+            line = other.place.rpartition(":")[2]
+            yield replace(last, fix=f"{last.fix}, and on line {line} {other.fix.removeprefix('write ')}")
+        case _:
+            yield from found
 
 
 def _lost(package: SourcePackage) -> str:

@@ -1,0 +1,60 @@
+"""Programs that read the keyboard, which launch gives to none that it starts."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_file import LaunchFile
+from ros2lab.diagnose.launching.started_faults import Started
+from ros2lab.diagnose.sources.entrance import Entrance
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name, walk
+
+_READ = frozenset(("input", "getpass.getpass", "sys.stdin", "curses.wrapper", "curses.initscr"))
+_DECIDES = (ast.If, ast.IfExp, ast.BoolOp, ast.Match)  # the program may well do without
+
+
+def keyboard_faults(file: LaunchFile, text: str, nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield where programs that a launch file starts without a terminal of their own read the keyboard."""
+    for node in nodes if "prefix" not in text else ():
+        entrance = Entrance(node.sources, f"{node.module}.{node.function}")
+        owners = {id(inner): call.source for call in entrance.calls for inner in walk(call.function)}
+        owners |= {id(inner): node.sources.sources[node.module] for inner in walk(entrance.function)}
+        read = (
+            (owners[id(inner)], inner)
+            for function in entrance.functions
+            for inner in walk(function)
+            if id(inner) in owners and _reads(owners[id(inner)], inner)
+        )
+        if found := next(read, None):
+            source, inner = found
+            program, package = node.launched.executable, node.package.name
+            cause = f"ros2 launch gives the programs that it starts no keyboard, so what is typed never reaches `{ast.unparse(inner)}` in {program}."
+            fix = f"take {program} out of {file.shown}, and start it in a terminal of its own: ros2 run {package} {program}"
+            yield Finding("callback-waits", cause, source.at(inner), fix, (program,))
+
+
+def _reads(source: PythonSource, node: ast.AST) -> bool:
+    """Return whether a node always reads the keyboard where it stands."""
+    called = node.func if isinstance(node, ast.Call) else node
+    if not isinstance(called, (ast.Name, ast.Attribute)) or isinstance(node, ast.Name):
+        return False
+    name = source.resolve(called) or (ast.unparse(called) if isinstance(node, ast.Call) else "")
+    function = source.function_at(node.lineno)
+    named = (
+        n for n in source.nodes if function and function.name != "main" and last_name(n) == function.name
+    )
+    return name in _READ and not any(_is_decided(source, each) for each in (node, *named))
+
+
+def _is_decided(source: PythonSource, node: ast.AST) -> bool:
+    """Return whether a condition, or an error that is caught, decides about what a node does."""
+    above = source.above(node)
+    while above is not None:
+        handlers = above.handlers if isinstance(above, ast.Try) else []
+        caught = {last_name(handler.type) for handler in handlers}
+        if isinstance(above, _DECIDES) or caught - {"KeyboardInterrupt", "ExternalShutdownException"}:
+            return True
+        above = source.above(above)
+    return False
