@@ -13,6 +13,7 @@ NAME = NAMES[1]
 PACKAGE = NAME.package
 SHARE = f"get_package_share_directory('{PACKAGE}')"
 LAUNCH = "launch/more.launch.py"
+BASE = "from launch import LaunchDescription\n\n\ndef generate_launch_description():\n    return LaunchDescription([])\n"
 ROOMS = {
     "added": f"PATH = {SHARE} + 'launch/base.launch.py'\n",
     "in two pieces": f"PATH = {SHARE} + 'launch' + '/base.launch.py'\n",
@@ -28,7 +29,7 @@ TEXTS = {
 
 
 def written(folder: Path, more: str) -> Path:
-    files = Files.right(NAME).put("launch/base.launch.py", "").put(LAUNCH, more)
+    files = Files.right(NAME).put("launch/base.launch.py", BASE).put(LAUNCH, more)
     return files.write(folder)
 
 
@@ -58,6 +59,8 @@ def test_no_slash_is_missing(tmp_path: Path, inner: str) -> None:
 
 
 def test_a_piece_with_a_slash_too_many_is_the_cause(tmp_path: Path) -> None:
-    text = f"PATH = os.path.join({SHARE}, '/launch/base.launch.py')\nfrom launch import LaunchDescription\ngenerate_launch_description = LaunchDescription\n"
+    path = f"os.path.join({SHARE}, '/launch/base.launch.py')"
+    begin = f"import os\n\nfrom ament_index_python.packages import get_package_share_directory\nfrom launch import LaunchDescription\n\nPATH = {path}\n"
+    text = f"{begin}\n\ndef generate_launch_description():\n    return LaunchDescription([])\n"
     (told, *_) = of_text(REFUSED.format("/launch/base.launch.py"), written(tmp_path, text))
-    assert (told.code, told.place) == ("path-absolute", f"src/{PACKAGE}/{LAUNCH}:1")
+    assert (told.code, told.place) == ("path-absolute", f"src/{PACKAGE}/{LAUNCH}:6")

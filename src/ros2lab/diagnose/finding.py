@@ -91,6 +91,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "lock-held",
         "transition-wrong",
         "value-nan",
+        "rounded-off",
     ),
     ("int-in-float", "logger-arguments"),
     (

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from ros2lab.diagnose.code.expression_faults import is_by_comma
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.rounded_off import rounded_off
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import fitting, meant_call
 from ros2lab.diagnose.sources.interfaces import field_kind, members_of
@@ -124,6 +125,8 @@ def _value_faults(
         yield from _field_fault(scope, message, field, place)
     elif is_by_comma(scope.source, value):
         return  # the comma is reported elsewhere
+    elif rounded := [*rounded_off(scope, field, value)] if wanted == "float" else []:
+        yield from rounded
     elif given is not None and given != wanted and not given.startswith(PUBLISHER):
         target = place if isinstance(place, ast.Attribute) else None
         for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
