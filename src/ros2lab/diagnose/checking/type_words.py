@@ -107,7 +107,9 @@ def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
     if re.match(r"(?:Iterable|list|Sequence)\[.*\[", kind):
         return "a list of pairs, as in [('a', 'b')]" if "[tuple" in kind else "a list"
-    kind = re.sub(r"Iterable\[str \| Substitution\] \| Substitution", "str", kind)  # what launch calls a text
+    kind = re.sub(
+        r"Iterable\[str \| (?:Path \| )?Substitution\] \| (?:Path \| )?Substitution", "str", kind
+    )  # what launch calls a text
     parts = [part for part in re.split(r" \| (?![^\[(]*[\])])", kind) if part != "None"]
     if len(parts) > 1 or kind.endswith(" | None"):
         return " or ".join(dict.fromkeys(map(plain, parts)))

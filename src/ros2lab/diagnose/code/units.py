@@ -64,7 +64,7 @@ class _Times:
         if fine not in _NAMES or coarse not in _NAMES or _is_same(fine, coarse):
             return
         text, against = ast.unparse(side), ast.unparse(other)
-        said = f"is in {_NAMES[coarse]}" if len(sides) == 2 else f"is {value:g}"
+        said = f"is in {_NAMES[coarse]}" if len(sides) == 2 else f"is meant in {_NAMES[coarse]}"
         cause = f"{text} is in {_NAMES[fine]}, but {against} {said}, so `{ast.unparse(node)}` mixes units."
         factor = f"1e{round(math.log10(coarse / fine))}"
         fix = f"write {_in_parentheses(text)} / {factor} instead of {text}"

@@ -259,7 +259,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"'property' object has no attribute '(?P<name>\w+)'",
         "attribute-unknown",
-        "Here .{name} is used on a field of a class, not of an instance of that class.",
+        ".{name} is used on a field of a class itself: the parentheses that make an instance of it are missing.",
         "make an instance first, with parentheses after the class: twist = Twist()",
     ),
     meaning(

@@ -41,7 +41,7 @@ def _reads(source: PythonSource, node: ast.AST) -> bool:
     if not isinstance(called, (ast.Name, ast.Attribute)) or isinstance(node, ast.Name):
         return False
     name = source.resolve(called) or (ast.unparse(called) if isinstance(node, ast.Call) else "")
-    function = source.function_at(node.lineno)
+    function = source.function_at(called.lineno)
     named = (
         n for n in source.nodes if function and function.name != "main" and last_name(n) == function.name
     )

@@ -184,7 +184,7 @@ def _needs_asyncio(
             name = source.resolve(called.func) or "" if isinstance(called, ast.Call) else ""
             if name.startswith("asyncio."):
                 cause = f"{what[0].upper()}{what[1:]} is run by rclpy, which has no asyncio event loop, so {name}() fails."
-                fix = f"{removal(source, node)}, and use create_timer(period, self.callback) for what should happen later"
+                fix = f"{removal(source, node)}, and do what should happen later in a method of a timer: self.later = self.create_timer(period, self.method), with self.later.cancel() as the first line of that method, so that it runs once"
                 yield Finding("callback-waits", cause, source.at(node), fix)
 
 
