@@ -211,6 +211,22 @@ def test_dashes_that_setuptools_takes_are_no_fault_once_it_is_built(tmp_path: Pa
     assert "setup-cfg-dashes" not in {one.code for one in of_workspace(root)}
 
 
+def test_both_wrong_lines_of_a_copied_setup_cfg_are_told_at_once(tmp_path: Path) -> None:
+    """The last one decides where colcon installs, and both are mended by what is told."""
+    files, own = Files.right(NAMES[0]), f"lib/{NAMES[0].package}"
+    for name in ("script_dir", "install_scripts"):
+        files.change("setup.cfg", f"{name}=$base/{own}", f"{name}=$base/lib/another")
+    root = files.write(tmp_path)
+    (told,) = [one for one in of_workspace(root) if one.code == "setup-cfg-missing"]
+    path = root / told.place.rpartition(":")[0]
+    lines = path.read_text().splitlines()
+    last, other = re.findall(r"`([^`]+)`", told.fix)
+    lines[int(told.place.rpartition(":")[2]) - 1] = last
+    lines[int(re.findall(r"line (\d+)", told.fix)[0]) - 1] = other
+    path.write_text("\n".join(lines))
+    assert "setup-cfg-missing" not in [one.code for one in of_workspace(root)]
+
+
 def test_a_library_needs_no_folder_for_executables(tmp_path: Path) -> None:
     files = Files.right(NAMES[0])
     del files.texts[files.path("setup.cfg")]

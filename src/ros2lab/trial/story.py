@@ -31,7 +31,7 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     parts = [_published(topic, stretches, run.quiet.get(topic)) for topic, stretches in heard.items()]
     silent = [topic for topic in run.publishes if topic not in heard and not topic.endswith(OF_MANAGED)]
     parts += [f"has a publisher on {topic}, but published nothing there" for topic in silent]
-    parts += [f"subscribed to {topic}{_missed(seen, topic, called)}" for topic in run.subscribes]
+    parts += [f"subscribed to {topic}{_missed(seen, run, topic, called)}" for topic in run.subscribes]
     if run.ended:
         word = word_that_ended(run)
         is_asking = finds_no_keyboard(run.ended.get(name) or "")
@@ -86,10 +86,10 @@ def _published(topic: str, stretches: list[Heard], quiet: Heard | None) -> str:
     return f"published {count} message{'s' * (count != 1)} on {topic}{pace}"
 
 
-def _missed(seen: Seen, topic: str, called: Called) -> str:
-    """Say that nothing came on a topic, if that is known: nobody published, or no callback was called."""
-    if topic != seen.command_topic and not any(
-        topic in seen.heard(run) for run in (*seen.alone, *seen.together)
+def _missed(seen: Seen, run: Run, topic: str, called: Called) -> str:
+    """Say who published on a topic, if that is known: this run itself, or nobody; or that no callback was called."""
+    if topic not in (seen.command_topic, run.commanded) and not any(
+        topic in seen.heard(other) for other in (*seen.alone, *seen.together)
     ):
         return ", on which nobody published"
     callbacks = []
@@ -99,4 +99,8 @@ def _missed(seen: Seen, topic: str, called: Called) -> str:
     ran: set[PythonSource] = {source for source, _ in called}
     is_known = bool(callbacks) and all(line and source in ran for source, line in callbacks)
     is_called = any(callback in called for callback in callbacks)
-    return ", but received nothing there" if is_known and not is_called else ""
+    if is_known and not is_called:
+        return ", but received nothing there"
+    return (
+        ", on which it was sent words to see what it does" if topic == run.commanded and run.commands else ""
+    )
