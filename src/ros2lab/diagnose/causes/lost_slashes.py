@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import contextlib
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +21,7 @@ _JOINS = frozenset(("join", "joinpath", "Path", "PathJoinSubstitution"))  # thes
 def of_lost_slash(error: ErrorText, look: Look) -> Finding | None:
     """Say where a slash is missing in a path that is not there, but would be with it; None if in none."""
     for path in dict.fromkeys(quoted or plain for quoted, plain in _PATH.findall(error.text)):
-        for home, rest in _homes(path, look) if not Path(path).exists() else ():
+        for home, rest in _homes(path, look):
             cause = f"There is no {path}: the slash between the folder {Path(home).name} and {rest} is missing, because these pieces are put together as they are."
             fix = f"begin the second piece with a slash: /{rest}"
             place, written = max(_pieces(rest, look), key=lambda piece: len(piece[1]), default=("", ""))
@@ -35,12 +37,14 @@ def _homes(path: str, look: Look) -> Iterator[tuple[str, str]]:
         before, found, rest = path.partition(f"/share/{package.name}")
         if found and rest and not rest.startswith("/") and package.has(rest):
             yield before + found, rest
-    above = next((folder for folder in Path(path).parents if folder.is_dir()), Path("/"))
-    following = path.removeprefix(str(above)).lstrip("/")
-    for folder in sorted(above.iterdir(), key=lambda folder: -len(folder.name)):
-        rest = following.removeprefix(folder.name)
-        if rest != following and rest and (folder / rest).exists():
-            yield str(folder), rest
+    with contextlib.suppress(OSError):  # such as a name that is too long, or a folder of somebody else
+        above = next((folder for folder in Path(path).parents if folder.is_dir()), Path("/"))
+        following = path.removeprefix(str(above)).lstrip("/")
+        names = sorted(os.listdir(above), key=len, reverse=True) if not Path(path).exists() else []  # noqa: PTH208
+        for name in names:
+            rest = following.removeprefix(name)
+            if rest != following and rest and (above / name / rest).exists():
+                yield str(above / name), rest
 
 
 def _pieces(rest: str, look: Look) -> Iterator[tuple[str, str]]:
