@@ -35,7 +35,9 @@ def applied(found: Finding, text: str) -> str:
     lines, number = text.split("\n"), int(found.place.rpartition(":")[2])
     new, *old = re.findall(r"`(.+?)`", found.fix)
     block = re.search(r"instead of lines (\d+) to (\d+)", found.fix)
-    if block:
+    if also := re.search(r", and on line (\d+) `(.+?)`", found.fix):
+        lines[number - 1], lines[int(also[1]) - 1] = new, also[2]
+    elif block:
         lines[int(block[1]) - 1 : int(block[2])] = [new]
     elif old or found.fix.startswith("remove "):
         taken, put = (old[0], new) if old else (new, "")

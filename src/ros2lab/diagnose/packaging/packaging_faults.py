@@ -258,7 +258,7 @@ def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
     sections = _scripts(package) if fault is None else {}  # otherwise `_cfg_form` reports it
     found = [one for section in sections for one in _cfg_section(package, config, section, lost)]
     match found:
-        case [other, last] if other.code == last.code and other.fix != last.fix and ":" in other.place:
+        case [other, last] if all(re.fullmatch("write `[^`]+`", one.fix) for one in found):
             # Of two wrong lines, the last one decides where colcon installs; mended alone, the other one stays wrong.
             line = other.place.rpartition(":")[2]
             yield replace(last, fix=f"{last.fix}, and on line {line} {other.fix.removeprefix('write ')}")
