@@ -25,8 +25,7 @@ def awaited_ends(source: PythonSource, nodes: Sequence[Started]) -> Iterator[Fin
         begun = [n for n in _begun(source, then) if n is not made] if then else []
         if not (given and started and begun):
             continue
-        entrance = Entrance(started.sources, f"{started.module}.{started.function}")
-        if spin := _spins_on(entrance):
+        if spin := _spins_on(started.entrance):
             program, next_ = started.launched.executable, ast.unparse(then) if then else ""
             cause = f"{last_name(call.func)} waits for the end of {program}, which spins until it is stopped ({spin}), so what is to follow is never started."
             fix = f"write `OnProcessStart(target_action={ast.unparse(target or call)}, on_start={next_})`, with `from launch.event_handlers import OnProcessStart` at the top, if it is to begin as soon as {program} runs; otherwise let {program} end, by `raise SystemExit` where its work is done"
@@ -39,8 +38,10 @@ def _begun(source: PythonSource, then: ast.expr) -> list[ast.expr]:
     return [made for made in map(source.written, held) if last_name(getattr(made, "func", None)) in _STARTS]
 
 
-def _spins_on(entrance: Entrance) -> str:
-    """Return where a program spins for ever; empty if it may end by itself."""
+def _spins_on(entrance: Entrance | None) -> str:
+    """Return where a program spins for ever; empty if it may end by itself, or is not known."""
+    if entrance is None:
+        return ""
     lasting = [call for call in entrance.calls if call.is_lasting and call.function is entrance.function]
     others = [function for function in entrance.functions if function is not entrance.function]
     inside = [node for function in others for node in own_nodes(function)]

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Started
-from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, walk
 
 _READ = frozenset(("input", "getpass.getpass", "sys.stdin", "curses.wrapper", "curses.initscr"))
@@ -18,12 +17,17 @@ _DECIDES = (ast.If, ast.IfExp, ast.BoolOp, ast.Match)  # the program may well do
 def keyboard_faults(file: LaunchFile, text: str, nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield where programs that a launch file starts without a terminal of their own read the keyboard."""
     for node in nodes if "prefix" not in text else ():
-        entrance = Entrance(node.sources, f"{node.module}.{node.function}")
+        if (entrance := node.entrance) is None:
+            continue
+        told = {
+            id(function) for _, function in node.sources.callbacks()
+        }  # a callback must not wait in any case
         owners = {id(inner): call.source for call in entrance.calls for inner in walk(call.function)}
         owners |= {id(inner): node.sources.sources[node.module] for inner in walk(entrance.function)}
         read = (
             (owners[id(inner)], inner)
             for function in entrance.functions
+            if id(function) not in told
             for inner in walk(function)
             if id(inner) in owners and _reads(owners[id(inner)], inner)
         )

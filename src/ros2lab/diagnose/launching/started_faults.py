@@ -14,6 +14,7 @@ from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.nodes.partners import name_in
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
+from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -39,6 +40,12 @@ class Started:
         if self.launched.name is not None:
             return self.launched.name if isinstance(self.launched.name, str) else ""
         return self.own_names[0] if len(self.own_names) == 1 else ""
+
+    @property
+    def entrance(self) -> Entrance | None:
+        """What its executable runs; None if that is no function of its file, such as a partial call."""
+        name = f"{self.module}.{self.function}"
+        return Entrance(self.sources, name) if name in self.sources.functions else None
 
     @property
     def own_names(self) -> list[str]:
