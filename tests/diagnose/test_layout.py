@@ -239,9 +239,13 @@ def test_a_file_that_no_pattern_takes(root: Path, moves: list[tuple[str, str]]) 
         (package / old).rename(package / new)
         (finding,) = (one for one in of_workspace(root) if one.code == "not-in-data-files")
         assert new in finding.cause
-        added = re.search(r"add (\(.*?\)) to data_files", finding.fix)
-        assert added
-        setup.write_text(setup.read_text().replace("data_files=[", f"data_files=[{added[1]},"))
+        text = setup.read_text()
+        if added := re.match(r"add (\(.*?\)) to data_files", finding.fix):
+            setup.write_text(text.replace("data_files=[", f"data_files=[{added[1]},"))
+        else:
+            written = re.match(r"write (\S+) instead of (\S+), ", finding.fix)
+            assert written, finding.fix
+            setup.write_text(text.replace(written[2], written[1]))
         assert "not-in-data-files" not in [one.code for one in of_workspace(root)]
     assert executables(root, "colcon build") >= EXECUTABLES
     for _, new in moves:

@@ -99,7 +99,7 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "driver",
         "rclpy.spin(node)",
         "rclpy.spin(Driver)",
-        "write node instead of Driver",
+        "write `rclpy.spin(node)`",
     ),
     "a module for its class": (
         "driver",

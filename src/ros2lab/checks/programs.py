@@ -209,7 +209,7 @@ def _built_apart(workspace: Workspace, package: str, folder: str, *hints: str) -
             raise CheckError(
                 f"`colcon build --packages-up-to {package}` succeeds with what is in {shown}/src now",
                 said.replace(str(apart.path), shown),
-                *(_causes(apart, folder, said) or hints),
+                *(_causes(apart, folder, str(result)) or hints),
             )
         yield apart
 

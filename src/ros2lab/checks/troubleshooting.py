@@ -290,7 +290,7 @@ def _check_drives(workspace: Workspace, package: str) -> None:
             expected,
             _silence(program, topics),
             package,
-            program.output,
+            f"$ ros2 run {package} driver\n{program.output}",
             "run it in a sourced terminal: the last line first, then the first line that is yours.",
         )
     if speeds[-1] != 0.5:

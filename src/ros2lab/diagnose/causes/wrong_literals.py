@@ -21,7 +21,8 @@ _FIELD = re.compile(
 )
 # What Python says of a number that must be whole, and of a string where a number belongs.
 _WHOLE = re.compile(
-    r"\bintegers?\b|non-int of type 'float'|operand type.*'float'|QoSProfile or int, .*'float'"
+    r"\bintegers?\b|non-int of type 'float'|operand type.*: '(?:int|float)' and '(?:int|float)'"
+    r"|QoSProfile or int, .*'float'"
 )
 _OF_TEXT = re.compile(
     r"(?:operand type|between instances).*'str'|concatenate str|must be str, not (?:int|float)|number, not str"

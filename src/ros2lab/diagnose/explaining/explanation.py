@@ -325,9 +325,10 @@ def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding], l
         return refused
     if found and found[0] in known and stops_build(found[0]):
         return []
-    if _BUILD_FAILED.search(error.text) and (stops := [finding for finding in known if stops_build(finding)]):
-        return stops
     is_of_setup = bool(error.reports) and is_setup(place_of(error.own, look))
+    is_of_build = is_of_setup or _BUILD_FAILED.search(error.text) is not None
+    if is_of_build and (stops := [finding for finding in known if stops_build(finding)]):
+        return stops
     if is_of_setup and found and found[0].code in _NOT_THERE:
         return said_by_tools(error, look)  # a package that could not be built is not found later
     named = [finding for finding in known if error.command and error.command[2] in finding.about]

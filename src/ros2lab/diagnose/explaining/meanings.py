@@ -42,7 +42,7 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     meaning(
         r"can't copy '[^']*/build/(?P<name>[^/']+)/",
-        "link-stale",
+        "marker-missing data-file-missing link-stale",
         "A link in build/{name}, left over from an earlier build, points to a file that has since been renamed or removed.",
         "rm -r build/{name} install/{name}, then colcon build --packages-select {name}, then source install/setup.bash in a new terminal",
     ),

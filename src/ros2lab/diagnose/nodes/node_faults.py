@@ -208,8 +208,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         if inner is not None and gives_no_function(inner, given):
             clause, written = as_function(inner, given, CALLED_WITH.get(creation.method, ()))
             cause = f"`{ast.unparse(given)}` calls the function right here, {clause}, but ROS needs the function itself, to call it later."
-            fix = f"write `{written}`" if "lambda" in written else f"write {written} without parentheses"
-            fix = f"write {written} without parentheses" if written.isidentifier() else fix
+            fix = f"write `{written}` instead of `{ast.unparse(given)}`"
             yield Finding("callback-called", cause, place, fix)
         return
     if isinstance(given, ast.Lambda):

@@ -129,12 +129,9 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
     if source is None and top not in tops and (top in package.declared or is_installed(top)):
         return
-    if (
-        source is None
-        and top not in tops
-        and any(package.beside.rglob(f"{point.module.replace('.', '/')}.py"))
-    ):
-        return
+    named = package.beside.rglob(f"{point.module.replace('.', '/')}.py")
+    if source is None and top not in tops and not all(path.is_relative_to(package.folder) for path in named):
+        return  # another package brings it
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
         yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)
     elif not point.function:

@@ -156,8 +156,11 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
     for folder in site_packages(prefix):
         links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
     own, first = (root, root.resolve()), _built_in(root)
+    asked = package.setup.data_files if package.setup else []
     for path, target in links.items():
         whole = path.parent / target
+        if any(whole == package.folder / file for _, files in asked for file in files) and not whole.exists():
+            continue  # setup.py asks for what is not there: another build would make the same link
         is_within = any(target.is_relative_to(folder) for folder in own)
         is_first = first is not None and first not in own and target.is_relative_to(first)
         is_moved = target.is_absolute() and (is_first or not is_within)

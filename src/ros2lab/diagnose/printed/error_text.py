@@ -45,6 +45,7 @@ _OF_COURSE = re.compile(
 _OWN_LOG = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)[\w./]+\]: ")
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$")
 _OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: |$)| +\S|- ")
+_HARDLY_MEANT = re.compile(r"[:-] -?(?:\.?nan|\.?inf|\d(?:\.\d+)?e-3\d\d)$")  # as a value in a message
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # What a program raises when it is ended from outside; nothing is wrong then.
@@ -184,7 +185,7 @@ def _decides(report: ErrorReport) -> tuple[bool, bool, bool]:
 
 
 def _without_messages(lines: Sequence[str]) -> list[str]:
-    """Leave out the messages that `ros2 topic echo` prints, as YAML followed by `---`: they are no errors.
+    """Leave out the messages that `ros2 topic echo` prints, as YAML followed by `---`: only their values may be errors.
 
     colcon, too, ends the output of a package with `---`, but begins it with a line such as `--- stderr`.
     """
@@ -195,8 +196,11 @@ def _without_messages(lines: Sequence[str]) -> list[str]:
             is_of_colcon = line.startswith("--- ") or (is_of_colcon and line.strip() != "---")
             found.append(line)
             continue
+        odd: list[str] = []
         while found and _OF_MESSAGE.match(found[-1]):
-            found.pop()
+            value = found.pop()
+            odd += [value] if _HARDLY_MEANT.search(value) else []
+        found += reversed(odd)
     return found
 
 

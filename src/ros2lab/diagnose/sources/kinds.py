@@ -198,7 +198,12 @@ def _asks_for_type(function: Function, name: str) -> bool:
                 func=ast.Name(id="isinstance" | "hasattr" | "getattr" | "type"), args=[ast.Name(id=asked), *_]
             ):
                 pass
-            case ast.Match(subject=ast.Name(id=asked)):
+            # Only values compare; any other pattern tells types or shapes apart.
+            case ast.Match(subject=ast.Name(id=asked), cases=cases) if any(
+                isinstance(inner, ast.MatchClass | ast.MatchSequence | ast.MatchMapping | ast.MatchSingleton)
+                for branch in cases
+                for inner in ast.walk(branch.pattern)
+            ):
                 pass
             case _:
                 continue
