@@ -153,12 +153,47 @@ def test_what_was_not_seen_is_not_judged(command: str) -> None:
     "command", ["ros2 run robot_controller status", "ros2 launch robot_controller robot.launch.py"]
 )
 def test_other_programs_are_nobodys_business_beside_the_own_ones(command: str) -> None:
-    text = f"`{command}`, then `ros2 run rqt_graph rqt_graph`, never `ros2 run robot_control status` or `ros2 run x drive`"
+    text = f"`{command}`, then `ros2 run rqt_graph rqt_graph`, never `ros2 run robot_control status` or `ros2 run x go`"
     assert [*commands(text, SUBMISSION, BUILD, [RUN]).values()] == [True, None, False, None]
-    assert commands("`ros2 run my_robot status` `ros2 run x drive`", SUBMISSION, BUILD, [RUN]) == {
-        "ros2 run my_robot status": False,
-        "ros2 run x drive": None,
-    }
+
+
+@pytest.mark.parametrize(
+    ("command", "is_true"),
+    [
+        ("ros2 run my_package status", False),
+        ("ros2 run my_package status.py", False),
+        ("ros2 run x drive", False),
+        ("ros2 run robot_control status.py", False),
+        ("ros2 run robot_control go", False),
+        ("ros2 run robot-controller go", False),
+        ("ros2 run demo_nodes_py status", None),
+        ("ros2 run turtlesim turtle_teleop_key", None),
+        ("ros2 run teleop_twist_keyboard teleop_twist_keyboard", None),
+        ("ros2 run robot_bringup go", None),
+        ("ros2 launch turtle_bot all.launch.py", None),
+        ("ros2 launch my_package robot.launch.py", False),
+        ("ros2 run robot_messages status.py", None),
+    ],
+)
+def test_whose_program_a_command_starts_its_package_tells_or_its_name(
+    command: str, is_true: bool | None
+) -> None:
+    """A package that is nowhere is meant as the own one if the program, with or without .py, or most of its name is."""
+    assert commands(f"`{command}`", SUBMISSION, BUILD, [RUN]) == {command: is_true}
+
+
+@pytest.mark.parametrize("is_known", [True, False])
+def test_which_launch_files_a_package_beside_it_has_is_known(is_known: bool) -> None:
+    facts = Files(manifest={"is_there": True}, launch_files_elsewhere=["ws/src/messages/launch/show.launch.py"])
+    text = "`ros2 launch robot_messages show.launch.py` `ros2 launch robot_messages all.launch.py`"
+    found = commands(text, SUBMISSION, BUILD, [RUN], facts if is_known else None)
+    assert [*found.values()] == [None, False if is_known else None]
+
+
+@pytest.mark.parametrize("tool", ["turtlesim turtlesim_node", "rqt_graph rqt_graph"])
+def test_an_own_topic_without_its_namespace_is_not_that_of_a_tool(tool: str) -> None:
+    text = f"`ros2 run {tool}`, `ros2 topic pub /command std_msgs/msg/String`"
+    assert [*commands(text, SUBMISSION, BUILD, [RUN]).values()] == [None, False]
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from ros2lab import every_node
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import Build, Files, Run
 from ros2lab.grading.readme_operands import Operands
+from ros2lab.grading.readme_owners import Owners, is_placeholder
 from ros2lab.grading.shell_lines import is_run
 from ros2lab.grading.submission import Submission
 
@@ -20,7 +21,6 @@ _COMMAND = re.compile(
 )
 _VALUE = re.compile(r"/[\w/]*\w")
 _WAITS = re.compile(r"-[1tw]$|--(?:once|times|wait)")  # with these, `ros2 topic pub` waits for a subscriber
-_PLACEHOLDER = re.compile(r"[\[({<].*|.*\.\.|…|[A-Z][A-Z_]+")
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
 # The word before a command in a sentence, as in "Run colcon build in ~/ws"; an article makes it a noun.
 _INSTRUCTION = re.compile(r"(?<!\w)(?!(?:the|an?) )[^\W\d_]+ +$", re.IGNORECASE)
@@ -45,7 +45,8 @@ def commands(
         By command, whether what it names exists and takes its operands; None if it is not about the
         submission.
     """
-    known, operands = _Known(submission, built, runs), Operands(facts or Files(), runs)
+    facts = facts or Files()
+    known, operands = _Known(submission, built, runs, facts), Operands(facts, runs)
     code = [match.span() for match in _CODE.finditer(text)]
     found = [
         _command(words)
@@ -57,21 +58,17 @@ def commands(
         command: False for command, is_true in judged.items() if is_true and not operands.fit(command.split())
     }
     judged |= {command: None for command in judged if any(map(is_placeholder, command.split()[2:4]))}
-    # A README may name tools such as rqt_graph and their topics: we cannot know whether that is true.
-    foreign = [command for command in judged if known.is_foreign(command.split())]
-    elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
-    return judged | dict.fromkeys([*foreign, *elsewhere])
+    # A README may start other programs, such as turtlesim, and name their topics: we cannot know whether that is true.
+    is_beside = any(known.owners.of(command.split()) in ("neighbour", "tool", "unknown") for command in judged)
+    return judged | {
+        command: None for command in judged if is_beside and known.is_elsewhere(command.split())
+    }
 
 
 def misgiven(texts: Iterable[str], runs: Sequence[Run], facts: Files) -> list[str]:
     """Return the commands whose operands are wrong, whether or not what they name exists."""
     operands = Operands(facts, runs)
     return [text for text in texts if not operands.fit(text.split())]
-
-
-def is_placeholder(word: str) -> bool:
-    """Return whether a word of a command is a placeholder that its reader is to replace."""
-    return _PLACEHOLDER.fullmatch(word) is not None
 
 
 def _is_to_be_run(
@@ -124,12 +121,13 @@ def _bare(word: str) -> str:
 class _Known:
     """The names that a command can use."""
 
-    def __init__(self, submission: Submission, built: Build, runs: Sequence[Run]) -> None:
-        found = submission.package
-        # If setup.py and package.xml differ, a README may use either name; the folder's is the likelier one.
-        names = (found.name, PurePosixPath(found.folder).name) if found else ()
-        self._own = {name for name in names if name}
+    def __init__(self, submission: Submission, built: Build, runs: Sequence[Run], facts: Files) -> None:
+        self.owners = Owners(submission, built.executables, [*built.shared, *facts.launch_files])
+        self._own = self.owners.own
         self._packages = {package.name for package in submission.packages}
+        # What is launched in the other packages; None if their files are not known.
+        self._elsewhere = {PurePosixPath(path).name for path in facts.launch_files_elsewhere}
+        self._is_read = bool(facts.manifest) and "launch_files_elsewhere" not in facts.unread
         self._executables = {
             executable.name for executable in built.executables if executable.command and not executable.fault
         }
@@ -146,19 +144,11 @@ class _Known:
         for run in runs:
             self._topics |= {*run.publishes, *run.subscribes, *run.quiet}
 
-    def is_foreign(self, words: Sequence[str]) -> bool:
-        """Return whether a command starts a program that has nothing to do with this package."""
-        match words:
-            case ["ros2", "run" | "launch", package, name, *_]:
-                is_near = any(package == own or is_near_miss(package, own) for own in self._own)
-                return not is_near and name not in self._executables | self._shared
-        return False
-
     def may_start(self, names: Sequence[str]) -> bool:
         """Return whether names after `ros2 run` or `ros2 launch` may be this package's, or placeholders."""
         if len(names) < 2:
             return any(re.search(r"\w[./]\w", name) for name in names)  # a launch file may be named alone
-        return any(map(is_placeholder, names)) or not self.is_foreign(["ros2", "run", *names])
+        return any(map(is_placeholder, names)) or self.owners.of(["ros2", "run", *names]) == "own"
 
     def is_elsewhere(self, words: Sequence[str]) -> bool:
         """Return whether a command names a topic or a node unlike any of this package's."""
@@ -166,16 +156,21 @@ class _Known:
             case ["ros2", "topic" | "node" | "param", _, *rest]:
                 own = self._topics | self._nodes
                 named = next(filter(_VALUE.fullmatch, rest), "")
-                return bool(named) and not any(named == name or is_near_miss(named, name) for name in own)
+                return bool(named) and not any(named == name or _may_mean(named, name) for name in own)
         return False
 
     def judge(self, words: Sequence[str]) -> bool | None:
         match words:
             case ["ros2", "run" | "launch" as verb, package, name, *_]:
                 known = self._executables if verb == "run" else self._shared
-                is_beside = package in self._packages - self._own
-                is_there = name in known and (package in self._own or (is_beside and verb == "launch"))
-                return (is_there and name not in self._broken) or (None if is_beside else False)
+                owner = self.owners.of(words)
+                is_there = name in known and (
+                    package in self._own or (owner == "neighbour" and verb == "launch")
+                )
+                # Which launch files a neighbour has is known, and nothing of its programs.
+                is_lost = verb == "launch" and self._is_read and name not in self._elsewhere
+                is_open = owner in ("tool", "unknown") or (owner == "neighbour" and not is_lost)
+                return (is_there and name not in self._broken) or (None if is_open else False)
             case ["ros2", "topic", verb, *rest]:
                 return self._of_topic(verb, rest)
             case ["ros2", "node" | "param", _, *rest]:
@@ -196,7 +191,7 @@ class _Known:
         if is_true is not False or verb != "pub" or any(map(_WAITS.match, words)):
             return is_true
         named = next(filter(_VALUE.fullmatch, words), "")
-        return False if any(is_near_miss(named, topic) for topic in self._topics) else None
+        return False if any(_may_mean(named, topic) for topic in self._topics) else None
 
     def _builds(self, words: Sequence[str]) -> bool:
         """Return whether colcon builds a package of the submission, and does not skip the graded one."""
@@ -208,6 +203,11 @@ class _Known:
         """Return the packages that colcon's options select."""
         options = ("--packages-select", "--packages-up-to")
         return {name for option in options for name in _values(words, option)}
+
+
+def _may_mean(named: str, name: str) -> bool:
+    """Return whether a topic or a node is another one, misspelt or without its namespace."""
+    return is_near_miss(named, name) or named == f"/{name.rpartition('/')[2]}" != name
 
 
 def _values(words: Sequence[str], option: str) -> Iterator[str]:

@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 from ros2lab.grading.questions.launching import excuse
-from ros2lab.grading.readme import is_placeholder
+from ros2lab.grading.readme_owners import Owners, is_placeholder
 
 _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
@@ -297,30 +297,20 @@ def _is_named(name: str, text: str) -> bool:
 def _is_another(case: Case) -> bool:
     """Return whether the README has several commands, and none of them is nearly true of this package."""
     judged = {
-        text: bool(is_true) or _is_excused(case, text) or _starts_ours(case, text)
+        text: bool(is_true) or _is_excused(case, text) or _owners(case).names_program(text.split())
         for text, is_true in case.evidence.files.readme_commands.items()
         if not text.startswith("colcon") and (is_true is not None or _is_foreign(case, text))
     }
     return len(judged) > 1 and not any(judged.values())
 
 
+def _owners(case: Case) -> Owners:
+    return Owners(case.evidence.submission, case.executables.values(), case.evidence.files.launch_files)
+
+
 def _is_foreign(case: Case, text: str) -> bool:
-    """Return whether a command that could not be judged starts something that was not handed in."""
-    match text.split():
-        case ["ros2", "run" | "launch", package, *_] if case.evidence.files.readme_commands[text] is None:
-            is_own = package in {own.name for own in case.evidence.submission.packages} or _starts_ours(
-                case, text
-            )
-            return not is_own and not is_placeholder(package)
-    return False
-
-
-def _starts_ours(case: Case, text: str) -> bool:
-    """Return whether a command runs one of the submission's programs, in any package, with or without .py."""
-    match text.split():
-        case ["ros2", "run", _, name, *_]:
-            return name.removesuffix(".py") in _programs(case)
-    return False
+    """Return whether a command starts something that was not handed in, such as a tool."""
+    return _owners(case).of(text.split()) in ("tool", "unknown")
 
 
 def _is_excused(case: Case, text: str) -> bool:
