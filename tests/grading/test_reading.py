@@ -162,3 +162,42 @@ def test_no_launch_file_is_loaded_to_explain_an_error(monkeypatch: pytest.Monkey
     [(_, findings)] = reader.said(REFERENCE, {"folder": ".", "texts": [said]})
     assert findings
     assert loaded == []
+
+
+_SETUP_OF_LIBRARY = "from setuptools import setup\nsetup(name='robot_library', packages=['robot_tools'])\n"
+_XML_OF_LIBRARY = """<package format="3"><name>robot_library</name><version>0.1.0</version><description>Tools</description>
+<maintainer email="a@b.org">A</maintainer><license>MIT</license>
+<export><build_type>ament_python</build_type></export></package>
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "is_needed"),
+    [
+        ("", "", False),
+        ("import rclpy\n", "import rclpy\nimport robot_tools.numbers\n", True),
+        ("import rclpy\n", "import rclpy\nfrom robot_tools import numbers\n", True),
+        ("import rclpy\n", "import rclpy\nimport robot_tool\n", False),
+        ("'console_scripts': [", "'console_scripts': ['count = robot_tools.numbers:main', ", True),
+        ("<depend>rclpy</depend>", "<depend>rclpy</depend><depend>robot_library</depend>", True),
+    ],
+)
+def test_a_library_beside_the_package_is_built_with_it_if_it_is_needed(
+    read: Callable[[Texts | Path], Reading], old: str, new: str, is_needed: bool
+) -> None:
+    """By its modules, which need not have its name, by entry points that lead to them, or as a dependency."""
+    texts = {
+        f"src/robot_controller/{path}": text.replace(old, new, 1) if old and isinstance(text, str) else text
+        for path, text in right_package().items()
+    }
+    library = {
+        "package.xml": _XML_OF_LIBRARY,
+        "setup.py": _SETUP_OF_LIBRARY,
+        "resource/robot_library": "",
+        "robot_tools/__init__.py": "",
+        "robot_tools/numbers.py": "def main():\n    return 1\n",
+        "test/__init__.py": "",
+    }
+    found = read(texts | {f"src/library/{path}": text for path, text in library.items()})
+    assert found.plan is not None
+    assert ("robot_library" in found.plan.names) is is_needed

@@ -266,11 +266,19 @@ def _with_needed(
         needing = queue.pop()
         manifest = needing.manifest
         wanted = {d.name for d in [*manifest.build_depends, *manifest.exec_depends]} if manifest else set()
-        wanted |= {i.target.partition(".")[0] for source in needing.own_sources for i in source.imports}
+        tops = {i.target.partition(".")[0] for source in needing.own_sources for i in source.imports}
+        tops |= {point.module.partition(".")[0] for point in _intended(needing)}
+        wanted |= {name for name, other in others.items() if not tops.isdisjoint(_tops_of(root, other))}
         for name in sorted(wanted & others.keys() - found.keys() - {package.name}):
             found[name] = others[name]
             queue.append(Package(root / others[name].folder, root))
     return [*found.values()]
+
+
+def _tops_of(root: Path, other: FoundPackage) -> set[str]:
+    """Return what can be imported of a package, by the first part of its name: its own name, and its folders of modules."""
+    folder = root / other.folder
+    return {str(other.name), *(path.parent.name for path in folder.glob("*/__init__.py"))} - {"test", "tests"}
 
 
 def _shares(root: Path, packages: Iterable[FoundPackage]) -> Iterator[tuple[str, str]]:
