@@ -10,7 +10,7 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.evidence import Evidence, Run
 from ros2lab.grading.player import Match, Player, is_busy
-from ros2lab.grading.reactions import is_followed
+from ros2lab.grading.reactions import effects_of, is_followed
 from ros2lab.rhythm import has_period
 
 
@@ -74,7 +74,8 @@ def is_alike(evidence: Evidence, assignment: Assignment, candidate: Candidate) -
     """Return whether more than a type shared by several parts tells that a node plays a part.
 
     A publisher has the right period, or publishes repeatedly and plays no other part. A subscriber reacts
-    to commands when it is alone, and the code compares with one of them or it plays no other part.
+    to commands when it is alone, and it tells them apart or the code compares with one of them; or it plays no other
+    part, and what it listens to is nobody else's topic.
     """
     part, topic, node, run = candidate
     if assignment.is_only(part):
@@ -87,12 +88,17 @@ def is_alike(evidence: Evidence, assignment: Assignment, candidate: Candidate) -
         gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
         is_known, is_done = any(has_period(gap, part.period) for gap in gaps), bool(gaps)
     else:
-        is_done = any(
-            other_run.setting == "alone"
-            and other_run.commanded == topic
-            and node in other_run.subscribes.get(topic, ())
-            and is_followed(other_run, {})
-            for other_run in evidence.runs
+        own = [
+            heard
+            for heard in evidence.runs
+            if heard.setting == "alone"
+            and heard.commanded == topic
+            and node in heard.subscribes.get(topic, ())
+        ]
+        is_done = any(is_followed(heard, {}) for heard in own)
+        is_known = is_done and (
+            not {*evidence.files.compared}.isdisjoint(part.commands)
+            or any("processed" in effects_of(part, heard, {}, has_own_log=True).values() for heard in own)
         )
-        is_known = is_done and not {*evidence.files.compared}.isdisjoint(part.commands)
+        is_done &= not is_owned
     return is_known or (is_done and not is_busy(assignment, part, node, run, topic))
