@@ -8,6 +8,7 @@ from typing import Any
 
 from ros2lab import assignments
 from ros2lab.grading.evidence import (
+    OTHER_TYPE,
     SCHEMA,
     Build,
     CommandSeen,
@@ -565,7 +566,7 @@ FAULTS: dict[str, tuple[str, Change]] = {
         "package",
         both(files(manifest={"is_there": False}), unbuilt("colcon finds no package robot_controller.")),
     ),
-    "package.xml is not valid": ("package", both(facts("manifest", "is_valid"), unbuilt("not valid"))),
+    "package.xml is not valid": ("package", both(facts("manifest", "is_valid"), unbuilt(f"{OTHER_TYPE[0]}: not valid"))),
     "build type": ("package", both(facts("manifest", "is_ament_python"), unbuilt("colcon lists it as ros.catkin"))),
     "dependency that does not exist": ("package", facts("manifest", "dependencies_exist")),
     "other import not declared": ("package", facts("manifest", "declares_all_imports")),

@@ -167,7 +167,7 @@ def test_an_excuse_reaches_as_far_as_the_code_shows(program: str, does: list[str
     assert _graded(given).components[program].points == points
 
 
-@pytest.mark.parametrize(("does", "points"), [(["publishes"], 20), (None, 20), ([], 9)])
+@pytest.mark.parametrize(("does", "points"), [(["publishes"], 20), (None, 20), ([], 6.5)])
 def test_a_node_waits_only_for_what_it_would_do_something_with(does: list[str] | None, points: float) -> None:
     """One that never publishes is silent with or without a permission."""
     silent = _silent(["/motors/permit"])

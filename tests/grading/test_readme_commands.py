@@ -184,7 +184,9 @@ def test_whose_program_a_command_starts_its_package_tells_or_its_name(
 
 @pytest.mark.parametrize("is_known", [True, False])
 def test_which_launch_files_a_package_beside_it_has_is_known(is_known: bool) -> None:
-    facts = Files(manifest={"is_there": True}, launch_files_elsewhere=["ws/src/messages/launch/show.launch.py"])
+    facts = Files(
+        manifest={"is_there": True}, launch_files_elsewhere=["ws/src/messages/launch/show.launch.py"]
+    )
     text = "`ros2 launch robot_messages show.launch.py` `ros2 launch robot_messages all.launch.py`"
     found = commands(text, SUBMISSION, BUILD, [RUN], facts if is_known else None)
     assert [*found.values()] == [None, False if is_known else None]

@@ -14,7 +14,7 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab import assignments
-from ros2lab.grading.evidence import NO_WORD, CommandSeen, Evidence, Place, Run, WrittenEnd
+from ros2lab.grading.evidence import NO_WORD, OTHER_TYPE, CommandSeen, Evidence, Place, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.keeper import LIMITS, is_limit
 from ros2lab.grading.notes import Kind, Note
@@ -69,12 +69,23 @@ def test_a_style_loses_nothing(rubric: Rubric, style: str) -> None:
     assert grade.total - grade.components["bonus"].points == 100
 
 
+def does_not_build(evidence: Evidence) -> bool:
+    """Return whether the build fails, and not only for the type of the package."""
+    build = evidence.build
+    return build is not None and not build.is_built and not build.error.startswith(OTHER_TYPE[0])
+
+
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_costs_its_component_and_no_other(rubric: Rubric, fault: str) -> None:
+    """But for a package that does not build, which costs half of the build besides."""
     component, change = FAULTS[fault]
-    grade = verdict(change(right()), rubric)
-    assert list(losing(grade)) == [component], lost(grade)
-    assert {one.component for one in grade.faults} - {"bonus"} == {component}
+    evidence = change(right())
+    grade = verdict(evidence, rubric)
+    is_unbuilt = component == "package" and does_not_build(evidence)
+    components = ["workspace", component] if is_unbuilt else [component]
+    assert list(losing(grade)) == components, lost(grade)
+    assert {one.component for one in grade.faults} - {"bonus"} == {*components}
+    assert not is_unbuilt or losing(grade)["workspace"] == 3
 
 
 @pytest.mark.parametrize("fault", [*FAULTS, *BONUS_FAULTS])
@@ -227,7 +238,7 @@ def test_a_build_that_was_ended_has_shown_nothing(rubric: Rubric) -> None:
     ended = verdict(replace(failed, build=replace(failed.build, cut=cut)), rubric)
     points = {criterion.id: criterion.points for criterion in ended.criteria}
     assert not any(points[name] for name in ("workspace.build", "package.setup", "package.executables"))
-    assert ended.total <= verdict(failed, rubric).total - 6
+    assert ended.total <= verdict(failed, rubric).total - 3
     assert "It ran longer than 60 s." in next(
         one.reason for one in ended.criteria if one.id == "workspace.build"
     )
@@ -1073,7 +1084,7 @@ def test_two_words_of_a_nodes_own_count_as_one_that_was_asked_for(
     assert f"each word that the node knows: {words[0]}, {words[1]} and {words[2]}." in criterion.reason
 
 
-@pytest.mark.parametrize(("log", "points"), [(evidences.echo, 6), (evidences.log_by_word, 17), (None, 0)])
+@pytest.mark.parametrize(("log", "points"), [(evidences.echo, 7), (evidences.log_by_word, 17), (None, 0)])
 def test_a_subscriber_on_another_topic_has_what_it_does(
     rubric: Rubric, log: Callable[[str], list[str]] | None, points: float
 ) -> None:
@@ -1608,7 +1619,8 @@ def test_an_int_in_a_twist_costs_the_numbers_alone(rubric: Rubric, values: list[
 @pytest.mark.parametrize(
     ("end", "why"),
     [
-        ("[INFO] [robot]: engines off", "no word of why"),
+        ("[INFO] [robot]: engines off", "no error; it said last: engines off"),
+        ("", "no word of why"),
         ("Killed\n[DEBUG] [robot]: engines off", "Killed"),
         ("[ERROR] [robot]: no engine", "[ERROR] [robot]: no engine"),
         (
@@ -1711,7 +1723,7 @@ def test_three_nodes_of_one_name_play_three_parts(rubric: Rubric) -> None:
 
 def test_what_could_not_be_tried_is_no_fault_of_its_own(rubric: Rubric) -> None:
     grade = verdict(FAULTS["setup.py does not parse"][1](right()), rubric)
-    assert {one.component for one in grade.faults} == {"package"}
+    assert {one.component for one in grade.faults} == {"package", "workspace"}
     assert "could not be tried" in next(one.reason for one in grade.criteria if one.id == "bonus.launch")
 
 
@@ -1907,7 +1919,7 @@ def test_a_package_of_which_nothing_is_built_is_not_said_to_be_none(rubric: Rubr
     given = evidences.files(manifest={"is_there": False}, setup={"is_there": True})(given)
     said = [judged(given, rubric, f"workspace.{what}") for what in ("layout", "build")]
     assert [one.points for one in said] == [3, 0]
-    assert "is itself the package" in said[0].reason
+    assert said[0].reason.startswith("What was handed in, a setup.py without a package.xml")
     assert "There is no package that" not in said[1].reason
     assert "the package that was handed in: it has no package.xml" in said[1].reason
     nothing = evidences.submission(form="files", package=None, packages=[])(given)

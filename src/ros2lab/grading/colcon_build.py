@@ -23,7 +23,7 @@ from ros2lab.grading.absent import MARKERS
 from ros2lab.grading.box import Box
 from ros2lab.grading.bubblewrap import PACKAGE
 from ros2lab.grading.build_plan import Plan, Point, one_line
-from ros2lab.grading.evidence import NO_WORD
+from ros2lab.grading.evidence import NO_WORD, OTHER_TYPE
 from ros2lab.grading.sandbox import FILES, World
 
 READ_TIME = 30.0  # s
@@ -156,8 +156,8 @@ def judge(
         reasons = [
             cut,
             mine.error if mine else None,
-            found and found.error and f"colcon does not take it for an ament_python package: {found.error}",
-            f"colcon lists it as {kind}, not as ros.ament_python."
+            found and found.error and f"{OTHER_TYPE[0]}: {found.error}",
+            f"{OTHER_TYPE[1]}{kind}, not as ros.ament_python."
             if kind not in (None, "ros.ament_python")
             else None,
             result.first_error,

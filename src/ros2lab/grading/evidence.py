@@ -19,6 +19,8 @@ SCHEMA = 3
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
 KEYBOARD = "a keyboard"  # which nobody uses during grading
+# The beginnings of what is said of a package that is built, or passed over, as one of another type.
+OTHER_TYPE = ("colcon does not take it for an ament_python package", "colcon lists it as ")
 NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 

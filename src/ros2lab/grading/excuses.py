@@ -45,15 +45,27 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, st
     players = [player for player in everybody if player.run.setting != GIVEN]
     if not players:
         return _unwatched(case, part), ""
-    needed = () if part.end == "service" else (PUBLISHES if part.is_publisher else READS, *deeds)
-    known = [does for player in players if (does := _does(case, player, needed)) is not None]
-    left = (
-        []
-        if len(known) < len(players)
-        else [deed for deed in needed if not any(deed in does for does in known)]
-    )
-    lack = f"no line of the code that runs {CLAUSES[left[0]]}" if left else _broken(case, players)
+    lack = _left_out(case, players, (*_uses(part), *deeds)) or _broken(case, players)
     return _why(case, part, players), lack
+
+
+def unused(case: Case, part: Part) -> str:
+    """Return a clause if what a part's node has is silent, and no line of its code that runs uses it; else empty."""
+    players = of_one_node(case.players[part.name], case.main(part))
+    is_heard = any(player.is_heard for player in players)
+    return "" if is_heard or not players else _left_out(case, players, _uses(part))
+
+
+def _uses(part: Part) -> tuple[str, ...]:
+    """Return what code must do with the end of a part for it to be of any use."""
+    return () if part.end == "service" else (PUBLISHES if part.is_publisher else READS,)
+
+
+def _left_out(case: Case, players: Sequence[Player], needed: Collection[str]) -> str:
+    """Return which deed the players' code never does, as a clause; empty if none is known."""
+    known = [does for player in players if (does := _does(case, player, needed)) is not None]
+    left = [deed for deed in needed if not any(deed in does for does in known)]
+    return f"no line of the code that runs {CLAUSES[left[0]]}" if left and len(known) == len(players) else ""
 
 
 def _broken(case: Case, players: Sequence[Player]) -> str:

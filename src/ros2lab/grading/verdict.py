@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Part
-from ros2lab.grading.evidence import GIVEN, Build, Evidence, Run
+from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.leftovers import case_of
 from ros2lab.grading.overrides import Decision
@@ -244,7 +244,7 @@ def _shown_running(evidence: Evidence) -> str:
     if evidence.files.recordings:
         return listed(evidence.files.recordings)
     if _OUTPUT.search(evidence.files.readme):
-        return "the README shows what a terminal has printed"
+        return "the README shows what a terminal has printed, and no link was opened"
     return "no picture, film or log was handed in, and no link was opened"
 
 
@@ -273,7 +273,11 @@ def _notes_of_build(build: Build) -> Iterator[str]:
     for executable in build.executables:
         if executable.fault:
             how = f"was run as a {executable.way}" if executable.command else "could not be run"
-            yield f"{shown(executable.name)} {how}: {shown(executable.fault, LONGEST_FAULT)}"
+            is_left = executable.fault == NO_ENTRY_POINT and not build.is_built
+            fault = (
+                "No entry point of it is installed." if is_left else shown(executable.fault, LONGEST_FAULT)
+            )
+            yield f"{shown(executable.name)} {how}: {fault}"
 
 
 def _unwritten(case: Case, player: Player) -> Iterator[str]:

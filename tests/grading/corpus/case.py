@@ -43,6 +43,9 @@ class Loss:
     cause: str = ""
 
 
+UNBUILT = Loss(3, 3, r"colcon build. finds \w+ and does not build it")
+
+
 @dataclass(frozen=True)
 class Case:
     """A submission, and what it must get.
@@ -64,6 +67,7 @@ class Case:
         assignment: the folder of that for which it is handed in; None for the course's own.
         criteria: those that lose points, and no other, in place of `loses` and the bonus.
         cause: as `Loss.cause`, for what `criteria` have lost.
+        builds: whether colcon builds the package; if not, that costs half of the build besides.
     """
 
     name: str
@@ -81,6 +85,7 @@ class Case:
     assignment: Path | None = None
     criteria: frozenset[str] | None = None
     cause: str = ""
+    builds: bool = True
 
     @contextmanager
     def handed_in(self, folder: Path) -> Iterator[Path]:
@@ -110,7 +115,8 @@ class Case:
             return
         for component, all_points in COMPONENTS.items():
             lost = all_points - grade.components[component].points
-            loss = self.loses.get(component)
+            unbuilt = UNBUILT if component == "workspace" and not self.builds else None
+            loss = self.loses.get(component, unbuilt)
             if loss is None:
                 if abs(lost) > 1e-6:
                     yield f"{component} lost {lost:g} points and must lose none: {said_of(grade, component)}"

@@ -11,9 +11,15 @@ _SPIN = "        rclpy.spin(node)\n"
 
 
 def _pair(
-    name: str, about: str, loses: dict[str, Loss], *changes: Change, unreadable: tuple[str, ...] = ()
+    name: str,
+    about: str,
+    loses: dict[str, Loss],
+    *changes: Change,
+    unreadable: tuple[str, ...] = (),
+    builds: bool = True,
 ) -> Case:
-    return Case(f"pair/{name}", about, as_folder(made(MODEL, *changes)), loses, unreadable=unreadable)
+    folder = as_folder(made(MODEL, *changes))
+    return Case(f"pair/{name}", about, folder, loses, unreadable=unreadable, builds=builds)
 
 
 def _both(*causes: str) -> str:
@@ -49,6 +55,7 @@ BEHIND: tuple[Case, ...] = (
         _SETUP_SYNTAX,
         _STATUS_IMPORT,
         unreadable=("setup.py",),
+        builds=False,
     ),
     _pair(
         "topic_behind_setup",
@@ -57,6 +64,7 @@ BEHIND: tuple[Case, ...] = (
         _SETUP_SYNTAX,
         _COMMAND_TOPIC,
         unreadable=("setup.py",),
+        builds=False,
     ),
     _pair(
         "period_behind_manifest",
@@ -71,6 +79,7 @@ BEHIND: tuple[Case, ...] = (
         {"package": Loss(1, 15, r"build.type"), "velocity_publisher": _INT_COST},
         edit(XML, ">ament_python<", ">ament_pyton<"),
         _VELOCITY_INT,
+        builds=False,
     ),
     _pair(
         "topic_behind_marker",
@@ -78,6 +87,7 @@ BEHIND: tuple[Case, ...] = (
         {"package": Loss(1, 15, r"marker|resource"), "velocity_publisher": _VELOCITY_COST},
         drop(MARKER),
         _VELOCITY_TOPIC,
+        builds=False,
     ),
     _pair(
         "death_behind_setup_cfg",
@@ -150,6 +160,7 @@ BEHIND: tuple[Case, ...] = (
         {"package": Loss(2, 15, _both(r"glob", r"setup.cfg"))},
         edit(SETUP, "from glob import glob\n", ""),
         drop(CFG),
+        builds=False,
     ),
     _pair(
         "marker_behind_syntax",
@@ -158,6 +169,7 @@ BEHIND: tuple[Case, ...] = (
         _SETUP_SYNTAX,
         drop(MARKER),
         unreadable=("setup.py",),
+        builds=False,
     ),
 )
 
@@ -173,8 +185,8 @@ SIDE_BY_SIDE: tuple[Case, ...] = (
         "topics_swapped",
         "one publishes where the other listens, and the other way round",
         {
-            "status_publisher": Loss(4, 20, r"/robot/command|/robot/status"),
-            "command_subscriber": Loss(4, 20, r"/robot/status|/robot/command"),
+            "status_publisher": Loss(3, 20, r"/robot/command|/robot/status"),
+            "command_subscriber": Loss(3, 20, r"/robot/status|/robot/command"),
         },
         edit(STATUS, "'/robot/status', 10)", "'/robot/command', 10)"),
         edit(COMMAND, "'/robot/command'", "'/robot/status'"),
@@ -240,6 +252,7 @@ SIDE_BY_SIDE: tuple[Case, ...] = (
         drop(README),
         _SETUP_SYNTAX,
         unreadable=("setup.py",),
+        builds=False,
     ),
     _pair(
         "no_words_and_int",
@@ -292,6 +305,7 @@ SIDE_BY_SIDE: tuple[Case, ...] = (
         _COMMAND_DIES,
         _VELOCITY_TOPIC,
         unreadable=("setup.py",),
+        builds=False,
     ),
     Case(
         "pair/launch_and_period",

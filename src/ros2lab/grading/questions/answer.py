@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
 from ros2lab.diagnose.printed.ignored import without_ignored
+from ros2lab.grading.evidence import KEYBOARD
 from ros2lab.grading.excuses import excuse
 from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import finds_no_keyboard
@@ -117,7 +118,18 @@ class Question:
         # For what was never seen, the code must plainly do what is asked for.
         is_open = answer.level in ("written", *self.mute)
         why, lack = excuse(case, part, self.deeds) if is_open else ("", "")
-        return replace(answer, seen={**asked(part), **answer.seen}, excuse=why, lack=lack)
+        seen = {**asked(part), "outside": _outside(case, part), **answer.seen}
+        return replace(answer, seen=seen, excuse=why, lack=lack)
+
+
+def _outside(case: Case, part: Part) -> str:
+    """Return where a part's node was seen, if not in the lab with all that it imports, as the end of a clause."""
+    player = case.main(part)
+    program = case.executables.get(player.program) if player else None
+    if player and player.run.refused:
+        return " outside the lab, which refuses its numbers"
+    absent = [name for name in program.absent if name != KEYBOARD] if program else []
+    return f", with an empty stand-in for {listed(absent)}" if absent else ""
 
 
 def asked(part: Part) -> dict[str, str]:
@@ -144,7 +156,7 @@ def asked(part: Part) -> dict[str, str]:
     }
 
 
-ASKED = frozenset(asked(Part("", "publisher", "", "")))
+ASKED = frozenset((*asked(Part("", "publisher", "", "")), "outside"))
 QUESTIONS: dict[str, Question] = {}
 
 
@@ -227,7 +239,7 @@ def _asked_to_end(lines: Iterable[str]) -> set[str]:
     return found
 
 
-def last_word(text: str) -> str:
+def last_word(text: str, longest: int = LONGEST) -> str:
     """Return the line that says why a program ended, without the parts that differ between runs."""
     said = without_ignored(text.splitlines())
     lines = [line.strip() for line in said if line.strip() and not _REPORT.match(line)]
@@ -242,8 +254,10 @@ def last_word(text: str) -> str:
         if match
     ]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
-    word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
-    word = shown(_CHANCE.sub("…", word)).rstrip(".:")
+    reports = [line.partition("]: ")[2] for line in text.splitlines() if _REPORT.match(line)]
+    mute = f"no error; it said last: {reports[-1]}" if any(reports) else "no word of why"
+    word = (telling or lines or [mute])[-1].replace(f"{FILES}/", "")
+    word = shown(_CHANCE.sub("…", word), longest).rstrip(".:")
     is_unread = finds_no_keyboard(word) and finds_no_keyboard(text)
     return f"{word}, for there is no keyboard where it is graded" if is_unread else word
 

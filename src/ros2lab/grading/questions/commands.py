@@ -25,9 +25,8 @@ from ros2lab.grading.senses import is_still
 from ros2lab.grading.told_again import told_by_place
 
 VERY_MANY = "very many commands"
+SLOW = "A node is slow to answer"  # the beginning of a run's note
 FLOOD = " x "  # part of the observer's name for them
-
-_IDLE = ("echoed", "none")  # levels of a node in which no command does anything, so that none can do harm
 
 _SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": "", "fallback": ""}
 
@@ -194,16 +193,17 @@ def _logged(part: Part, run: Run) -> set[str]:
 
 @question(
     "lives moves deaf dies ends unseen untried missing",
-    "command last end program",
+    "command last end program tried",
     nodes.CODES,
     mute="dies ends unseen untried",
 )
 def commands_do_no_harm(case: Case, part: Part) -> Answer:
     """Whether unknown, empty and a thousand commands leave the node alive and the robot at rest."""
     player = case.whole(part)
-    seen = {"command": "", "last": "", "end": "", "program": ""}
+    seen = {"command": "", "last": "", "end": "", "program": "", "tried": ""}
     if player is None:
         return Answer("missing", seen, ("runs",))
+    seen["tried"] = _tried(part, player.run)
     seen["program"] = shown(player.program or player.node)
     key = f"runs[{player.number}].commands"
     if player.end is not None:
@@ -214,13 +214,25 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
         level, key = "untried", player.key
     elif mover is not None:
         level, seen["command"] = "moves", _named(mover.text, "unknown command")
-    elif not _is_answered(case, part) or commands_are_processed(case, part).level in _IDLE:
+    elif not _is_answered(case, part):
         level = "unseen"
     elif _is_deaf(part, player.run):
         level, seen["command"] = "deaf", _last_answered(part, player.run)
     else:
         level = "lives"
     return Answer(level, seen, (key,), shown(player.node))
+
+
+def _tried(part: Part, run: Run) -> str:
+    """Return which kinds of commands were sent in a run, and which of the others were not, as the end of a sentence."""
+    kinds = {"known": [*part.commands], "unknown": [*filter(None, part.unknown)], "empty": [""]}
+    sent = {command.text for command in run.commands}
+    tried = [kind for kind, words in kinds.items() if not sent.isdisjoint(words)]
+    tried += ["very many"] if any(FLOOD in text for text in sent) else []
+    open_to = [kind for kind in (*kinds, "very many") if kind != "empty" or "" in part.unknown]
+    left = [kind for kind in open_to if kind not in tried]
+    why = ", for it is slow to answer" if any(note.startswith(SLOW) for note in run.notes) else ""
+    return f"{listed(tried)} commands" + (f"; not sent were {listed(left)} ones{why}" if left else "")
 
 
 def _says_anything(runs: Iterable[Run]) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from ros2lab.assignments import Part
 from ros2lab.grading.by_type import owners_of
 from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.excuses import unused
 from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import STAND_IN, Player, is_for_want, of_one_node, stamped
 from ros2lab.grading.players import Case
@@ -68,8 +69,8 @@ TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
 
 @question(
-    "right doubled apart near other written missing",
-    "topic node why",
+    "right unused doubled apart near other written missing",
+    "topic node why unused",
     CODES | TOPIC_CODES,
     tells_node=True,
 )
@@ -80,14 +81,19 @@ def has_its_topic(case: Case, part: Part) -> Answer:
         answer = missing(case, part)
         end = case.written(part)
         level = "written" if end and end.topic == part.topic else "missing"
-        return Answer(level, {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
-    seen = {"topic": shown(player.topic), "node": shown(player.node), "why": ""}
+        seen = {**answer.seen, "topic": "", "node": "", "unused": ""}
+        return Answer(level, seen, answer.evidence, answer.place)
+    seen = {"topic": shown(player.topic), "node": shown(player.node), "why": "", "unused": unused(case, part)}
+    if part.is_publisher and not any(one.is_heard for one in case.players[part.name]):
+        seen["verb"] = "has a publisher for"
     level = "other" if player.is_guessed else player.match
     seen["why"] = _owned(case, player)
     if player.match == "right" and case.is_apart(part):
         level = "apart"
     elif player.match == "right" and part.name in case.doubled:
         level = "doubled"
+    elif level == "right" and seen["unused"]:
+        level = "unused"
     return Answer(level, seen, (player.key,), seen["topic"])
 
 

@@ -6,14 +6,18 @@ the share of `nodes_are_installed` that is for being installed.
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Collection, Mapping
-from copy import copy
-from dataclasses import fields, replace
 
 from ros2lab.assignments import Part
+from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding
-from ros2lab.grading.evidence import NO_WORD, Files, Run
+from ros2lab.diagnose.sources.interfaces import PACKAGES
+from ros2lab.diagnose.sources.spelling import is_near_miss
+from ros2lab.grading.evidence import NO_WORD, Run
 from ros2lab.grading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
+from ros2lab.grading.player import lacked
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
@@ -22,6 +26,7 @@ _WRITTEN = {
     "license_is_written": "the license",
     "maintainer_is_written": "a maintainer with an address",
 }
+_NO_MODULE = re.compile(r"No module named '?(\w+)")
 _KEEPS_FROM_BUILDING = ("data_files_exist", "has_entry_points", "entry_points_lead_to_functions")
 _MARKER_CODES = frozenset(("marker-missing", "setup-cfg-missing", "setup-cfg-dashes", "marker-not-installed"))
 
@@ -94,7 +99,7 @@ def _packages_seen(case: Case) -> list[str]:
 
 @question(
     "right other_name no_modules no_files invalid fails no_word missing",
-    "error fault",
+    "error fault but",
     _codes(_SETUP, "is_valid", "installs_modules", "data_files_exist") | {"setup-value"},
 )
 def setup_installs_the_package(case: Case) -> Answer:
@@ -109,7 +114,7 @@ def setup_installs_the_package(case: Case) -> Answer:
     }
     wrong = [level for fact, level in levels.items() if not facts.get(fact)]
     is_read = facts.get("is_there") and facts.get("is_valid")
-    if is_read and build and not build.is_built and not _is_explained(case):
+    if is_read and build and not build.is_built and not _is_explained(case) and not wanting(case):
         wrong.insert(
             0, "no_word" if build.error == NO_WORD else "fails"
         )  # neither a name nor missing modules would keep setup.py from running
@@ -118,6 +123,7 @@ def setup_installs_the_package(case: Case) -> Answer:
     seen = {
         "error": last_word(build.error) if build else "",
         "fault": shown(causes[0], 160) if causes else "",
+        "but": "; why it does not build counts elsewhere" if build and not build.is_built else "",
     }
     return Answer(level, seen, ("files.setup", "build.error"), "setup.py")
 
@@ -145,25 +151,28 @@ def package_is_registered(case: Case) -> Answer:
 
 
 @question(
-    "all unreachable one_lost idle two_lost none",
-    "lost fault",
+    "all unreachable one_lost idle two_lost unread none",
+    "lost fault broken",
     _codes(_SETUP, "has_entry_points", "entry_points_lead_to_functions") | {"executable-missing"},
 )
 def nodes_are_installed(case: Case) -> Answer:
     """Whether `ros2 run` or `ros2 launch` starts every node that exists; missing nodes count elsewhere."""
     facts, build = case.evidence.files.setup, case.evidence.build
-    seen, keys = {"lost": "", "fault": ""}, ("build.executables", "files.setup")
+    seen, keys = {"lost": "", "fault": "", "broken": ""}, ("build.executables", "files.setup")
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
     lost, faults = _lost(case)
+    broken = [name for name, one in case.executables.items() if one.way == "installed" and one.fault]
     seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
+    seen["broken"] = f"; but these cannot be imported: {listed(broken)}" if broken else ""
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
     ways = [executable.way for executable in build.executables if executable.has_entry_point]
     if build.cut or ("installed" not in ways and not is_right):
-        return Answer("none", seen, keys, "setup.py")
+        level = "unread" if facts.get("has_entry_points") and not build.cut else "none"
+        return Answer(level, seen, keys, "setup.py")
     is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
     if is_right and not is_built:
-        return Answer("unreachable", seen, keys, "setup.py")
+        return Answer("unreachable", seen, keys, "setup.py", excuse=wanting(case))
     if not lost and (idle := _idle(case)):
         return Answer("idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), "setup.py")
     return Answer(("all", "one_lost", "two_lost")[min(len(lost), 2)], seen, keys, "setup.py")
@@ -290,36 +299,17 @@ def package_is_described(case: Case) -> Answer:
     return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"].rpartition(" ")[2])
 
 
-def is_charged(case: Case) -> bool:
-    """Return whether what keeps a package from being built costs points where it belongs.
-
-    It does not where something else has cost these points already, such as a setup.cfg without which a marker is of no use.
-    """
-    files = case.evidence.files
-    manifest = [files.manifest.get(fact) for fact in ("is_there", "is_valid", "is_ament_python")]
-    if not all((*manifest, files.setup.get("is_there"), files.setup.get("is_valid"))):
-        return True
-    wrong = [fact for fact in ("marker_exists", *_KEEPS_FROM_BUILDING) if not files.setup.get(fact)]
-    levels = _levels(case, files.setup)
-    return any(_levels(case, {**files.setup, fact: True}) != levels for fact in wrong) or not (
-        wrong or _is_explained(case)
-    )
-
-
-def _levels(case: Case, setup: Mapping[str, bool]) -> list[str]:
-    """Return what the questions about a setup.py would be answered with other facts, but for the build's own error."""
-    names = {field.name for field in fields(Files)}
-    known = {name: value for name, value in vars(case.evidence.files).items() if name in names}
-    supposed, built = copy(case), copy(case)  # with the same players
-    supposed.evidence = replace(case.evidence, files=Files(**{**known, "setup": {**setup}}))
-    build = case.evidence.build
-    built.evidence = replace(supposed.evidence, build=build and replace(build, is_built=True))
-    answers = (
-        setup_installs_the_package(built),
-        package_is_registered(supposed),
-        nodes_are_installed(supposed),
-    )
-    return [answer.level for answer in answers]
+def wanting(case: Case) -> str:
+    """Return for want of what the package is not built here, though nothing is wrong with it, as a clause; else empty."""
+    build, setup = case.evidence.build, case.evidence.files.setup
+    if build is None or build.is_built or build.cut or not setup.get("is_valid") or _is_explained(case):
+        return ""
+    own = {package.name for package in case.evidence.submission.packages}
+    known = PACKAGES | sys.stdlib_module_names | {"setuptools", *ROS_1, *filter(None, own)}
+    if found := _NO_MODULE.search(build.error):
+        is_known = any(found[1] == name or is_near_miss(found[1], name) for name in known)
+        return "" if is_known else f"setup.py needs {shown(found[1])}, not there where it is graded"
+    return f"the build needs {', '.join(lacked(build.error))}" if lacked(build.error) else ""
 
 
 def _is_explained(case: Case) -> bool:

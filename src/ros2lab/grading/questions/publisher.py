@@ -78,7 +78,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
 
 
 @question(
-    "repeated once echoed silent written missing",
+    "repeated changed once echoed silent written missing",
     "topic",
     nodes.CODES,
     ("publisher",),
@@ -100,6 +100,8 @@ def comes_again(case: Case, part: Part) -> Answer:
     everybody = of_one_node(case.players[part.name], case.main(part))
     if level == "repeated" and _is_echo(everybody) and not _may_listen(case, everybody):
         level = "echoed"
+    elif level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
+        level = "changed"
     keys = [best.quiet_key] if best.topic in best.run.quiet else []
     keys += [
         f"runs[{best.number}].commands[{number}].topics.{best.topic}"
@@ -107,6 +109,14 @@ def comes_again(case: Case, part: Part) -> Answer:
         if best.topic in command.topics
     ][:1]
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
+
+
+def _comes_by_itself(player: Player) -> bool:
+    """Return whether several messages came before any command or request, or after a single one."""
+    run, topic = player.run, player.topic
+    after = [command.topics for command in run.commands if ", " not in command.text]
+    stretches = [run.quiet, *(call.topics for call in run.calls), *after]
+    return any(topic in topics and topics[topic].count > 1 for topics in stretches)
 
 
 def _may_listen(case: Case, players: Sequence[Player]) -> bool:

@@ -6,10 +6,11 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
+from ros2lab.grading.evidence import OTHER_TYPE
 from ros2lab.grading.notes import Kind, spoken
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.grading.questions.package import is_charged
+from ros2lab.grading.questions.package import wanting
 
 _BY_PYTHON = re.compile(r"(?:^|/)(?:__pycache__|[^/]*\.py[co])$")
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
@@ -18,6 +19,7 @@ _HIDDEN: Mapping[Kind, str] = {
     "in another package": "{} lies in another package",
 }
 
+LONGEST_ERROR = 240  # characters; the error of a setup.py may quote what is wrong with it
 _BARE = "it has no package.xml, and its setup.py installs no modules"
 
 
@@ -27,22 +29,25 @@ def package_lies_in_src(case: Case) -> Answer:
     form = case.evidence.submission.form
     level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
     folder = shown(_folder(case))
-    subject = (
-        "The handed-in folder is itself the package, and" if folder == "." else f"The package in {folder}"
-    )
+    subject = f"The package in {folder}"
+    if folder == ".":
+        subject = "The handed-in folder is itself the package, and"
+        if not case.evidence.files.manifest.get("is_there"):
+            subject = "What was handed in, a setup.py without a package.xml and what is beside it,"
     seen = {"folder": spoken(folder), "what": subject}
     return Answer(level, seen, ("submission.form",), folder)
 
 
 @question(
-    "built package_fault fails endless copy_outside duplicate hidden bare no_package",
+    "built other_type fails endless copy_outside duplicate hidden bare no_package",
     "package others top why error",
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
 def colcon_finds_package(case: Case) -> Answer:
-    """Whether colcon finds the package and builds it; faults that cost points in the package do not count here.
+    """Whether colcon finds the package and builds it, as far as its own faults and those of its setup.py go.
 
-    A build that never ends does, because then nothing in the workspace can be built.
+    A package.xml by which it is no ROS package for colcon costs points there. A build that never ends leaves nothing,
+    because then nothing in the workspace can be built.
     """
     seen = {"package": shown(case.package or "the package"), "others": "", "top": "", "why": "", "error": ""}
     build = case.evidence.build
@@ -62,9 +67,15 @@ def colcon_finds_package(case: Case) -> Answer:
     if build.is_built:
         return Answer("built", seen, ("build.is_built",))
     is_of_another_type = files.manifest.get("is_valid") and not files.manifest.get("is_ament_python")
-    error = "its build type is not ament_python" if is_of_another_type else last_word(build.error)
-    level = "package_fault" if is_charged(case) else "fails"
-    return Answer(level, seen | {"error": error}, ("build.is_built", "build.error"), shown(_folder(case)))
+    error = (
+        "its build type is not ament_python" if is_of_another_type else last_word(build.error, LONGEST_ERROR)
+    )
+    # Elsewhere there may be CMake; and without a valid package.xml colcon may build it as plain Python.
+    needs_cmake = (case.evidence.submission.package.build_type or "").startswith(("ament_cmake", "cmake"))
+    is_passed_over = build.error.startswith(OTHER_TYPE) and not is_of_another_type
+    level = "other_type" if needs_cmake or is_passed_over else "fails"
+    keys = ("build.is_built", "build.error")
+    return Answer(level, seen | {"error": error}, keys, shown(_folder(case)), excuse=wanting(case))
 
 
 def _of_twins(case: Case, twins: list[str], seen: dict[str, str]) -> Answer:

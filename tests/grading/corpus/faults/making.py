@@ -27,8 +27,9 @@ def fault(
     most: float = 20,
     earns: frozenset[str] | None = None,
     unreadable: tuple[str, ...] = (),
+    builds: bool = True,
 ) -> Case:
-    """Return the model with a change that costs a component from `least` to `most` points."""
+    """Return the model with a change that costs a component from `least` to `most` points, and half of the build if that fails."""
     return Case(
         f"{component}/{name}",
         about,
@@ -36,6 +37,7 @@ def fault(
         {component: Loss(least, most, cause)},
         earns=_KEPT.get(component, frozenset()) if earns is None else earns,
         unreadable=unreadable,
+        builds=builds,
     )
 
 

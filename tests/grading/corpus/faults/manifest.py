@@ -8,14 +8,24 @@ from corpus.package import XML
 from corpus.tree import drop, edit, put
 
 
-def _xml(name: str, old: str, new: str, cause: str, about: str, *, most: float = 8) -> Case:
-    return fault("package", f"xml_{name}", edit(XML, old, new), cause, about, most=most)
+def _xml(
+    name: str, old: str, new: str, cause: str, about: str, *, most: float = 8, builds: bool = True
+) -> Case:
+    change = edit(XML, old, new)
+    return fault("package", f"xml_{name}", change, cause, about, most=most, builds=builds)
 
 
 _INVALID = r"manifest-invalid|package\.xml"
 
 MANIFEST: tuple[Case, ...] = (
-    fault("package", "xml_missing", drop(XML), r"package\.xml", "without package.xml it is no ROS package"),
+    fault(
+        "package",
+        "xml_missing",
+        drop(XML),
+        r"package\.xml",
+        "without package.xml it is no ROS package",
+        builds=False,
+    ),
     fault("package", "xml_empty", put(XML, ""), _INVALID, "an empty file is no XML"),
     fault("package", "xml_is_a_word", put(XML, "robot_controller\n"), _INVALID, "a word is no XML"),
     _xml(
@@ -138,6 +148,7 @@ MANIFEST: tuple[Case, ...] = (
         r"build-type|build.type|ament_pyton",
         "colcon has no such build type and builds nothing",
         most=15,
+        builds=False,
     ),
     _xml(
         "build_type_cmake",
@@ -154,6 +165,7 @@ MANIFEST: tuple[Case, ...] = (
         r"build-type|build.type|export",
         "without a build type colcon takes it for catkin",
         most=15,
+        builds=False,
     ),
     _xml("rclpy_undeclared", "  <depend>rclpy</depend>\n", "", r"rclpy", "the nodes import rclpy"),
     _xml(

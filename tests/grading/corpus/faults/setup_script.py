@@ -20,9 +20,18 @@ _POINTS = """\
 
 
 def _setup(
-    name: str, old: str, new: str, cause: str, about: str, *, most: float = 15, least: float = 1
+    name: str,
+    old: str,
+    new: str,
+    cause: str,
+    about: str,
+    *,
+    most: float = 15,
+    least: float = 1,
+    builds: bool = True,
 ) -> Case:
-    return fault("package", f"setup_{name}", edit(SETUP, old, new), cause, about, least=least, most=most)
+    change = edit(SETUP, old, new)
+    return fault("package", f"setup_{name}", change, cause, about, least=least, most=most, builds=builds)
 
 
 def _unreadable(name: str, change: Change, about: str) -> Case:
@@ -34,12 +43,13 @@ def _unreadable(name: str, change: Change, about: str) -> Case:
         about,
         least=2,
         unreadable=("setup.py",),
+        builds=False,
     )
 
 
-def _point(name: str, new: str, cause: str, about: str) -> Case:
+def _point(name: str, new: str, cause: str, about: str, *, builds: bool = True) -> Case:
     """A wrong entry point; the other two are right."""
-    return _setup(f"point_{name}", _STATUS_POINT, new, f"entry-point|{cause}", about)
+    return _setup(f"point_{name}", _STATUS_POINT, new, f"entry-point|{cause}", about, builds=builds)
 
 
 ENTRY_POINTS: tuple[Case, ...] = (
@@ -48,12 +58,14 @@ ENTRY_POINTS: tuple[Case, ...] = (
         "'status_publisher = robot_controller/status_publisher:main'",
         r"/",
         "a module has dots; setup() refuses all of it",
+        builds=False,
     ),
     _point(
         "colon_for_equals",
         "'status_publisher : robot_controller.status_publisher:main'",
         r"=",
         "= stands between name and module",
+        builds=False,
     ),
     _point(
         "without_function",
@@ -66,6 +78,7 @@ ENTRY_POINTS: tuple[Case, ...] = (
         "'status_publisher = robot_controller.status_publisher:main()'",
         r"main",
         "the function is named, not called",
+        builds=False,
     ),
     _point(
         "module_misspelt",
@@ -157,6 +170,7 @@ ENTRY_POINTS: tuple[Case, ...] = (
         "'status_publisher = robot",
         r"velocity_publisher|twice|same|entry.point",
         "two executables have one name, and the last one wins",
+        builds=False,
     ),
     _setup(
         "no_comma_between_points",
@@ -164,6 +178,7 @@ ENTRY_POINTS: tuple[Case, ...] = (
         _STATUS_POINT,
         r"entry-point-comma|comma",
         "Python joins the two texts, and setup() refuses all of it",
+        builds=False,
     ),
     _setup("no_points", _POINTS, "", r"entry-points?|executable", "nothing is installed that can be run"),
     _setup(
@@ -197,8 +212,11 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         r"setup-missing|setup\.py",
         "ament_python needs setup.py",
         least=2,
+        builds=False,
     ),
-    fault("package", "setup_empty", put(SETUP, ""), r"setup", "setup() is never called", least=2),
+    fault(
+        "package", "setup_empty", put(SETUP, ""), r"setup", "setup() is never called", least=2, builds=False
+    ),
     fault(
         "package",
         "setup_not_called",
@@ -206,6 +224,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         r"setup",
         "setup() is never called",
         least=2,
+        builds=False,
     ),
     _unreadable("no_comma", edit(SETUP, "version='0.1.0',", "version='0.1.0'"), "a comma is missing"),
     _unreadable("not_closed", edit(SETUP, "    },\n)\n", "    },\n"), "a bracket is never closed"),
@@ -220,17 +239,32 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         ),
         "git's marks of a conflict were left in it",
     ),
-    _setup("glob_not_imported", "from glob import glob\n", "", r"glob", "NameError when it is run"),
-    _setup("setup_not_imported", "from setuptools import setup\n", "", r"setup", "NameError when it is run"),
+    _setup(
+        "glob_not_imported", "from glob import glob\n", "", r"glob", "NameError when it is run", builds=False
+    ),
+    _setup(
+        "setup_not_imported",
+        "from setuptools import setup\n",
+        "",
+        r"setup",
+        "NameError when it is run",
+        builds=False,
+    ),
     _setup(
         "import_misspelt",
         "from setuptools import",
         "from setuptool import",
         r"setup-import|setuptools?\b",
         "there is no such module",
+        builds=False,
     ),
     _setup(
-        "name_undefined", "packages=[package_name]", "packages=[packge_name]", r"packge_name", "NameError"
+        "name_undefined",
+        "packages=[package_name]",
+        "packages=[packge_name]",
+        r"packge_name",
+        "NameError",
+        builds=False,
     ),
     _setup(
         "reads_missing_file",
@@ -238,6 +272,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         "    long_description=open('DESCRIPTION.rst').read(),\n",
         r"DESCRIPTION\.rst|setup",
         "it opens a file that is not there",
+        builds=False,
     ),
     _setup(
         "other_name",
@@ -245,6 +280,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         "package_name = 'robot_control'\n",
         r"robot_control\b|name",
         "the package's name is another one",
+        builds=False,
     ),
     _setup(
         "only_name_differs",
@@ -275,6 +311,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         "packages=['robot_controler']",
         r"robot_controler\b|package-folder",
         "there is no such folder",
+        builds=False,
     ),
     fault(
         "package",
@@ -295,6 +332,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         r"package-folder|__init__|robot_controller",
         "the inner folder is missing",
         least=1,
+        builds=False,
     ),
     fault(
         "package",
@@ -303,6 +341,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         r"package-folder|scripts|robot_controller",
         "the modules lie in another folder than setup.py and the imports say",
         least=1,
+        builds=False,
     ),
     _setup(
         "no_marker_line",
@@ -335,6 +374,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         "['package.xml', 'CHANGES.txt']",
         r"CHANGES\.txt|data-file",
         "setup() stops at a file that is not there",
+        builds=False,
     ),
     _setup(
         "no_data_files",
@@ -357,6 +397,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         r"marker|resource",
         "setup() stops at the missing marker",
         least=1,
+        builds=False,
     ),
     fault(
         "package",
@@ -365,6 +406,7 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         r"marker|resource",
         "setup() stops at the missing marker",
         least=1,
+        builds=False,
     ),
     fault(
         "package",
@@ -416,5 +458,6 @@ SETUP_SCRIPT: tuple[Case, ...] = (
         r"setup\.cfg|setup-cfg|section",
         "the sections have no brackets",
         least=1,
+        builds=False,
     ),
 )

@@ -1,0 +1,179 @@
+"""A reason says what was seen in the run, and of what is there no more than that it is there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import evidences
+import pytest
+from evidences import COMMAND, SCRIPT, STATUS, STRING, TWIST, VELOCITY
+
+from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
+from ros2lab.grading.grade import Judgement
+from ros2lab.grading.rubric import load
+from ros2lab.grading.verdict import verdict
+
+
+def judged(evidence: Evidence, criterion: str) -> Judgement:
+    return next(one for one in verdict(evidence, load()).criteria if one.id == criterion)
+
+
+def given(*changes: evidences.Change) -> Evidence:
+    return evidences.both(*changes)(evidences.right())
+
+
+@pytest.mark.parametrize(
+    ("texts", "notes", "said"),
+    [
+        (SCRIPT.all, [], "known, unknown, empty and very many commands."),
+        (
+            (*SCRIPT.words, "dance", "dance"),
+            ["A node is slow to answer: not all of the commands were tried."],
+            "known and unknown commands; not sent were empty and very many ones, for it is slow to answer.",
+        ),
+        (
+            tuple(text for text in SCRIPT.all if text != SCRIPT.flood),
+            [],
+            "known, unknown and empty commands; not sent were very many ones.",
+        ),
+        (
+            tuple(text for text in SCRIPT.all if text),
+            [],
+            "known, unknown and very many commands; not sent were empty ones.",
+        ),
+    ],
+)
+def test_what_a_node_lives_through_is_what_was_sent_to_it(
+    texts: tuple[str, ...], notes: list[str], said: str
+) -> None:
+    run = replace(evidences.command_run(texts=texts), notes=notes)
+    one = judged(given(evidences.runs(run)), f"{COMMAND}.robustness")
+    assert (one.points, one.reason) == (4, f"command_subscriber lives on after {said}")
+
+
+@pytest.mark.parametrize(
+    ("log", "points"),
+    [
+        (evidences.echo, 4),
+        (lambda text: [f"It has {len(text)} letters"], 4),
+        (lambda _text: ["A command came"], 4),
+        (lambda _text: [], 2),
+    ],
+)
+def test_what_is_only_repeated_is_charged_once(log: evidences.Reaction, points: float) -> None:
+    evidence = given(
+        evidences.runs(evidences.command_run(log=log)), evidences.files(compared=[], depended_on=[])
+    )
+    assert judged(evidence, f"{COMMAND}.commands").points == 0
+    one = judged(evidence, f"{COMMAND}.robustness")
+    assert one.points == points
+    assert not one.hint.startswith("Spin")
+
+
+@pytest.mark.parametrize("topic", ["/robot/status", "/robot_status", "/cmd_vel"])
+@pytest.mark.parametrize(("log", "is_meant"), [(evidences.echo, False), (evidences.log_by_word, True)])
+def test_who_only_repeats_what_another_part_says_takes_no_commands(
+    topic: str, log: evidences.Reaction, is_meant: bool
+) -> None:
+    run = evidences.command_run("/monitor", "monitor", topic=topic, log=log)
+    others = [evidences.status_run(), evidences.velocity_run()]
+    evidence = evidences.files(compared=[])(evidences.right([*others, run]))
+    assert (judged(evidence, f"{COMMAND}.type").points > 0) is is_meant
+
+
+def written(does: list[str] | None) -> evidences.Change:
+    ends = [
+        WrittenEnd("/robot/status", STRING, True, [2.0], STATUS, ["publishes"]),
+        WrittenEnd("/robot/command", STRING, False, [], COMMAND, ["reads", "logs", "compares"]),
+        WrittenEnd("/cmd_vel", TWIST, True, [], VELOCITY, does),
+    ]
+    return evidences.files(ends=ends)
+
+
+@pytest.mark.parametrize(
+    ("does", "points", "said"),
+    [
+        ([], 2.5, "has a publisher for /cmd_vel, and no line of the code that runs publishes there."),
+        (["publishes"], 5, "has a publisher for /cmd_vel."),
+        (None, 5, "has a publisher for /cmd_vel."),
+    ],
+)
+def test_a_publisher_that_is_only_made_publishes_nothing(
+    does: list[str] | None, points: float, said: str
+) -> None:
+    evidence = given(written(does), evidences.runs(evidences.velocity_run(values=[])))
+    one = judged(evidence, f"{VELOCITY}.topic")
+    assert (one.points, one.reason) == (points, f"/velocity_publisher {said}")
+
+
+@pytest.mark.parametrize("does", [[], None, ["publishes"]])
+def test_a_publisher_that_was_heard_publishes_whatever_its_code_says(does: list[str] | None) -> None:
+    one = judged(given(written(does)), f"{VELOCITY}.topic")
+    assert (one.points, one.reason) == (5, "/velocity_publisher publishes on /cmd_vel.")
+
+
+def test_what_was_seen_outside_the_lab_is_told_so() -> None:
+    end = "AssertionError: The 'x' field must be of type 'float'"
+    evidence = given(evidences.runs(replace(evidences.velocity_run(), refused=end)))
+    for name in ("repetition", "life"):
+        one = judged(evidence, f"{VELOCITY}.{name}")
+        assert one.reason.endswith(" outside the lab, which refuses its numbers.")
+        assert one.points == one.max
+    one = judged(evidence, f"{VELOCITY}.values")
+    assert one.points == 0
+    assert one.reason.startswith(f"The lab refuses what is assigned to a float field: {end}.")
+    assert "outside the lab" not in judged(evidence, f"{STATUS}.life").reason
+
+
+def with_velocity(after: dict[str, int], before: int) -> Run:
+    """Return a run of a velocity publisher with so many messages before all commands, and after each."""
+
+    def came(count: int, start: float) -> dict[str, Any]:
+        values = [evidences.twist(0.5 + start)] * count
+        return (
+            {"/cmd_vel": evidences.heard(TWIST, "/velocity_publisher", values, 0.5, start)} if count else {}
+        )
+
+    commands = [
+        CommandSeen(text, [], came(count, 20.0 + 5 * number), {}, True)
+        for number, (text, count) in enumerate(after.items())
+    ]
+    return replace(evidences.velocity_run(values=[]), quiet=came(before, 0.0), commands=commands)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (5, {}, "again and again."),
+        (5, {"start": 0, "stop": 0}, "again and again."),
+        (0, {"start": 4, "stop": 4}, "again and again."),
+        (0, {"start": 1, "stop": 1, "reset": 1}, "none in between."),
+        (1, {"start": 1, "stop": 0, "reset": 1}, "none in between."),
+        (0, {"a, b, c": 3, "start": 1}, "none in between."),
+    ],
+)
+def test_how_messages_come_is_said(before: int, after: dict[str, int], said: str) -> None:
+    runs = [evidences.status_run(), evidences.command_run(), with_velocity(after, before)]
+    one = judged(evidences.right(runs), f"{VELOCITY}.repetition")
+    assert (one.points, one.reason.endswith(said)) == (4, True), one.reason
+
+
+def test_a_program_that_cannot_be_imported_is_not_said_to_be_found() -> None:
+    evidence = evidences.right()
+    assert evidence.build
+    broken = replace(evidences.executable("camera"), command=[], fault="Its module cannot be imported: no.")
+    build = replace(evidence.build, executables=[*evidence.build.executables, broken])
+    one = judged(replace(evidence, build=build), "package.executables")
+    assert one.points == 3
+    assert one.reason.endswith("where `ros2 run` finds it; but these cannot be imported: camera.")
+
+
+def test_entry_points_that_are_written_are_not_asked_for_again() -> None:
+    """Where a comma is missing, all of them are written."""
+    broken = evidences.facts("setup", "entry_points_lead_to_functions")
+    one = judged(given(broken, evidences.unbuilt("no")), "package.executables")
+    assert one.reason.startswith("Entry points are written, but")
+    assert one.points == 0
+    none = given(evidences.facts("setup", "has_entry_points"), evidences.misplaced(*evidences.NODES))
+    assert judged(none, "package.executables").reason == "`ros2 run` finds no node of this package."
