@@ -59,10 +59,10 @@ def commands(
     }
     judged |= {command: None for command in judged if any(map(is_placeholder, command.split()[2:4]))}
     # A README may start other programs, such as turtlesim, and name their topics: we cannot know whether that is true.
-    is_beside = any(known.owners.of(command.split()) in ("neighbour", "tool", "unknown") for command in judged)
-    return judged | {
-        command: None for command in judged if is_beside and known.is_elsewhere(command.split())
-    }
+    is_beside = any(
+        known.owners.of(command.split()) in ("neighbour", "tool", "unknown") for command in judged
+    )
+    return judged | {command: None for command in judged if is_beside and known.is_elsewhere(command.split())}
 
 
 def misgiven(texts: Iterable[str], runs: Sequence[Run], facts: Files) -> list[str]:

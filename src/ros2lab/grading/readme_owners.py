@@ -48,7 +48,7 @@ class Owners:
         the own ones, with or without `.py`.
         """
         match words:
-            case ["ros2", "run" | "launch", package, name, *_] if not is_placeholder(package):
+            case ["ros2", "run" | "launch", package, _, *_] if not is_placeholder(package):
                 if package in self.own:
                     return "own"
                 if package in self._beside:
