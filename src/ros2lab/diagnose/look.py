@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
@@ -24,7 +23,6 @@ from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.code.private_names import private_name_faults
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.units import unit_faults
-from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.finding import Finding, ranked, without_loss
 from ros2lab.diagnose.launching.awaited_ends import awaited_ends
 from ros2lab.diagnose.launching.keyboards import keyboard_faults
@@ -33,7 +31,13 @@ from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
 from ros2lab.diagnose.launching.parameter_names import passed_over, set_back
 from ros2lab.diagnose.launching.remapped_names import unknown_names
-from ros2lab.diagnose.launching.started_faults import Started, are_alone, started_faults, started_in
+from ros2lab.diagnose.launching.started_faults import (
+    Started,
+    alternatives,
+    are_alone,
+    started_faults,
+    started_in,
+)
 from ros2lab.diagnose.net import guarded
 from ros2lab.diagnose.nodes.bursts import burst_faults
 from ros2lab.diagnose.nodes.environments import Program, environment_apart
@@ -166,16 +170,7 @@ class Look:
 
     @cached_property
     def _alternatives(self) -> set[frozenset[str]]:
-        """The pairs of modules that launch files have, but that none of them starts together by one name."""
-        points: dict[tuple[str | None, ...], str]
-        points = {(p.name, point.name): point.module for p in self.packages for point in p.points}
-        found: tuple[set[frozenset[str]], ...] = set(), set()
-        for file in self.launch_files:
-            for number, choice in enumerate(file.choices):
-                known = [(points[node[:2]], node[2:]) for node in choice if node[:2] in points]
-                for (one, name), (other, same) in itertools.combinations(known, 2):
-                    found[number > 0 and name == same].add(frozenset((one, other)))
-        return found[0] - found[1]
+        return alternatives(self.launch_files, self.packages)
 
     def _file_faults(self, package: SourcePackage) -> Iterator[Finding]:
         """Yield what is wrong with a package's parameter files."""

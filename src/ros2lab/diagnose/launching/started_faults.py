@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import functools
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -133,6 +134,19 @@ def started_in(file: LaunchFile, packages: Packages) -> list[Started]:
         if package and sources and point and point.module in sources.sources:
             found.append(Started(node, package, sources, point.module, point.function))
     return found
+
+
+def alternatives(files: Iterable[LaunchFile], packages: Iterable[SourcePackage]) -> set[frozenset[str]]:
+    """Return the pairs of modules whose nodes launch files have, but never start together under one name."""
+    points: dict[tuple[str | None, ...], str]
+    points = {(package.name, point.name): point.module for package in packages for point in package.points}
+    listed, met = set[frozenset[str]](), set[frozenset[str]]()
+    for file in files:
+        for number, choice in enumerate(file.choices):
+            known = [(points[node[:2]], node[2:]) for node in choice if node[:2] in points]
+            for (module, name), (other, same) in itertools.combinations(known, 2):
+                (met if number > 0 and name == same else listed).add(frozenset((module, other)))
+    return listed - met
 
 
 def are_alone(files: Iterable[LaunchFile], packages: Packages) -> bool:
