@@ -10,10 +10,10 @@ import pytest
 
 from ros2lab.diagnose import net
 from ros2lab.grading import files
-from ros2lab.grading.evidence import Files
+from ros2lab.grading.evidence import Evidence, Files
 from ros2lab.grading.rubric import load
 from ros2lab.grading.submission import receive
-from ros2lab.grading.unread import read_all
+from ros2lab.grading.unread import OF_CODE, read_all
 from ros2lab.grading.verdict import verdict
 
 REFERENCE = Path(__file__).parents[2] / "robot_controller"
@@ -88,3 +88,28 @@ def test_a_fact_that_could_not_be_read_costs_nobody_a_point(name: str) -> None:
             assert points[2][id_] == points[0][id_]
     changed = [one for one in grade.criteria if one.points != points[1][one.id]]
     assert all("left to the instructor" in one.reason for one in changed)
+
+
+def _unread_but_for_a_run(evidence: Evidence) -> Evidence:
+    facts = replace(
+        evidence.files, ends=[], ends_elsewhere=[], sources={}, unread=dict.fromkeys(OF_CODE, WHY)
+    )
+    return replace(evidence, files=facts)
+
+
+@pytest.mark.parametrize(
+    ("fault", "lost"),
+    [("", 0), ("status: never", 12), ("status: 5 s", 5), ("velocity: once", 3), ("velocity: dies", 3)],
+)
+def test_a_node_that_was_seen_is_judged_by_what_it_did_where_its_code_was_not_read(
+    fault: str, lost: float
+) -> None:
+    """It is not called one that no code makes; and a large file excuses nothing that was seen."""
+    given = evidences.FAULTS[fault][1](evidences.right()) if fault else evidences.right()
+    rubric = load()
+    before, grade = verdict(given, rubric), verdict(_unread_but_for_a_run(given), rubric)
+    points = [{one.id: one.points for one in found.criteria if one.max} for found in (before, grade)]
+    parts = [id_ for id_ in points[0] if id_.split(".")[0].endswith(("publisher", "subscriber"))]
+    assert [points[1][id_] for id_ in parts] == [points[0][id_] for id_ in parts]
+    assert sum(one.max - one.points for one in grade.criteria if one.id in parts) >= lost
+    assert points[1]["documentation.code"] == 3

@@ -89,17 +89,19 @@ def look(
     reader = _PackageReader(root, submission, assignment, paths)
     facts, unread = read_all(reader.readers(texts), tell)
     unread |= dict.fromkeys(OF_CODE, beyond) if (beyond := _beyond(reader.graded)) else {}
-    notes = [*reader.package.notes, *facts.pop("left_out", {}).values(), *told(unread)]
+    notes = [*facts.pop("left_out", {}).values(), *told(unread)]
     return Files(**facts, readme=texts, readme_foreign=foreign, recordings=shown, notes=notes, unread=unread)
 
 
 def _beyond(packages: Iterable[Package]) -> str:
-    """Return which files of some packages are nested too deeply to be followed here, as a sentence; empty if none is."""
-    found = []
+    """Return which files of some packages are too large or too deep to be followed here, as sentences; empty if none is."""
+    found, notes = [], list[str]()
     for package in packages:
         tests = [package.read(path, path.stem) for path in test_files(package)]
         found += [s.shown for s in (*package.own_sources, *tests) if s.tree is not None and s.is_beyond]
-    return f"{', '.join(found)}: the code is nested too deeply for the grader to follow." if found else ""
+        notes += package.notes
+    deep = [f"{', '.join(found)}: the code is nested too deeply for the grader to follow."] if found else []
+    return " ".join([*notes, *deep])
 
 
 class _PackageReader:
@@ -240,6 +242,7 @@ def _loose(
         ),
     }
     facts, unread = read_all(readers)
+    unread |= dict.fromkeys(OF_CODE, " ".join(beyond)) if (beyond := submission.left_unread) else {}
     return Files(**facts, readme=texts, notes=told(unread), unread=unread)
 
 

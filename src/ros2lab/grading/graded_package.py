@@ -44,7 +44,7 @@ class Package(SourcePackage):
     @property
     def notes(self) -> list[str]:
         """Sentences on what was not looked at."""
-        unread = [shown(str(path.relative_to(self.folder))) for path in self._unread]
+        unread = [shown(self.shown(str(path.relative_to(self.folder)))) for path in self._unread]
         if unread:
             others = f" and {len(unread) - 1} others" if len(unread) > 1 else ""
             return [

@@ -33,7 +33,7 @@ from ros2lab.grading.ways import Way, best_way, shut_out
 MOST_PLAYERS = 10  # nodes that are considered for one part
 
 
-def _may_end(end: WrittenEnd, part: Part) -> bool:
+def may_end(end: WrittenEnd, part: Part) -> bool:
     """Return whether an end that the code makes may belong to a part."""
     types = ("", part.type_name, stamped(part.type_name))
     is_like = end.type_name in types or is_like_type(end, part) or is_near_topic(end.topic, part.topic)
@@ -105,20 +105,23 @@ class Case:
         ends = [end for end in self.evidence.files.ends if end.module in modules]
         if executable and executable.modules and not ends:
             return self._is_unread(modules)
-        return not ends or any(_may_end(end, part) for end in ends)
+        return not ends or any(may_end(end, part) for end in ends)
 
     def is_written(self, part: Part) -> bool:
         """Return whether the code may make a part's end, as far as reading tells."""
-        return part.end == "service" or any(_may_end(end, part) for end in self.evidence.files.ends)
+        return part.end == "service" or any(may_end(end, part) for end in self.evidence.files.ends)
 
     def is_foreign(self, part: Part) -> bool:
         """Return whether no code in the submission can make a part's end: a node with one is not its own."""
         elsewhere = self.evidence.files.ends_elsewhere
-        is_known = elsewhere is not None and not self.is_written(part)
-        return is_known and not any(_may_end(end, part) for end in elsewhere or ())
+        is_read = elsewhere is not None and "ends" not in self.evidence.files.unread
+        is_known = is_read and not self.is_written(part)
+        return is_known and not any(may_end(end, part) for end in elsewhere or ())
 
     def _is_unread(self, modules: Collection[str]) -> bool:
-        """Return whether one of some modules has a syntax error, so that it is unknown what it makes."""
+        """Return whether one of some modules has a syntax error, or was not read, so that it is unknown what it makes."""
+        if "ends" in self.evidence.files.unread:
+            return True
         places = {finding.place for finding in self.evidence.files.told() if finding.code == "node-syntax"}
         return any(PurePosixPath(place.partition(":")[0]).stem in modules for place in places)
 

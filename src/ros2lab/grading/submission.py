@@ -82,6 +82,12 @@ class Submission:
         """Return the paths in the notes of these kinds."""
         return [path for note in self.notes if note.kind in kinds for path in note.paths]
 
+    @property
+    def left_unread(self) -> list[str]:
+        """Sentences on the code that was received and passed over."""
+        kinds = ("too large python", "too much python", "one of too many packages")
+        return [str(note) for note in self.notes if note.kind in kinds]
+
     def worked_in(self) -> Submission:
         """Return it as a workspace in use, without notes on what builds leave beside src or Python leaves."""
         top = PurePosixPath(self.workspace or ".")

@@ -1,4 +1,4 @@
-"""What one of our readers failed to read in a submission: it costs and gains nothing, and the grade says so.
+"""What was not read in a submission, for a reader failed or met a limit: it costs and gains nothing, and the grade says so.
 
 In the tests the failure itself is raised, so that our fault is seen.
 """
@@ -18,9 +18,13 @@ OF_CODE = (
     *("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded", "tests", "handlers"),
     *("clock_readers", "compared", "depended_on", "idle", "ends", "ends_elsewhere", "declared", "findings"),
 )
+# Of these, what only helps to find a node, or to believe it: what a node does is seen all the same.
+_SEEN_RUNNING = frozenset(
+    ("ends", "ends_elsewhere", "findings", "compared", "declared", "idle", "clock_readers")
+)
 Tell = Callable[[str, Any], None]
 FACT = "fact "  # before the name of one that is told before all are known
-FAILED = "the grader itself has failed to read a file, which is no fault of the submission"
+FAILED = "the grader has not read all that this rests on, which is no fault of the submission"
 
 
 def read_all(
@@ -56,14 +60,14 @@ def told(failed: Mapping[str, str]) -> list[str]:
 
 
 class Noted(Files):
-    """Facts of files that record in `missed` each access to a fact that could not be read."""
+    """Facts of files that record in `missed` each access to a fact that was not read and that no run shows."""
 
     missed: set[str]
 
     def __getattribute__(self, name: str) -> Any:
         """Return a fact."""
         value = object.__getattribute__(self, name)
-        if name != "unread" and name in object.__getattribute__(self, "unread"):
+        if name not in _SEEN_RUNNING and name != "unread" and name in object.__getattribute__(self, "unread"):
             object.__getattribute__(self, "missed").add(name)
         return value
 

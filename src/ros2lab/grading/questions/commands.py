@@ -306,7 +306,7 @@ def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
     if _compares_in_vain(case):
         return set()
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    return echoed & {*case.evidence.files.depended_on}
+    return echoed & {*case.evidence.files.depended_on} if echoed else set()
 
 
 def _compares_in_vain(case: Case) -> bool:
