@@ -420,3 +420,10 @@ class Evidence:
     sandbox: str
     versions: dict[str, str]
     coined: list[str] = field(default_factory=list)
+
+    @property
+    def unwatched(self) -> list[str]:
+        """The programs that could be started and were not: there are more than are watched."""
+        started = {name for run in self.runs for name in run.programs}
+        able = [each.name for each in self.build.executables if each.command] if self.build else []
+        return [name for name in able if name not in started] if self.runs else []

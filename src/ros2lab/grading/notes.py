@@ -84,7 +84,7 @@ class Note:
 
     def __str__(self) -> str:
         reason = SENTENCES[self.kind].format(detail=self.detail)
-        return f"{reason}: {_listed(self.paths, self.count)}." if self.paths else reason
+        return f"{reason}: {first_of(self.paths, self.count)}." if self.paths else reason
 
 
 def spoken(path: str) -> str:
@@ -92,6 +92,7 @@ def spoken(path: str) -> str:
     return "the top folder" if path == "." else path
 
 
-def _listed(names: Sequence[str], count: int) -> str:
+def first_of(names: Sequence[str], count: int = 0) -> str:
+    """Return the first of some names as a list, and how many more there are; there may be more than names."""
     more = max(count, len(names)) - MOST_NAMED
     return ", ".join(map(spoken, names[:MOST_NAMED])) + (f" and {more} more" if more > 0 else "")

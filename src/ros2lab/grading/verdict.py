@@ -11,6 +11,7 @@ from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.leftovers import case_of
+from ros2lab.grading.notes import first_of
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.owners import is_about, owners_of
 from ros2lab.grading.player import Player, deadly_in, is_for_want
@@ -228,6 +229,8 @@ def _notes(case: Case) -> Iterator[str]:
         yield f"Evidence of running is left to the instructor: {_shown_running(evidence)}."
     if evidence.build:
         yield from _notes_of_build(evidence.build)
+    if left := evidence.unwatched:
+        yield f"Of so many programs those were watched that have a part by their code, or come first; not watched: {first_of([*map(shown, left)])}."
     yield from _notes_of_runs(case)
     yield from _not_launched(evidence)
     if clocked := sorted({node for run in evidence.runs for node in run.clocked}):

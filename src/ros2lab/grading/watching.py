@@ -9,17 +9,19 @@ from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.clocks import otherwise
-from ros2lab.grading.evidence import KEYBOARD, Build, Files, Run
+from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.job import UNTOLD, Job, Program
 from ros2lab.grading.keyboard import answers, is_ended_by_one
 from ros2lab.grading.observe import Observer
 from ros2lab.grading.other_values import asked, changed, doubtful
 from ros2lab.grading.player import is_done, is_for_want, is_timers
+from ros2lab.grading.players import may_end
 from ros2lab.grading.questions.answer import raised_at
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.senses import is_still
 from ros2lab.grading.submission import Submission
 
+MOST_PROGRAMS = 20
 MOST_LAUNCH_FILES = 3
 MOST_PARAMETERS = 4  # that are changed to see the effect
 
@@ -44,8 +46,7 @@ def watch(
     """
     programs = [
         Program(executable.name, executable.command, built.environ)
-        for executable in built.executables
-        if executable.command
+        for executable in worth_watching(built.executables, facts, observer.assignment)
     ]
     asking = {executable.name for executable in built.executables if KEYBOARD in executable.absent}
     launches = [*_launches(submission, facts, built)] if built.is_built else []
@@ -63,6 +64,22 @@ def watch(
         watching.without_launch_files()
         watching.given()
         return watching.runs
+
+
+def worth_watching(
+    executables: Iterable[Executable], facts: Files, assignment: Assignment
+) -> list[Executable]:
+    """Return the programs that are watched, not too many: first those that play a part by their code."""
+    able = [executable for executable in executables if executable.command]
+    return sorted(able, key=lambda executable: _lack_of_parts(executable, facts, assignment))[:MOST_PROGRAMS]
+
+
+def _lack_of_parts(executable: Executable, facts: Files, assignment: Assignment) -> int:
+    """Return 0 for a program whose code has a part's topic, 1 for one that may play a part, 2 for any other."""
+    modules = {*executable.modules, executable.stem or executable.name}
+    ends = [end for end in facts.ends if end.module in modules]
+    pairs = [(end, part) for end in ends for part in assignment.parts.values() if may_end(end, part)]
+    return 2 - bool(pairs) - any(end.topic == part.topic for end, part in pairs)
 
 
 class _Watching:
