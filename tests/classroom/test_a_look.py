@@ -12,7 +12,7 @@ from ros2lab.classroom.a_look import Looked, reasons
 from ros2lab.classroom.gradebook import Row
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.grading import rubric
-from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.evidence import Evidence, Executable, WrittenEnd
 from ros2lab.grading.notes import Note
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.verdict import verdict
@@ -26,6 +26,13 @@ def fault(name: str) -> Evidence:
 def changed(**of_a_run: object) -> Evidence:
     first, *others = right().runs
     return replace(right(), runs=[replace(first, **of_a_run), *others])  # type: ignore[arg-type]
+
+
+def with_a_program_more() -> Evidence:
+    build = right().build
+    assert build is not None
+    more = Executable("extra", "a.extra:main", "installed", ["extra"])
+    return replace(right(), build=replace(build, executables=[*build.executables, more]))
 
 
 REASONS = {
@@ -44,6 +51,24 @@ REASONS = {
     "A part of it was taken from elsewhere in the repository: src -> ../bob/src.": replace(
         right(), submission=replace(right().submission, notes=[Note("from elsewhere", ["src -> ../bob/src"])])
     ),
+    "Not all of it was read: It is nested too deeply.": replace(
+        right(), files=replace(right().files, unread={"sources": "It is nested too deeply."})
+    ),
+    "Not all of it was read: Not looked at, because it is larger than 1000000 bytes: a.py.": replace(
+        right(),
+        submission=replace(right().submission, notes=[Note("too large python", ["a.py"], "1000000")]),
+    ),
+    "Reading did not find the code of what runs: status_publisher, command_subscriber, velocity_publisher.": replace(
+        right(),
+        files=replace(
+            right().files,
+            ends_elsewhere=[
+                WrittenEnd("", "", is_publisher=True, periods=[]),
+                WrittenEnd("", "", is_publisher=False, periods=[]),
+            ],
+        ),
+    ),
+    "Not all of its programs were watched: extra.": with_a_program_more(),
     "It ran without the sandbox.": replace(right(), sandbox="none"),
 }
 

@@ -9,12 +9,13 @@ from ros2lab.classroom.gradebook import Row
 from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.leftovers import case_of
-from ros2lab.grading.notes import Kind
+from ros2lab.grading.notes import Kind, first_of
 from ros2lab.grading.questions import QUESTIONS
+from ros2lab.grading.questions.answer import shown
 from ros2lab.grading.reports.shown import number
 from ros2lab.grading.rubric import Criterion, Rubric
 
-UNTRIED = ("untried", "unseen")
+UNTRIED = "untried"
 DOUBTFUL = ("written", "near", "other", "doubled")  # given for what is likely to be meant
 REFUSED: tuple[Kind, ...] = ("outside", "no file", "name taken", "unreadable", "too large")
 
@@ -36,7 +37,7 @@ class Looked:
         for criterion in self.rubric.criteria:
             question = QUESTIONS[criterion.question]
             answer = question.ask(case, parts.get(criterion.component))
-            level = "untried" if answer.excuse else answer.level
+            level = UNTRIED if answer.excuse else answer.level
             if level in levels and level != question.answers[0]:
                 found.append(criterion)
         return found
@@ -75,7 +76,7 @@ def _real_clock(looked: Looked) -> str | None:
 @rule
 def _untried(looked: Looked) -> str | None:
     criteria = [
-        criterion.id for criterion in looked.criteria_with(*UNTRIED) if not criterion.id.startswith("bonus.")
+        criterion.id for criterion in looked.criteria_with(UNTRIED) if not criterion.id.startswith("bonus.")
     ]
     return f"This could not be tried: {', '.join(criteria)}." if criteria else None
 
@@ -107,6 +108,31 @@ def _notes_of_the_sandbox(looked: Looked) -> str | None:
 def _left_out(looked: Looked) -> str | None:
     paths = looked.evidence.submission.noted(*REFUSED)
     return f"Not everything could be received: {', '.join(paths[:5])}." if paths else None
+
+
+@rule
+def _not_read(looked: Looked) -> str | None:
+    said = [*dict.fromkeys((*looked.evidence.files.unread.values(), *looked.evidence.submission.left_unread))]
+    return f"Not all of it was read: {' '.join(said[:3])}" if said else None
+
+
+@rule
+def _code_not_found(looked: Looked) -> str | None:
+    """Whether a copy would be seen is not known either where the code was not found."""
+    if looked.evidence.files.ends_elsewhere is None:
+        return None
+    case = case_of(looked.evidence, looked.rubric.assignment)
+    parts = [
+        part.name for part in case.assignment.parts.values() if case.main(part) and not case.is_written(part)
+    ]
+    return f"Reading did not find the code of what runs: {', '.join(parts)}." if parts else None
+
+
+@rule
+def _not_watched(looked: Looked) -> str | None:
+    unseen = (run for run in looked.evidence.runs if run.unfinished and not run.nodes)
+    left = [*looked.evidence.unwatched, *(name for run in unseen for name in run.programs)]
+    return f"Not all of its programs were watched: {first_of([*map(shown, left)])}." if left else None
 
 
 @rule
