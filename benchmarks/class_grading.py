@@ -6,7 +6,7 @@
 
 A class is made of the corpus of tests/grading: two in five are mostly right work in another form, as a class of 100
 has all of them, and the others styles and faults in turn; six mean harm, four are copies of one with other names, and
-some came late and twice. All are called as Canvas calls them.
+some came late. All are called as Canvas calls them.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 CORPUS = Path(__file__).parents[1] / "tests/grading"
 COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()", "class"]
-HOSTILE, COPIES, TWICE = 6, 4, 5
+HOSTILE, COPIES, LATE = 6, 4, 5
 SMALL, FEW, SIZE, LARGE, MANY = 10, 12, 60, 120, 500
 KILLS = 3
 WORKERS = 3  # at most
@@ -340,9 +340,9 @@ def made_class(folder: Path, size: int) -> None:
     original = next(folder.glob("student1001_*.zip"))
     for number in range(copies):
         _copy(original, folder / f"copy{number}_{user + number + 1}_{user + number + 9500}_ws.zip", number)
-    for path in sorted(folder.glob("student*.zip"))[: min(TWICE, size // 4)]:
+    for path in sorted(folder.glob("student*.zip"))[: min(LATE, size // 4)]:
         name, user_id, upload, _ = path.name.split("_", 3)
-        shutil.copy(path, folder / f"{name}_LATE_{user_id}_{int(upload) + 50_000}_ws-1.zip")
+        path.rename(folder / f"{name}_LATE_{user_id}_{int(upload) + 50_000}_ws-1.zip")
 
 
 def _spread(cases: Sequence[Case], count: int) -> list[Case]:

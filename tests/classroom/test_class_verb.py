@@ -52,14 +52,13 @@ def zipped(text: str, source: str = NODE) -> bytes:
 
 @pytest.fixture
 def canvas(tmp_path: Path) -> Path:
-    """A class of four: one has handed in twice and late, one a broken zip, one has a formula for a name.
+    """A class of four: one has handed in late, one a broken zip, one has a formula for a name.
 
     That one has no node, so that it is not built and run.
     """
     folder = tmp_path / "submissions"
     folder.mkdir()
     for name, data in {
-        "maieranna_LATE_1001_1_ws.zip": zipped("first"),
         "maieranna_LATE_1001_2_ws-1.zip": zipped("second"),
         "broken_1002_3_ws.zip": zipped("x")[:-40],
         "=cmd|' C calc'!A0_1003_4_ws.zip": zipped("third", NOTHING),

@@ -44,7 +44,7 @@ def find(path: Path, received: Path, form: str = "") -> list[HandedIn]:
     for read in readers:
         found = read(path)
         if found:
-            return latest(found)
+            return latest(found, is_one_each=read is _canvas)
     raise ClassError(
         f"There are no submissions in {path}{f' as {form} has them' if form else ''}; give a folder with one "
         "folder or archive for each student."

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -53,16 +54,22 @@ def is_archive(path: Path) -> bool:
     return bool(_ARCHIVE.search(path.name))
 
 
-def latest(found: Iterable[HandedIn]) -> list[HandedIn]:
+def latest(found: Iterable[HandedIn], *, is_one_each: bool = False) -> list[HandedIn]:
     """Return one row for each student, in the order of their keys: what counts of all that came from them.
 
     Nobody's work is taken for an earlier attempt of somebody else: what came with one key under several names is a row
     for each of these. Of several attempts it is the last; in one attempt archives and folders come before loose files, and the last
     upload before earlier ones. Loose files of one attempt belong together.
+
+    Args:
+        found: all that was handed in.
+        is_one_each: whether the platform gives the last attempt of each only, so that each archive is a row.
     """
     ordered = sorted(found, key=lambda row: (row.key, row.name, row.is_unsure, row.attempt, row.upload))
     counting = [
-        _counting([*rows]) for _, rows in groupby(ordered, key=lambda row: (row.key, row.name, row.is_unsure))
+        row
+        for _, rows in groupby(ordered, key=lambda row: (row.key, row.name, row.is_unsure))
+        for row in _counting([*rows], is_one_each=is_one_each)
     ]
     return [
         _as_text(row)
@@ -76,7 +83,11 @@ def _told_apart(rows: list[HandedIn]) -> Iterator[HandedIn]:
     if len(rows) == 1:
         yield from rows
         return
-    called = [row.paths[0].name if row.is_unsure and row.paths else row.name for row in rows]
+    known = Counter(row.name for row in rows)
+    called = [
+        row.paths[0].name if row.paths and (row.is_unsure or known[row.name] > 1) else row.name
+        for row in rows
+    ]
     for row, name in zip(rows, called, strict=True):
         others = ", ".join(other for other in called if other != name)
         note = f"{row.key} came with {others}, too; decide yourself whose each of them is."
@@ -91,19 +102,22 @@ def _as_text(row: HandedIn) -> HandedIn:
     return replace(row, **texts, notes=notes)
 
 
-def _counting(rows: list[HandedIn]) -> HandedIn:
+def _counting(rows: list[HandedIn], *, is_one_each: bool) -> Iterator[HandedIn]:
+    """Yield what counts of one student's."""
     gradable = [row for row in rows if not row.reason] or rows
     last = [row for row in gradable if row.attempt == gradable[-1].attempt]
     whole = [row for row in last if any(path.is_dir() or is_archive(path) for path in row.paths)]
-    chosen = (whole or last)[-1]
+    chosen = (whole if is_one_each else whole[-1:]) or last[-1:]
     if not whole:
-        chosen = replace(chosen, paths=tuple(path for row in last for path in row.paths))
-    used = {*chosen.paths}
+        chosen = [replace(chosen[0], paths=tuple(path for row in last for path in row.paths))]
+    used = {path for row in chosen for path in row.paths}
     left_out = [path.name for row in rows for path in row.paths if path not in used]
-    notes = [*dict.fromkeys(note for row in (*last, chosen) for note in row.notes), *_notes(left_out)]
-    if chosen.is_unsure:
-        notes.append("What it is called can be read as somebody else's, too; look whose it is.")
-    return replace(chosen, is_late=any(row.is_late for row in last), notes=tuple(notes))
+    for one in chosen:
+        alike = last if len(chosen) == 1 else [one]
+        notes = [*dict.fromkeys(note for row in alike for note in row.notes), *_notes(left_out)]
+        if one.is_unsure:
+            notes.append("What it is called can be read as somebody else's, too; look whose it is.")
+        yield replace(one, is_late=any(row.is_late for row in alike), notes=tuple(notes))
 
 
 def _notes(left_out: list[str]) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """What learning platforms write into names: pure functions from a name to the row that it stands for.
 
-Canvas:  `maieranna_LATE_1042_88123_project-1.zip`: name, whether late, user, upload, file, and `-1` for the second try.
+Canvas:  `maieranna_LATE_1042_88123_project.zip`: name, whether late, user, upload, and the file as its student has called it.
 Moodle:  `Anna Maier_4711_assignsubmission_file_` as a folder, or with the file's name behind it.
 Gradescope: `submission_88123`, with the students in submission_metadata.yml beside it.
 """
@@ -15,11 +15,10 @@ from typing import Any
 
 from ros2lab.classroom.handed_in import HandedIn
 
-_CANVAS = re.compile(
-    r"(?P<label>(?P<name>.*?)_(?P<late>LATE_)?(?P<user>\d+)_(?P<upload>\d+|text|link))(?:_(?P<file>.+)|\.html?)",
-    re.DOTALL | re.IGNORECASE,
-)
-_TRY = re.compile(r"-(\d{1,3})(?=(\.tar)?\.\w+$|$)")
+_OF_CANVAS = r"_(?P<late>LATE_)?(?P<user>\d+)_(?P<upload>\d+|text|link))(?:_(?P<file>.+)|\.html?)"
+_CANVAS = re.compile(rf"(?P<label>(?P<name>.*?){_OF_CANVAS}", re.DOTALL | re.IGNORECASE)
+# A name and a file may hold numbers, too: whose it is stands behind a name, and before a file.
+_CANVAS_OTHERWISE = re.compile(rf"(?P<label>(?P<name>.*){_OF_CANVAS}", re.DOTALL | re.IGNORECASE)
 _OF_MOODLE = r"_(?P<user>\d+)_assignsubmission_(?P<kind>[a-z]+)_?)"
 # A folder's name ends with what Moodle says of it, and whatever a person is called comes before that.
 _MOODLE_FOLDER = re.compile(rf"(?P<label>(?P<name>.+){_OF_MOODLE}", re.DOTALL)
@@ -33,6 +32,7 @@ def canvas(path: Path) -> HandedIn | None:
     match = _CANVAS.fullmatch(path.name)
     if match is None or (match["file"] is None and match["upload"].isdecimal()):
         return None
+    other = _CANVAS_OTHERWISE.fullmatch(path.name)
     row = HandedIn(
         match["user"],
         match["name"],
@@ -40,11 +40,11 @@ def canvas(path: Path) -> HandedIn | None:
         paths=(path,),
         is_late=bool(match["late"]),
         label=match["label"],
+        is_unsure=other is not None and other["user"] != match["user"],
     )
     if not match["upload"].isdecimal():
         return replace(row, reason="A text or an address was handed in to Canvas, and no file.", paths=())
-    again = _TRY.search(match["file"])
-    return replace(row, attempt=1 + int(again[1]) if again else 1, upload=int(match["upload"]))
+    return replace(row, upload=int(match["upload"]))
 
 
 def moodle(path: Path) -> HandedIn | None:
