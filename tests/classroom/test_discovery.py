@@ -31,24 +31,29 @@ def found(path: Path, tmp_path: Path, form: str = "") -> dict[str, HandedIn]:
 
 
 @pytest.mark.parametrize(
-    ("name", "key", "shown", "is_late", "attempt"),
+    ("name", "key", "shown", "is_late", "is_unsure"),
     [
-        ("maieranna_1042_88123_project.zip", "1042", "maieranna", False, 1),
-        ("maieranna_LATE_1042_88123_project.zip", "1042", "maieranna", True, 1),
-        ("maieranna_LATE_1042_88123_my_ws-2.tar.gz", "1042", "maieranna", True, 3),
-        ("müllerjörg_7_9_a_b_1_2_c.zip", "7", "müllerjörg", False, 1),
-        ("o_brien_7_9_ws.zip", "7", "o_brien", False, 1),
-        ("late_7_9_ws.zip", "7", "late", False, 1),
-        ("=cmd|' !a'_7_9_ws-1.zip", "7", "=cmd|' !a'", False, 2),
-        ("x_7_9_week-2024.zip", "7", "x", False, 1),
+        ("maieranna_1042_88123_project.zip", "1042", "maieranna", False, False),
+        ("maieranna_LATE_1042_88123_project.zip", "1042", "maieranna", True, False),
+        ("maieranna_LATE_1042_88123_my_ws-2.tar.gz", "1042", "maieranna", True, False),
+        ("müllerjörg_7_9_a_b_1_2_c.zip", "7", "müllerjörg", False, True),
+        ("maieranna_101_102_5003_robot.zip", "101", "maieranna", False, True),
+        ("maieranna_LATE_101_102_5003_robot.zip", "101", "maieranna", True, True),
+        ("maieranna_101_LATE_102_5003_robot.zip", "102", "maieranna_101", True, False),
+        ("o_brien_7_9_ws.zip", "7", "o_brien", False, False),
+        ("late_7_9_ws.zip", "7", "late", False, False),
+        ("=cmd|' !a'_7_9_ws-1.zip", "7", "=cmd|' !a'", False, False),
+        ("x_7_9_week-2_of_2024.zip", "7", "x", False, False),
     ],
 )
-def test_a_name_of_canvas_says_who_when_and_which_attempt(
-    name: str, key: str, shown: str, is_late: bool, attempt: int
+def test_a_name_of_canvas_says_who_and_when_and_whether_that_is_sure(
+    name: str, key: str, shown: str, is_late: bool, is_unsure: bool
 ) -> None:
+    """The number behind a file's name is the student's own to choose, and says nothing of an attempt."""
     row = names.canvas(Path(name))
     assert row is not None
-    assert (row.key, row.name, row.is_late, row.attempt, row.reason) == (key, shown, is_late, attempt, "")
+    assert (row.key, row.name, row.is_late, row.is_unsure) == (key, shown, is_late, is_unsure)
+    assert (row.attempt, row.reason) == (1, "")
     assert name.startswith(row.label)
 
 
@@ -69,12 +74,11 @@ def test_other_names_are_not_taken_for_those_of_a_platform() -> None:
         assert names.moodle(Path(name)) is None
 
 
-def test_of_a_canvas_download_the_last_attempt_of_each_counts(tmp_path: Path) -> None:
+def test_of_a_canvas_download_an_archive_of_each_counts_or_the_loose_files(tmp_path: Path) -> None:
     folder = made(
         tmp_path / "download",
         "a_LATE_1_10_ws-1.zip",
-        "a_1_9_ws.zip",
-        "a_1_8_photo.png",
+        "a_LATE_1_8_photo.png",
         "b_2_11_status.py",
         "b_2_12_velocity.py",
         "c_3_text.html",
@@ -82,12 +86,30 @@ def test_of_a_canvas_download_the_last_attempt_of_each_counts(tmp_path: Path) ->
     )
     rows = found(folder, tmp_path)
     assert [path.name for path in rows["1"].paths] == ["a_LATE_1_10_ws-1.zip"]
-    assert rows["1"].attempt == 2
     assert rows["1"].is_late
     assert "photo.png" in rows["1"].notes[0]
     assert [path.name for path in rows["2"].paths] == ["b_2_11_status.py", "b_2_12_velocity.py"]
     assert rows["3"].reason
     assert rows["stranger"].paths
+
+
+@pytest.mark.parametrize(
+    "names_",
+    [
+        ("maieranna_101_5001_robot.zip", "maieranna_101_102_5003_robot-9.zip"),
+        ("maieranna_101_5001_robot.zip", "maieranna_101_102_5003_robot.zip"),
+        ("maieranna_LATE_101_5001_robot.zip", "maieranna_101_5003_robot.zip"),
+        ("dora_107_5008_ws.zip", "dora_107_5009_ws-2147483647.zip"),
+        ("maieranna_101_5001_status.py", "maieranna_101_102_5003_status.py"),
+    ],
+)
+def test_two_of_one_student_where_canvas_gives_one_replace_each_other_in_no_way(
+    names_: tuple[str, str], tmp_path: Path
+) -> None:
+    rows = [*found(made(tmp_path / "download", *names_, "zoe_1_2_ws.zip"), tmp_path).values()]
+    assert sorted(path.name for row in rows for path in row.paths) == sorted([*names_, "zoe_1_2_ws.zip"])
+    assert [bool(row.notes) for row in rows] == [row.name != "zoe" for row in rows]
+    assert len(rows) == 3
 
 
 def test_an_archive_counts_before_the_loose_files_of_the_same_attempt() -> None:
@@ -308,6 +330,18 @@ def test_a_csv_names_paths_and_git_addresses(tmp_path: Path) -> None:
     assert rows["4"].reason == "Line 5 of class.csv names file:///nowhere/at/all, which is not there."
     assert rows["5"].reason == "Line 6 of class.csv names ext::sh -c whoami, which is not there."
     assert not rows["6"].paths
+
+
+def test_each_line_of_a_csv_says_where_it_is_in_one_of_several_columns(tmp_path: Path) -> None:
+    made(tmp_path, "ann/package.xml", "bob/package.xml", "cy/package.xml")
+    (tmp_path / "class.csv").write_text("name,path,git\nAnn,ann,\nBob,,bob\nCy,cy,bob\nDi,,\n")
+    rows = found(tmp_path / "class.csv", tmp_path)
+    assert {key: [path.name for path in row.paths] for key, row in rows.items()} == {
+        "Ann": ["ann"],
+        "Bob": ["bob"],
+        "Cy": ["cy"],
+        "Di": [],
+    }
 
 
 def test_a_csv_that_students_fill_in_names_nothing_outside_its_folder(tmp_path: Path) -> None:

@@ -72,14 +72,17 @@ def checked(decided: Decided, rubric: Rubric) -> Decided:
 
 
 def row_of(word: str, rows: Sequence[Row]) -> Row:
-    """Return the row of the student that a word names.
+    """Return the row of the student that a word names: by the key, which no other has, else by any of the rest.
 
     Raises:
         ClassError: if it names none, or more than one.
     """
-    named = [row for row in rows if word in (row.handed.key, row.handed.student_id, row.handed.email)]
-    named = named or [row for row in rows if word == row.handed.name]
-    named = named or [row for row in rows if word and word.casefold() in row.handed.name.casefold()]
+    rows = rows if word else []
+    named = [row for row in rows if word == row.handed.key]
+    named = named or [
+        row for row in rows if word in (row.handed.student_id, row.handed.email, row.handed.name)
+    ]
+    named = named or [row for row in rows if word.casefold() in row.handed.name.casefold()]
     if len(named) == 1:
         return named[0]
     if not named:

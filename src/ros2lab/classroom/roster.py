@@ -8,7 +8,7 @@ import os
 import re
 import shutil
 import subprocess
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -16,7 +16,7 @@ from ros2lab.classroom.handed_in import ClassError, HandedIn
 from ros2lab.git import ended
 from ros2lab.grading.clean_copy import MOST_BYTES, MOST_MEMBERS
 
-# What a column may be called.
+# What a column may be called; of several, the first counts that says something in a line.
 COLUMNS: Mapping[str, tuple[str, ...]] = {
     "name": ("name", "full name", "student"),
     "id": ("id", "student id", "sid", "login"),
@@ -53,8 +53,7 @@ def read(path: Path, received: Path) -> list[HandedIn]:
         ) from None
     header = [name for name in (lines[0] if lines else {}) if name]
     columns = {
-        what: next((name for name in header if name.strip().lower() in known), "")
-        for what, known in COLUMNS.items()
+        what: [name for name in header if name.strip().lower() in known] for what, known in COLUMNS.items()
     }
     if not columns["where"] or not (columns["name"] or columns["id"]):
         raise ClassError(
@@ -64,10 +63,13 @@ def read(path: Path, received: Path) -> list[HandedIn]:
 
 
 def _rows(
-    path: Path, lines: list[dict[str, str]], columns: Mapping[str, str], received: Path
+    path: Path, lines: list[dict[str, str]], columns: Mapping[str, Sequence[str]], received: Path
 ) -> Iterator[HandedIn]:
     table = [
-        {what: (line.get(name) or "").strip() if name else "" for what, name in columns.items()}
+        {
+            what: next(filter(None, ((line.get(name) or "").strip() for name in names)), "")
+            for what, names in columns.items()
+        }
         for line in lines
     ]
     namesakes = _namesakes(table)

@@ -237,7 +237,8 @@ def override(
             judging.regrade(book, by_what, [row])
             (row,) = [found for found in book.rows() if found.handed.key == row.handed.key]
     total = f"{row.worth.total:g} of {row.worth.max:g} points" if row.worth else "no grade"
-    print(f"{_shown(row.handed.name)} has {total} now.")
+    key = "" if row.handed.key == row.handed.name else f" ({_shown(row.handed.key)})"
+    print(f"{_shown(row.handed.name)}{key} has {total} now.")
 
 
 @class_.command()
