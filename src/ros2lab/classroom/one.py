@@ -6,6 +6,7 @@ or a leak of one grading is one row of the class; this process ends when the one
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import json
 import os
@@ -15,7 +16,8 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -24,6 +26,7 @@ from ros2lab import environment
 from ros2lab.classroom.gradebook import Seen
 
 MOST_SOURCE = 1_000_000  # bytes of Python that are kept
+NO_PYTHON = (SyntaxError, ValueError, RecursionError, MemoryError)
 COMMAND = [sys.executable, "-m", "ros2lab.classroom.one"]
 TOO_LONG = 3600.0  # s; each part of a grading has limits of its own, which come to less (26 min were reached)
 
@@ -111,20 +114,44 @@ def _together(paths: Sequence[Path], folder: Path) -> Path:
 
 
 def _sources(root: Path, packages: Sequence[str], files: Sequence[str]) -> dict[str, str]:
-    """Return the Python files that were handed in, without those that every package has."""
+    """Return the Python files that were handed in, without those that every package has.
+
+    What is Python is one, whatever it is called, and so is a text in one that is Python: they may be run.
+    """
     from ros2lab.grading.build_plan import WORKSPACE  # noqa: PLC0415
 
-    found, budget = dict[str, str](), MOST_SOURCE
-    in_packages = [path for folder in packages for path in sorted((root / folder).rglob("*.py"))]
+    found, budgets = dict[str, str](), {True: MOST_SOURCE, False: MOST_SOURCE}
+    in_packages = [path for folder in packages for path in sorted((root / folder).rglob("*"))]
     for path in [*in_packages, *(root / file for file in files)]:
-        name = str(path.relative_to(root))
+        name, is_called_so = str(path.relative_to(root)), path.suffix == ".py"
         is_ours = any(part.startswith(WORKSPACE) for part in PurePosixPath(name).parts)
         if is_ours or path.name in ("setup.py", "__init__.py") or path.is_symlink() or not path.is_file():
             continue
-        text = path.read_bytes()[:budget].decode(errors="replace")
-        found[name.encode(errors="backslashreplace").decode()] = text
-        budget -= len(text)
+        with path.open("rb") as file:
+            text = file.read(budgets[is_called_so]).decode(errors="replace")
+        budgets[is_called_so] -= len(text)
+        texts = [*texts_of_code(text)] or ([text] if is_called_so else [])
+        for number, code in enumerate(texts):
+            shown = name.encode(errors="backslashreplace").decode()
+            found[f"{shown}, text {number}" if number else shown] = code
     return found
+
+
+def texts_of_code(text: str) -> Iterator[str]:
+    """Yield a text if it is Python that does something, and then all texts in it that are."""
+    queue = [text]
+    while queue:
+        text = queue.pop(0)
+        with warnings.catch_warnings(), contextlib.suppress(*NO_PYTHON):
+            warnings.simplefilter("ignore")
+            nodes = [*ast.walk(ast.parse(text))]
+            if any(isinstance(node, (ast.Call, ast.Import, ast.ImportFrom)) for node in nodes):
+                yield text
+                values = [node.value for node in nodes if isinstance(node, ast.Constant)]
+                texts = [
+                    value.decode(errors="replace") if isinstance(value, bytes) else value for value in values
+                ]
+                queue += [inner for inner in texts if isinstance(inner, str) and "\n" in inner]
 
 
 def graded_apart(
