@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
@@ -98,6 +98,10 @@ _SHOWN = frozenset(
 )
 _FOOTNOTE = re.compile(r"\[\^([^\]\s]+)\]")
 _HIDDEN = re.compile(r"\shidden(?![\w-])|display\s*:\s*none", re.IGNORECASE)
+# What TeX's commands and comments leave to be seen is not followed; math without them shows its letters.
+_MATH = re.compile(r"(?<![\w$`])(?:\$\$.*?\$\$|\$`.*?`\$|\$(?=\S)[^$\n]*(?<=\S)\$)(?![\w$])", re.DOTALL)
+_TEX = re.compile(r"\\[a-zA-Z]|%")
+_DRAWN = ("geojson", "topojson", "stl")  # by GitHub, besides mermaid and math: a map or a solid, and no text
 _PARSER = MarkdownIt("commonmark").enable(["table", "strikethrough"])
 
 
@@ -127,14 +131,29 @@ def _blocks(tokens: Iterable[Token]) -> Iterator[str]:
             case "heading_open":
                 yield "# "
             case "inline":
-                words = "".join(_words(token.children or ()))
+                words = _MATH.sub(lambda math: shown_math(math[0]), "".join(_words(token.children or ())))
                 yield "".join(f"{line}\n" for line in words.split("\n") if not _is_unused(line, notes))
-            case "fence" if token.info.split()[:1] == ["mermaid"]:  # GitHub draws it, without its comments
-                yield "".join(line for line in token.content.splitlines(True) if "%%" not in line)
             case "fence" | "code_block":
-                yield f"```\n{token.content}```\n"
+                yield _fenced(token.info.split()[:1], token.content)
             case "paragraph_close" | "heading_close":
                 yield "\n"
+
+
+def _fenced(info: Sequence[str], content: str) -> str:
+    """Return what a page shows of a fence: code, or what it draws."""
+    match info:
+        case ["mermaid"]:
+            return "".join(line for line in content.splitlines(True) if "%%" not in line)
+        case ["math"]:
+            return shown_math(content)
+        case [kind] if kind in _DRAWN:
+            return ""
+    return f"```\n{content}```\n"
+
+
+def shown_math(text: str) -> str:
+    """Return what a page shows of math, as far as that is known."""
+    return "" if _TEX.search(text) else text
 
 
 def _is_unused(line: str, notes: Counter[str]) -> bool:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 # AsciiDoc: https://docs.asciidoctor.org/asciidoc/latest; a block begins and ends with the same line.
 _FENCE = re.compile(r"(?:-{4,}|={4,}|\*{4,}|_{4,}|\.{4,}|/{4,}|\+{4,}|--)$")
 _VERBATIM = ("--", "..", "//", "++")  # fences of blocks in which no other markup has a meaning
+_LEFT_OUT = ("[comment", "[pass", "[stem", "[latexmath", "[asciimath")  # blocks that are no text of the page
 _ATTRIBUTE = re.compile(r":(!?[\w-]+!?):(?:\s+(.*))?$")
 _CONDITION = re.compile(r"(ifn?def|ifeval)::([^\[]*)\[(.*)\]$")
 _OF_THE_PAGE = re.compile(
@@ -54,7 +55,7 @@ def _of_asciidoc(text: str) -> Iterator[str]:
         elif given := _ATTRIBUTE.match(line):
             attributes[given[1]] = given[2] or ""
         else:
-            is_left_out = bool(line) and (is_left_out or line.startswith(("[comment", "[pass")))
+            is_left_out = bool(line) and (is_left_out or line.startswith(_LEFT_OUT))
             if not is_left_out and not line.startswith("//"):
                 yield _REFERENCE.sub(lambda match: attributes.get(match[1], match[0]), line)
 

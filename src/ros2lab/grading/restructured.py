@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from docutils import nodes
 from docutils.core import publish_doctree
 
+from ros2lab.grading.markdown import shown_math
+
 # The text has no side effects: no file is read, and no report is written.
 _SETTINGS = {
     "_disable_config": True,
@@ -46,6 +48,8 @@ def _shown(node: nodes.Node) -> Iterator[str]:
             yield node.astext()
         case nodes.title() | nodes.subtitle():
             yield f"# {node.astext()}\n\n"
+        case nodes.math() | nodes.math_block():
+            yield shown_math(node.astext())
         case nodes.literal_block() | nodes.doctest_block():
             yield f"```\n{node.astext()}\n```\n\n"
         case nodes.literal():
