@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 
 LONGEST = 400  # characters of a text
@@ -9,7 +10,8 @@ MOST_MARKS = 4  # marks on one letter; more of them cover other lines
 
 _HIDDEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 _JOINERS = (0x200C, 0x200D)  # some scripts need them
-_FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
+# At the beginning of a cell; where a spreadsheet divides by something else than a comma, also in the middle of a text.
+_FORMULA = re.compile(r"(^|[;\t\r\n])(?=\s*[=+@\-\uff1d\uff0b\uff0d\uff20])")
 
 
 class _Signs(dict[int, str]):
@@ -58,7 +60,7 @@ def visible(text: object, longest: int = LONGEST, *, keeps_lines: bool = False) 
 
 def disarmed(text: str) -> str:
     """Return a text changed so that no spreadsheet takes it for a formula."""
-    return f"'{text}" if text.lstrip().startswith(_FORMULA) else text
+    return _FORMULA.sub(r"\1'", text)
 
 
 def number(value: float) -> str:
