@@ -21,6 +21,7 @@ from ros2lab.handlers import ENDS, EVERY_ERROR, Handlers
 _KNOWN = frozenset(
     ("get_logger", "get_clock", "now", "get_name", "get_namespace")
 )  # never fail without arguments
+_READS = frozenset(("get_parameter", "get_parameter_or", "has_parameter"))
 _OF_A_NODE = frozenset(
     ("RuntimeError", "TypeError", *EVERY_ERROR)
 )  # what Python's errors a node's making may raise
@@ -112,6 +113,7 @@ class VainHandlers:
             is_taken = all(self._is_among(name, before) for name in errors)
             is_vain = (
                 is_taken
+                or _changes_nothing(node, handler)
                 or all(map(self._is_never_made, errors))
                 or _Tried(errors, self._functions, self._set_by.get(id(node), ()), self._messages).is_vain(
                     node.body
@@ -259,6 +261,31 @@ class _Tried:
         inside = replace(self, entered=self.entered | {name})
         is_plain = isinstance(only, ast.FunctionDef) and not others and not only.decorator_list
         return is_plain and inside.is_vain(only.body)
+
+
+def _changes_nothing(node: ast.Try, handler: ast.ExceptHandler) -> bool:
+    """Return whether all goes on alike, with or without such an error: values are computed, and used by nobody."""
+    is_nothing_done = all(
+        isinstance(part, ast.Pass) or (isinstance(part, ast.Expr) and isinstance(part.value, ast.Constant))
+        for part in handler.body
+    )
+    is_nothing_left = all(isinstance(part, ast.Expr) and _only_computes(part.value) for part in node.body)
+    return is_nothing_done and is_nothing_left and not node.orelse
+
+
+def _only_computes(value: ast.expr) -> bool:
+    """Return whether an expression has no effect but its value, or its error."""
+    calls = [part for part in ast.walk(value) if isinstance(part, (ast.Call, ast.Await, ast.NamedExpr))]
+    return all(isinstance(call, ast.Call) and _is_pure(call.func) for call in calls)
+
+
+def _is_pure(function: ast.expr) -> bool:
+    match function:
+        case ast.Name(id=name):
+            return name in _SIZES or (isinstance(getattr(builtins, name, None), type) and name != "type")
+        case ast.Attribute(attr=name):
+            return name in _KNOWN - {"get_logger"} or name in _READS
+    return False
 
 
 def _always_set(node: ast.ClassDef) -> set[str]:
