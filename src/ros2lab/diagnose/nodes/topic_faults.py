@@ -309,9 +309,7 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
     for end in there:
         for timer, seconds in timers_of(end):
             if not has_period(seconds, period):
-                cause = (
-                    f"{topic!r} is published every {seconds:g} s, but the course asks for every {period:g} s."
-                )
+                cause = f"'/{topic}' is published every {seconds:g} s, but the course asks for every {period:g} s."
                 fix = f"write create_timer({period}, ...)"
                 yield Finding("period", cause, timer.source.at(timer.call), fix, (topic,))
 

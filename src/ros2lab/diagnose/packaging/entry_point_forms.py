@@ -129,13 +129,13 @@ def _strings(text: str) -> list[tuple[int, str, bool]]:
 
 def _why(text: str, meant: str = "") -> str:
     """Say what is wrong with the form of an entry point, from its signs and, if it is known, the right one."""
-    function = meant.rpartition(":")[2]
+    function, target = meant.rpartition(":")[2], text.rpartition("=")[2]
     has_all = bool(meant) and set(re.findall(r"\w+", text)) == set(re.findall(r"\w+", meant))
     ways = (
-        ("/" in text, "has a slash where a dot should be"),
-        ("(" in text, "has parentheses after the function, but only its name belongs there"),
+        ("/" in target, "has a slash where a dot should be"),
+        ("(" in target, "has parentheses after the function, but only its name belongs there"),
         ("=" not in text, "has no `=` between the executable and the module"),
-        (text.count(":") > 1, "has two colons"),
+        (target.count(":") > 1, "has two colons"),
         (
             bool(function) and text.endswith(f".{function}") and ":" not in text,
             f"has a dot before {function} where a colon should be",

@@ -155,7 +155,9 @@ def own_module(name: str) -> ModuleType | None:
     """
     first, *inner = name.split(".")
     is_harmless = first in sys.stdlib_module_names - PROGRAMS and "__main__" not in inner
-    return importlib.import_module(name) if is_harmless else None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that a module is old is no news about the code that is looked at
+        return importlib.import_module(name) if is_harmless else None
 
 
 def has_name(module: str, name: str) -> bool:
