@@ -16,6 +16,7 @@ from ros2lab.diagnose import of_text
 from ros2lab.grading import documents, files, graded_package, package_facts
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import receive
+from ros2lab.grading.unread import OF_CODE
 
 RECORDED = "[INFO] [1700000000.5] [status_publisher]: Publishing: Robot is OK, message 1\n"
 REFERENCE = Path(__file__).parents[2] / "robot_controller"
@@ -609,14 +610,16 @@ def test_a_readme_is_read_in_any_encoding(
 
 
 def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Callable[[Texts], Files]) -> None:
-    """The largest file is left out, and the note names it; before, none was read, and five points were lost."""
+    """The largest file is left out, and what was not read is neither there nor missing: it may hold anything."""
     table = "TABLE = [\n" + "    (1, 2, 3),\n" * 80_000 + "]\n"
     found = look(right_package() | {"robot_controller/table.py": table})
     assert found.sources["classes"] == [2, 2]
     assert found.handlers["of an end"]
-    assert found.notes == [
-        "Of the Python files the smallest were looked at, 1000000 bytes in all, and not robot_controller/table.py."
-    ]
+    why = "Of the Python files the smallest were looked at, 1000000 bytes in all, and not robot_controller/table.py."
+    assert found.unread == dict.fromkeys(OF_CODE, why)
+    (note,) = found.notes
+    assert note.startswith("Not read: ")
+    assert f"{why} What rests on it costs nothing" in note
 
 
 @pytest.mark.parametrize(
@@ -633,6 +636,11 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
         ("Drive.\n\n<style>\n\n/cmd_vel", "Drive."),
         ("<details>\n\nDrive.\n\n", "<details> Drive."),
         ("Say ros2 run <title> <style> /cmd_vel.", "Say ros2 run <title> <style> /cmd_vel."),
+        ("Drive.\n\n```topojson\n/cmd_vel\n```\n\n```stl\nsolid /cmd_vel\n```", "Drive."),
+        ("Drive.\n\n```math\n\\iffalse /cmd_vel\n```\n\n```math\n% /cmd_vel\n```", "Drive."),
+        (r"Drive.$\color{white}{/cmd_vel}$ $`\phantom{/cmd_vel}`$ $$\llap{/cmd_vel}$$", "Drive."),
+        ("Drive at $v = 2$ m/s.\n\n```math\nv = 2\n```", "Drive at $v = 2$ m/s. v = 2"),
+        (r"Set $HOME/a and $PATH\b, or `$A\b$`.", r"Set $HOME/a and $PATH\b, or `$A\b$`."),
         ("Use `ros2 run <a> <b>`, or ros2 run <a> <b>.", "Use `ros2 run <a> <b>`, or ros2 run <a> <b>."),
         (
             "Drive\n=====\n1. Build:\n   ```bash\n   colcon build\n   ```\n",
@@ -684,6 +692,8 @@ def test_of_a_readme_only_what_a_page_shows_is_read(
             ".. note:: Drive\n\n   on.\n\n1. ``a``::\n\n     ros2 run\n",
             "Drive on. `a`: ``` ros2 run ```",
         ),
+        ("README.adoc", "Drive.\n\n[stem]\n++++\n/cmd_vel\n++++", "Drive."),
+        ("README.rst", "Drive :math:`v = 2`.\n\n.. math::\n\n   \\phantom{/cmd_vel}\n", "Drive v = 2."),
         ("README.adoc", "// /cmd_vel\nDrive.\n////\nros2 run a b\n////\nOn http://x.", "Drive. On http://x."),
         (
             "README.org",
@@ -1065,10 +1075,18 @@ def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
         ("try:\n    work()\nexcept ValueError:\n    print('no number')\n    raise\n", "by name"),
         ("try:\n    x = float(text)\nexcept ValueError:\n    x = 0.0\n", "by name"),
         ("try:\n    x = open('a')\nexcept OSError:\n    x = None\n", "by name"),
+        ("try:\n    int(text)\nexcept ValueError:\n    pass\n", ""),
+        ("try:\n    float(str(node.get_name()))\nexcept ValueError:\n    'no number'\n", ""),
+        ("try:\n    node.get_parameter('x')\nexcept ParameterNotDeclaredException:\n    pass\n", ""),
+        ("try:\n    int(text)\nexcept ValueError:\n    print('no number')\n", "by name"),
+        ("try:\n    int(text)\nexcept ValueError:\n    pass\nelse:\n    work()\n", "by name"),
+        ("try:\n    int(work())\nexcept ValueError:\n    pass\n", "by name"),
+        ("try:\n    x = int(text)\nexcept ValueError:\n    pass\n", "by name"),
+        ("try:\n    node.publish(text)\nexcept ValueError:\n    pass\n", "by name"),
     ],
 )
 def test_a_handler_that_changes_nothing_is_none(look: Callable[[Texts], Files], text: str, kind: str) -> None:
-    """One that only raises again, or is around what comes out the same each time."""
+    """One that only raises again, or is around what comes out the same each time, or of which nothing comes."""
     texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
     found = look(texts | {"robot_controller/node.py": f"import rclpy\n{text}"}).handlers
     assert [one for one, places in found.items() if places] == [kind] * bool(kind)

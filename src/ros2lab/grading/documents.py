@@ -35,7 +35,7 @@ _README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
 _NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
 _RECORDINGS = re.compile(
     r".+\.(?:png|jpe?g|gif|webp|svg|mp4|webm|mkv|mov|cast|log|pdf)|.*(?:log|output|run|terminal|evidence).*\.txt",
-    re.IGNORECASE,
+    re.IGNORECASE | re.DOTALL,
 )
 _OF_ROS = re.compile(r"\b(?:ros2|colcon)\b")
 _OF_CODE = frozenset((".py", ".xml", ".cfg", ".toml", ".yaml", ".yml", ".msg", ".srv", ".action"))
