@@ -13,7 +13,7 @@ import pytest
 
 from ros2lab.grading.build import underlay
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
-from ros2lab.grading.keyboard import Keyboard, answers
+from ros2lab.grading.keyboard import MOST_RUNS, Keyboard, Search, answers
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.player import finds_no_keyboard, is_for_want
 from ros2lab.grading.questions.answer import last_word
@@ -36,16 +36,24 @@ BROKEN = "raise AttributeError('it never worked')\n"
 PROGRAMS = {
     "asks_for_a_number": f"{BEGIN}speed = float(input('speed? '))\n{REST}",
     "asks_for_two": f"{BEGIN}x, y = map(int, input().split(','))\n{REST}",
+    "asks_for_two_by_turns": f"{BEGIN}x = float(input())\ny = float(input())\n{REST}",
     "asks_for_a_word": f"{BEGIN}assert input() == 'forward'\n{REST}",
     "reads_single_keys": f"{BEGIN}import tty\ntty.setcbreak(sys.stdin.fileno())\nsys.stdin.read(1)\n{REST}",
     "reads_what_is_there": f"{BEGIN}sys.stdin.readline()\n{REST}",
     "is_broken_behind_it": f"{BEGIN}input()\n{BROKEN}{REST}",
     "ends_at_a_key": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}while sys.stdin.read(1) != 'q':\n    publisher.publish(Twist())\n",
+    "ends_sooner_or_later": f"{BEGIN}import random\nfor _ in range(random.randrange(1, 6)):\n    input()\n{BROKEN}{REST}",
     "ends_after_one": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}input()\n",
     "logs_behind_a_prompt": f"{BEGIN}{REST.replace('rclpy.spin(node)', '')}while rclpy.ok():\n    node.get_logger().info('heard ' + input('word? '))\n",
     "is_silent_behind_it": f"{BEGIN}input()\n{REST.replace('publisher.publish(Twist())', 'None')}",
 }
-ANSWERED = ("asks_for_a_number", "asks_for_two", "asks_for_a_word", "reads_single_keys")
+ANSWERED = (
+    "asks_for_a_number",
+    "asks_for_two",
+    "asks_for_two_by_turns",
+    "asks_for_a_word",
+    "reads_single_keys",
+)
 
 
 RUN_TOGETHER = pytest.mark.long(together=True)  # all programs are watched once, for minutes on a busy machine
@@ -95,15 +103,17 @@ def test_what_is_logged_behind_a_prompt_is_one_line_and_not_two(runs: dict[str, 
 
 
 @RUN_TOGETHER
-def test_what_an_answer_ends_has_not_ended_by_itself(runs: dict[str, Run]) -> None:
-    """It was not tried; what ends behind whatever is typed has ended by itself."""
-    assert not runs["ends_at_a_key"].typed
+def test_what_an_answer_ends_is_given_another_one(runs: dict[str, Run]) -> None:
+    """What ends behind whatever is typed, soon or late, has ended by itself."""
+    assert not runs["ends_at_a_key"].ended
+    assert runs["ends_at_a_key"].quiet["/cmd_vel"].count > 2
     assert len(runs["ends_after_one"].typed) == 1
     assert runs["ends_after_one"].ended
+    assert "it never worked" in runs["ends_sooner_or_later"].ended["ends_sooner_or_later"]
 
 
 def test_lines_are_typed_one_by_one_as_they_are_read() -> None:
-    first, *_ = answers(["go"], ())
+    first = answers(["go"], ())
     keyboard = Keyboard(first)
     try:
         for number in range(1, 4):
@@ -119,10 +129,28 @@ def test_lines_are_typed_one_by_one_as_they_are_read() -> None:
     assert len(keyboard.typed) == 3
 
 
-def test_each_answer_comes_first_once() -> None:
-    orders = answers(["go"], ())
-    assert len({order[0] for order in orders}) == len(orders)
-    assert all({*order} == {*orders[0]} for order in orders)
+@pytest.mark.parametrize(
+    ("wanted", "runs"),
+    [([], 1), (["1", "y"], 1), (["1", "1"], 2), (["y", "1"], 6), (["go"], 5), (["1", "1", "go"], 5)],
+)
+def test_a_line_that_ends_a_program_gives_way_to_another_one(wanted: list[str], runs: int) -> None:
+    """Whatever it asks for, in whatever order, until it goes on."""
+    search = Search(answers(["go"], ()))
+    for _ in range(runs - 1):
+        typed = search.keys
+        wrong = next(n for n, line in enumerate(wanted) if line != typed[n])
+        search.ended(typed[: wrong + 1])
+    assert search.keys[: len(wanted)] == wanted
+
+
+@pytest.mark.parametrize("counts", [[1], [3], [1, 4, 2]])
+def test_a_program_that_ends_whatever_is_typed_is_given_up(counts: list[int]) -> None:
+    """Always behind as many lines, or behind now more, now fewer."""
+    search = Search(answers(["go"], ()))
+    for number in range(MOST_RUNS):
+        if search.keys:
+            search.ended(search.keys[: counts[number % len(counts)]])
+    assert not search.keys
 
 
 READERS = {

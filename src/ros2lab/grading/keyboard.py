@@ -8,15 +8,16 @@ import itertools
 import os
 import struct
 import termios
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 
 MOST_WORDS = 6  # of a program's own
 MOST_LINES = 1000  # typed in one run
+MOST_RUNS = 16  # until a program goes on
 _USUAL = ("1", "y", "1,1", "1 1")  # a number, a yes, two numbers: whatever may be asked for
 
 
-def answers(words: Sequence[str], commands: Collection[str]) -> list[list[str]]:
-    """Return lines to type, in several orders: if a program ends whichever comes first, none is to blame.
+def answers(words: Sequence[str], commands: Collection[str]) -> list[str]:
+    """Return the lines to type.
 
     Args:
         words: the words that the program compares something with.
@@ -29,13 +30,45 @@ def answers(words: Sequence[str], commands: Collection[str]) -> list[list[str]]:
         for word in words
         if word.isprintable() and not word.startswith("__") and word.strip().lower() not in said
     ]
-    lines = [*_USUAL, *own[:MOST_WORDS]]
-    return [[*lines[number:], *lines[:number]] for number in range(len(lines))]
+    return [*_USUAL, *own[:MOST_WORDS]]
 
 
-def is_ended_by_one(places: Iterable[str | int]) -> bool:
-    """Return whether a program ended without an error after several numbers of answers: one ends it."""
-    return sum(isinstance(place, int) for place in places) > 1
+class Search:
+    """The search for what to type, so that a program goes on.
+
+    Args:
+        lines: the lines that may be typed.
+
+    Attributes:
+        keys: the lines to type next time; empty if a program ends whatever is typed.
+    """
+
+    def __init__(self, lines: Sequence[str]) -> None:
+        self.keys = [*lines]
+        self._lines, self._left = lines, MOST_RUNS
+        self._harmless = [*lines]
+        self._tried: dict[tuple[str, ...], set[str]] = {}
+
+    def ended(self, typed: Sequence[str]) -> None:
+        """Put another line in place of the last one that was typed: the program ended at that.
+
+        Where every line ends it there, the line before is another one.
+        """
+        self._left -= 1
+        before = [*typed]
+        self.keys = []
+        if before and len(self._harmless) > 1:
+            self._harmless = [line for line in self._harmless if line != before[-1]]
+        while before and self._left > 0:
+            *before, last = before
+            tried = self._tried.setdefault((*before,), set())
+            tried.add(last)
+            # What has ended it elsewhere comes last.
+            others = [line for line in (*self._harmless, *self._lines) if line not in tried]
+            if others:
+                again = itertools.chain((*before, others[0]), itertools.cycle(self._harmless))
+                self.keys = [*itertools.islice(again, MOST_LINES)]
+                return
 
 
 class Keyboard:

@@ -11,12 +11,11 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.clocks import otherwise
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.job import UNTOLD, Job, Program
-from ros2lab.grading.keyboard import answers, is_ended_by_one
+from ros2lab.grading.keyboard import Search, answers
 from ros2lab.grading.observe import Observer
 from ros2lab.grading.other_values import asked, changed, doubtful
 from ros2lab.grading.player import is_done, is_for_want, is_timers
 from ros2lab.grading.players import may_end
-from ros2lab.grading.questions.answer import raised_at
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.senses import is_still
 from ros2lab.grading.submission import Submission
@@ -153,7 +152,7 @@ class _Watching:
     def at_a_keyboard(self, asking: Collection[str]) -> None:
         """Watch again, with typed answers, each idle program that reads the keyboard.
 
-        A program that always ends at the same place, whatever is typed, has not ended for lack of an answer.
+        One that ends whatever is typed has not ended for lack of an answer.
         """
         waiting = [run.programs[0] for run in self.runs if {*run.programs} <= {*asking} and _is_idle(run)]
         if not waiting:
@@ -161,11 +160,11 @@ class _Watching:
         self._show("watching again what reads a keyboard, with answers")
         by_name = {program.name: program for program in self._programs}
         answered, last = dict[str, Run](), dict[str, Run]()
-        places: dict[str, set[str | int]] = {name: set() for name in waiting}  # where each has ended
         part = self._assignment.commanded
-        for keys in answers(self._facts.compared, (*part.commands, *part.unknown) if part else ()):
-            asked = [name for name in waiting if name not in answered and not is_ended_by_one(places[name])]
-            programs = [replace(by_name[name], keys=keys) for name in asked]
+        lines = answers(self._facts.compared, (*part.commands, *part.unknown) if part else ())
+        searches = {name: Search(lines) for name in waiting}
+        while asked := [name for name in waiting if name not in answered and searches[name].keys]:
+            programs = [replace(by_name[name], keys=searches[name].keys) for name in asked]
             jobs = [
                 Job.alone(
                     program, is_stepped=program.name not in last or last[program.name].clock == "stepped"
@@ -175,15 +174,13 @@ class _Watching:
             for program, run in zip(programs, self._observer.watch(jobs), strict=True):
                 name = program.name
                 if run.ended:
-                    # Without an error, it ended at an answer, or after its last question.
-                    is_error = "Traceback (most recent call last)" in run.ended[name]
-                    places[name].add(raised_at(run.ended[name], name) if is_error else len(run.typed))
+                    searches[name].ended(run.typed)
                 else:
                     # Only what was typed is kept: further answers might end it.
-                    answered[name], by_name[name] = run, replace(program, keys=run.typed or keys)
+                    answered[name], by_name[name] = run, replace(program, keys=run.typed or program.keys)
                 last[name] = run
         for name in {*waiting} - answered.keys():
-            if len(places[name]) == 1 and not is_for_want(last[name].ended[name]):
+            if not is_for_want(last[name].ended[name]):
                 answered[name] = last[name]
         self._programs = [*by_name.values()]
         self.runs = [answered.get(run.programs[0], run) for run in self.runs]
