@@ -134,7 +134,16 @@ SAYS = "self.get_logger().info(message.data)"
             ["reads"],
         ),
         (f"{IMPORTS}class A(Node):\n    def __init__(self):\n        {TAKES.format('lambda m: None')}\n", []),
-        (f"{IMPORTS}class A(Node):\n    def __init__(self):\n        {TAKES.format('partial(f, 1)')}\n", None),
+        (f"{IMPORTS}class A(Node):\n    def __init__(self):\n        {TAKES.format('partial(f, 1)')}\n", []),
+        (
+            f"{IMPORTS}from functools import partial\ndef f(n, m): print(m.data)\nclass A(Node):\n    def __init__(self):\n        {TAKES.format('partial(f, 1)')}\n",
+            ["reads", "logs"],
+        ),
+        (
+            f"{IMPORTS}import kit\nclass A(Node):\n    def __init__(self):\n        "
+            + TAKES.format("kit.obey(self, 'start', 'stop', 'reset')"),
+            ["compares"],
+        ),
         (
             f"{IMPORTS}def obey(m): print(m.data)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
             "    node.create_subscription(String, '/robot/command', obey, 10)\n    print('ready')\n",

@@ -79,19 +79,21 @@ class Deeds:
             paces=sorted(rhythm.paces or ()),
         )
 
-    def _of_subscription(self, creation: Creation) -> list[str] | None:
-        is_read = self._is_read(creation)
-        if is_read is None:
-            return None
-        does = {READS: is_read, LOGS: self._logs, COMPARES: self._compares}
+    def _of_subscription(self, creation: Creation) -> list[str]:
+        does = {READS: self._is_read(creation), LOGS: self._logs, COMPARES: self._compares}
         return [deed for deed, is_done in does.items() if is_done]
 
-    def _is_read(self, creation: Creation) -> bool | None:
-        """Return whether a subscription's callback reads its message; None if the callback is not known."""
+    def _is_read(self, creation: Creation) -> bool:
+        """Return whether a subscription's callback reads its message.
+
+        One that is not known does if any line reads a field of such a message.
+        """
+        kind = self._sources.resolve(creation.source, creation.given("msg_type"))
+        fields = self._messages.fields_of(kind)
         given = creation.given("callback")
         function = given if isinstance(given, ast.Lambda) else self._sources.function_of(creation, given)
         if function is None:
-            return None
+            return fields is None or any(_names(node) in fields for node in self._code)
         names = [
             parameter.arg
             for parameter in (*function.args.posonlyargs, *function.args.args)
@@ -99,8 +101,6 @@ class Deeds:
         ]
         if not names:
             return function.args.vararg is not None
-        kind = self._sources.resolve(creation.source, creation.given("msg_type"))
-        fields = self._messages.fields_of(kind)
         wrong = {
             node.value
             for node in ast.walk(function)
