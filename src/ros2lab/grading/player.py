@@ -154,18 +154,40 @@ class Player:
 
     @property
     def heard_at(self) -> list[tuple[str, Heard]]:
-        """The same, each with its key in the evidence."""
+        """The same, each with its key in the evidence; nothing where its node only handed on what was given to it."""
         run, place = self.run, f"runs[{self.number}]"
-        stretches = [
-            (f"{place}.quiet", run.quiet),
-            *((f"{place}.calls[{n}].topics", call.topics) for n, call in enumerate(run.calls)),
-            *((f"{place}.commands[{n}].topics", command.topics) for n, command in enumerate(run.commands)),
-        ]
+        stretches = (
+            []
+            if self._hands_on
+            else [
+                (f"{place}.quiet", run.quiet),
+                *((f"{place}.calls[{n}].topics", call.topics) for n, call in enumerate(run.calls)),
+                *(
+                    (f"{place}.commands[{n}].topics", command.topics)
+                    for n, command in enumerate(run.commands)
+                ),
+            ]
+        )
         return [
             (f"{key}.{self.topic}", topics[self.topic])
             for key, topics in stretches
             if self.topic in topics and topics[self.topic].type_name in self.types
         ]
+
+    @property
+    def _hands_on(self) -> bool:
+        """Whether its node was given messages of its part's type, or says the words that it takes and nothing else."""
+        run, topic = self.run, self.topic
+        taken = (run.subscribes.get(name, {}).get(self.node, ()) for name in run.given)
+        if self.part.is_publisher and any(self.part.type_name in types for types in taken):
+            return True
+        said = [
+            (value.get("data"), command.text)
+            for command in run.commands
+            for value in (command.topics[topic].values if topic in command.topics else ())
+        ]
+        is_taker = self.node in run.subscribes.get(run.commanded, ()) and topic not in run.quiet
+        return is_taker and bool(said) and all(data == text for data, text in said)
 
     @property
     def calls(self) -> list[ServiceCall]:
