@@ -19,7 +19,7 @@ import pytest
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading import stand_in
 from ros2lab.grading.absent import named_places
-from ros2lab.grading.evidence import GIVEN, KEYBOARD, Evidence, WrittenEnd
+from ros2lab.grading.evidence import GIVEN, KEYBOARD, CommandSeen, Evidence, WrittenEnd
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
@@ -320,6 +320,84 @@ def test_an_error_of_its_own_is_charged_whatever_is_imported() -> None:
     """That something else is not installed here explains no NameError."""
     given = evidences.without(evidences.VELOCITY, "Traceback:\nNameError: name 'Twits' is not defined")
     assert _graded(given(_needing(evidences.VELOCITY))).components["velocity_publisher"].points < 10
+
+
+ODOMETRY = "nav_msgs/msg/Odometry"
+
+
+@pytest.mark.parametrize(("kind", "points"), [(ODOMETRY, 20), (evidences.TWIST, 9)])
+def test_what_is_given_to_a_node_is_not_its_own(kind: str, points: float) -> None:
+    """A velocity for each odometry is made of it; one for each velocity is the one that was given."""
+    silent = _silent(["/input"])
+    takes = {"/input": {"/velocity_publisher": [kind]}}
+    last = replace(silent.runs[-1], subscribes=takes)
+    grade = _graded(replace(silent, runs=[*silent.runs[:-1], last]))
+    assert grade.components["velocity_publisher"].points == points
+
+
+@pytest.mark.parametrize(
+    ("answer", "before", "points"), [("{}", 0, 8), ("I do {}", 0, 14.75), ("{}", 1, 14.75), ("{}", 3, 20)]
+)
+def test_a_word_that_is_said_again_is_not_a_status(answer: str, before: int, points: float) -> None:
+    """It was published by whoever said it; what a node says of it, or without it, is its own."""
+    silent = evidences.status_run(values=before)
+    commands = [
+        CommandSeen(
+            word,
+            [],
+            {
+                "/robot/status": evidences.heard(
+                    evidences.STRING, "/status_publisher", [{"data": answer.format(word)}], 0.5
+                )
+            },
+            {},
+            True,
+        )
+        for word in ("start", "stop", "dance")
+    ]
+    takes = {"/words": {"/status_publisher": [evidences.STRING]}}
+    run = replace(silent, subscribes=takes, commands=commands, commanded="/words")
+    assert _graded(evidences.runs(run)(evidences.right())).components["status_publisher"].points == points
+
+
+def _needing_two() -> Evidence:
+    """Return the evidence of a right submission of which two programs end for want of a library."""
+    right = _needing(evidences.STATUS)
+    assert right.build
+    programs = [
+        replace(one, absent=["arm_msgs"]) if one.name == evidences.VELOCITY else one
+        for one in right.build.executables
+    ]
+    ends = [
+        WrittenEnd("/robot/status", evidences.STRING, True, [2.0], evidences.STATUS),
+        WrittenEnd("/cmd_vel", evidences.TWIST, True, [0.1], evidences.VELOCITY),
+    ]
+    needing = evidences.files(ends=ends)(replace(right, build=replace(right.build, executables=programs)))
+    return evidences.without(evidences.VELOCITY, WANT)(evidences.without(evidences.STATUS, WANT)(needing))
+
+
+@pytest.mark.parametrize(("untried", "points"), [(None, {14, 14.5}), (1, {20}), (0, {9.25, 10})])
+def test_of_several_nodes_that_could_not_be_tried_a_share_counts(
+    untried: float | None, points: set[float]
+) -> None:
+    """One may need what is not here; of several, too little was seen. What their code shows counts whole."""
+    rubric = load() if untried is None else replace(load(), untried=untried)
+    grade = verdict(_needing_two(), rubric)
+    assert {grade.components[name].points for name in (evidences.STATUS, evidences.VELOCITY)} == points
+    assert grade.components[evidences.COMMAND].points == 20
+    assert not any(one.component in evidences.NODES for one in grade.faults)
+
+
+@pytest.mark.parametrize(("taker", "points"), [("/command_subscriber", 13), ("/another", 8)])
+def test_a_gate_is_judged_in_one_way_whoever_waits_behind_it(taker: str, points: float) -> None:
+    """One that takes commands and the same odometry as a publisher that waits for it could not be tried, either."""
+    takes = {"/odom": {"/velocity_publisher": [ODOMETRY], taker: [ODOMETRY]}}
+    deaf = evidences.command_run(log=lambda _: [])
+    deaf = replace(deaf, subscribes=deaf.subscribes | takes)
+    silent = evidences.velocity_run(values=[])
+    given = evidences.right([evidences.status_run(), deaf, silent])
+    last = replace(silent, setting=GIVEN, given=["/odom"], subscribes=takes)
+    assert _graded(replace(given, runs=[*given.runs, last])).components["command_subscriber"].points == points
 
 
 def test_what_the_work_should_bring_itself_is_not_waited_for() -> None:

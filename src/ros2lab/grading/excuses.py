@@ -1,9 +1,10 @@
-"""Why what a node does could not be tried during grading, so that it costs no points."""
+"""Why what a node does could not be tried during grading, so that it costs fewer points, or none."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from pathlib import PurePosixPath
+from typing import NamedTuple
 
 from ros2lab.assignments import Part
 from ros2lab.grading.deeds import CLAUSES, PACED, PUBLISHES, READS
@@ -28,7 +29,22 @@ _FAILS = frozenset(
 )
 
 
-def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, str]:
+class Excuse(NamedTuple):
+    """An excuse.
+
+    Attributes:
+        why: why something could not be tried here, in a clause; empty if it could.
+        lack: why the code would not do it anywhere, so that the excuse does not count, in a clause; empty if it
+            would.
+        is_ours: whether the grader came to no end, and nothing was missing.
+    """
+
+    why: str = ""
+    lack: str = ""
+    is_ours: bool = False
+
+
+def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> Excuse:
     """Return why what a part's node does could not be tried here, and why its code would not do it anywhere.
 
     Nothing excuses what no line of the code would do, or what a line keeps it from.
@@ -37,16 +53,13 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, st
         case: the evidence.
         part: the part of the assignment.
         deeds: what the code must do with the topic, besides publishing on it or reading its messages.
-
-    Returns:
-        Two clauses, either of which may be empty.
     """
     everybody = of_one_node(case.players[part.name], case.main(part))
     players = [player for player in everybody if player.run.setting != GIVEN]
     if not players:
-        return _unwatched(case, part), ""
+        return Excuse(_unwatched(case, part), is_ours=True)
     lack = _left_out(case, players, (*_uses(part), *deeds)) or _broken(case, players)
-    return _why(case, part, players), lack
+    return _why(case, part, players)._replace(lack=lack)
 
 
 def unused(case: Case, part: Part) -> str:
@@ -79,8 +92,8 @@ def _broken(case: Case, players: Sequence[Player]) -> str:
     return ""
 
 
-def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
-    """Return a clause that says why what the players of a part do could not be tried; empty if it could.
+def _why(case: Case, part: Part, players: Sequence[Player]) -> Excuse:
+    """Return why what the players of a part do could not be tried; an empty excuse if it could.
 
     What the code itself shows comes first: a program in which nothing spins or loops would end anywhere, and
     one in which nothing spins would receive nothing anywhere.
@@ -90,14 +103,22 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
     is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
     needs = (_needs(case, part, player, is_mute=is_mute) for player in players)
     if need := next(filter(None, needs), ""):
-        return need
+        return Excuse(need)
     late = [player.run.unfinished for player in players]
     if is_mute and late and all(late):
-        return late[0]
+        return Excuse(late[0], is_ours=True)
     given = _given(case, part)
-    if is_mute and players and part.is_publisher and given:
-        return f"{players[0].node} waits for what nobody here brings on {', '.join(given)}"
-    return ""
+    if part.end == "subscription":  # it takes itself what opens it
+        taken = {
+            topic
+            for player in players
+            for topic, nodes in player.run.subscribes.items()
+            if player.node in nodes
+        }
+        given = [topic for topic in given if topic in taken]
+    if is_mute and part.end != "service" and given:
+        return Excuse(f"{players[0].node} waits for what nobody here brings on {', '.join(given)}")
+    return Excuse()
 
 
 def _needs(case: Case, part: Part, player: Player, *, is_mute: bool) -> str:

@@ -29,6 +29,7 @@ SCHEMA = 1
 LEVELS = "levels.yaml"
 TOTAL, MOST_BONUS = 100, 10
 DOUBTED = 0.5
+UNTRIED = 0.5
 _FILE = re.compile(r"\w+[._/]\w")  # a file name at the beginning of a title keeps its case
 BONUS = "bonus"
 
@@ -83,12 +84,15 @@ class Rubric:
         criteria: in the order of the report.
         doubted: the share that counts of what any node does, where that by which the part's node is known has
             earned less than half.
+        untried: the share that counts of what could not be tried for want of what is not where it is graded,
+            where that is so with more than one node.
     """
 
     assignment: Assignment
     components: Mapping[str, float]
     criteria: tuple[Criterion, ...]
     doubted: float = DOUBTED
+    untried: float = UNTRIED
 
 
 def load(path: Path | None = None, assignment: Assignment | None = None) -> Rubric:
@@ -120,7 +124,7 @@ class _RubricReader(Reader):
         root = self.root(text)
         if root is None:
             raise RubricError(f"{self.name}: it is empty; see docs/grading.md for what a rubric holds.")
-        parts = self.fields(root, "schema", "components", "criteria", optional=("doubted",))
+        parts = self.fields(root, "schema", "components", "criteria", optional=("doubted", "untried"))
         if self.value(parts["schema"]) != SCHEMA:
             raise self.error(parts["schema"], f"the schema must be {SCHEMA}")
         components = {
@@ -139,8 +143,8 @@ class _RubricReader(Reader):
                 raise self.error(
                     parts["criteria"], f"the criteria of {component} add up to {given:g}, not to {points:g}"
                 )
-        doubted = self.number(parts["doubted"], 0, 1) if "doubted" in parts else DOUBTED
-        return Rubric(assignment, components, tuple(criteria), doubted)
+        shares = {name: self.number(parts[name], 0, 1) for name in ("doubted", "untried") if name in parts}
+        return Rubric(assignment, components, tuple(criteria), **shares)
 
     def _check_total(self, node: yaml.Node, components: Mapping[str, float]) -> None:
         total = sum(points for name, points in components.items() if name != BONUS)

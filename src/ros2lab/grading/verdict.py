@@ -31,6 +31,8 @@ ALWAYS_WRONG = frozenset(
 GONE = "Fix first why the node was not seen."
 LONGEST_WHY = 200
 NOT_TRIED = "This could not be tried here, costs nothing, and is left to the instructor: {}."
+NOT_SEEN = "This could not be tried here, as with another node, so that {share:.0%} counts and the rest is left to the instructor: {}."
+SHOW = "Show the instructor what it does where nothing is missing."
 NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
 DOUBTED = "Only {share:.0%} of it counts, because little tells that this node is meant for {wanted}."
@@ -93,6 +95,9 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
 
 
 def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str]) -> Iterator[Judgement]:
+    wanting = {criterion.component for criterion in rubric.criteria if answers[criterion.id].is_for_want} & {
+        *rubric.assignment.parts
+    }
     for criterion in rubric.criteria:
         answer = answers[criterion.id]
         level = criterion.levels[answer.level]
@@ -100,6 +105,9 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         share, reason = level.share, level.reason.format_map(answer.seen).strip()
         if answer.excuse and answer.lack:
             reason, hint = NOT_DONE.format(shown(answer.excuse, LONGEST_WHY), answer.lack), DO
+        elif answer.is_for_want and len(wanting) > 1 and rubric.untried < 1:
+            share, hint = max(share, rubric.untried), SHOW
+            reason = NOT_SEEN.format(shown(answer.excuse, LONGEST_WHY), share=share)
         elif answer.excuse:
             # Nobody gets a bonus for what we failed to read.
             is_extra = criterion.component == BONUS and answer.excuse == FAILED
@@ -166,7 +174,7 @@ def _faults(
     lost = [
         judgement
         for judgement in judged
-        if judgement.points < judgement.max and _is_fault(judgement, answers[judgement.id].level)
+        if judgement.points < judgement.max and _is_fault(judgement, answers[judgement.id])
     ]
     explained: set[str] = set()
     told: set[tuple[str, ...]] = set()
@@ -194,12 +202,13 @@ def _faults(
             yield Fault(code, criterion.component, cause, answer.place, hint)
 
 
-def _is_fault(lost: Judgement, level: str) -> bool:
+def _is_fault(lost: Judgement, answer: Answer) -> bool:
     """Return whether a lost criterion shows a fault.
 
     What could not be tried has another cause; what was not asked for is no fault.
     """
-    return level != "untried" and (lost.component != BONUS or level not in (MISSING, "none", "of_an_end"))
+    is_untried = answer.level == "untried" or (answer.excuse and not answer.lack)
+    return not is_untried and (lost.component != BONUS or answer.level not in (MISSING, "none", "of_an_end"))
 
 
 def _unexplained(case: Case, lost: Iterable[Judgement], answers: Mapping[str, Answer]) -> Iterator[Fault]:
