@@ -12,7 +12,7 @@ from collections.abc import Collection, Sequence
 
 MOST_WORDS = 6  # of a program's own
 MOST_LINES = 1000  # typed in one run
-MOST_RUNS = 16  # until a program goes on
+MOST_RUNS = 10  # until a program goes on
 _USUAL = ("1", "y", "1,1", "1 1")  # a number, a yes, two numbers: whatever may be asked for
 
 
