@@ -818,6 +818,28 @@ def test_what_there_was_no_time_to_watch_costs_nothing_where_it_is_plainly_writt
     assert any("300 s" in note for note in found.notes)
 
 
+@pytest.mark.parametrize(("has_ended", "points"), [(True, 1.25), (False, 5)])
+def test_a_launch_file_without_an_end_excuses_no_program_that_was_seen_to_its_own(
+    has_ended: bool, points: float, rubric: Rubric
+) -> None:
+    late = [
+        replace(
+            run,
+            nodes=[],
+            publishes={},
+            subscribes={},
+            quiet={},
+            commands=[],
+            ended=dict.fromkeys(run.programs, "code:") if has_ended and run.setting == "alone" else {},
+            unfinished="it was not seen to its end within 40 s" if run.setting == "launched" else "",
+        )
+        for run in right().runs
+    ]
+    ends = [WrittenEnd("/robot/status", evidences.STRING, True, [2.0])]
+    given = replace(evidences.files(ends=ends)(right()), runs=late)
+    assert judged(given, rubric, "status_publisher.topic").points == points
+
+
 def test_what_was_watched_to_no_end_is_lost_only_where_more_was_seen_of_it(rubric: Rubric) -> None:
     given = right()
     mute = [replace(run, quiet={}, commands=[]) for run in given.runs if run.setting == "alone"]

@@ -135,8 +135,12 @@ def _needs(case: Case, part: Part, player: Player, *, is_mute: bool) -> str:
 
 def _unwatched(case: Case, part: Part) -> str:
     """Return a clause if there was no time to watch the program that may play a part; else empty."""
-    unseen = [run for run in case.evidence.runs if run.unfinished and not run.nodes]
-    names = (name for run in unseen for name in run.programs)
+    runs = case.evidence.runs
+    unseen = [run for run in runs if run.unfinished and not run.nodes]
+    ended = {name for run in runs if run.setting == "alone" for name in run.ended}
+    # A launch file may start any of them.
+    started = (case.executables if run.setting == "launched" else run.programs for run in unseen)
+    names = {name for programs in started for name in programs} - ended
     return unseen[0].unfinished if any(case.may_be(name, part) for name in names) else ""
 
 
