@@ -210,7 +210,8 @@ def _regraded(evidence: str, folder: Path) -> Row:
             book.record(student.key, by.assignment_digest, "", Seen(evidence, {}, "", 0.0), worths)
     took: list[float] = []
     with _clocks(took, []):
-        subprocess.run(["ros2lab", "class", "regrade", folder], stdout=subprocess.DEVNULL, check=True)
+        command = [Path(sys.executable).with_name("ros2lab"), "class", "regrade", folder]
+        subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
     return Row(f"a class of {REGRADED} judged again", Quantity(took[0], "s"), limits={"value": 10.0})
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sqlite3
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -23,7 +24,7 @@ from ros2lab.grading.reports.evidence_json import evidence_json
 
 ANN, BOB = HandedIn("1", "Ann", "1"), HandedIn("2", "Bob", "2")
 SEEN = Seen("{}", {"a.py": "x = 1"}, "", 6.0)
-REGRADE = ["ros2lab", "class", "regrade"]
+REGRADE = [Path(sys.executable).with_name("ros2lab"), "class", "regrade"]
 WORTH = Worth(90, 100, "{}", "rubric")
 
 
