@@ -144,7 +144,7 @@ def test_a_value_of_one_wrong_type_is_told(tmp_path: Path) -> None:
 def test_a_callback_that_is_called_loses_its_parentheses(tmp_path: Path, line: str, fix: str) -> None:
     told = found(tmp_path, f"super().__init__('n')\n{line}")
     assert [finding.code for finding in told] == ["callback-called"]
-    assert f"{fix} without" in told[0].fix or told[0].fix.endswith(f"{fix}`")
+    assert told[0].fix.startswith(f"write `{fix}` instead of ") or told[0].fix.endswith(f"{fix}`")
 
 
 def test_what_makes_a_callback_is_called(tmp_path: Path) -> None:
