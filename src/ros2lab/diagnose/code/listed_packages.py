@@ -79,21 +79,27 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
     elif written:
         fix += f": `packages={written},`"
     if in_cfg:
-        lines = read_text(package.folder / "setup.cfg").splitlines()
-        line = next((n for n, text in enumerate(lines, 1) if text.startswith("packages")), None)
-        cause = f"setup.cfg does not install the Python package {name}: its `packages` holds {', '.join(names) or 'nothing'}."
-        if in_cfg.startswith("find"):
-            each = ", ".join([*names, name])
-            fix = f"write `packages =` instead of `packages = {in_cfg}`, and below it {each}, each on an indented line of its own, and build again"
-        else:
-            fix = f"write {name} on a line of its own below {names[-1]}, as far to the right, and build again"
-        return Finding("package-not-listed", cause, at(package.shown("setup.cfg"), line), fix)
+        return _not_in_cfg(package, in_cfg, name)
     return Finding(
         "package-not-listed",
         f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
         at(setup.source.shown, setup.line("packages")),
         f"{fix}, and build again" if names else fix,
     )
+
+
+def _not_in_cfg(package: SourcePackage, in_cfg: str, name: str) -> Finding:
+    """Return that the `packages` of setup.cfg do not hold a Python package, and how to change that."""
+    names = package.packages or []
+    lines = read_text(package.folder / "setup.cfg").splitlines()
+    line = next((n for n, text in enumerate(lines, 1) if text.startswith("packages")), None)
+    cause = f"setup.cfg does not install the Python package {name}: its `packages` holds {', '.join(names) or 'nothing'}."
+    if in_cfg.startswith("find"):
+        each = ", ".join([*names, name])
+        fix = f"write `packages =` instead of `packages = {in_cfg}`, and below it {each}, each on an indented line of its own, and build again"
+    else:
+        fix = f"write {name} on a line of its own below {names[-1]}, as far to the right, and build again"
+    return Finding("package-not-listed", cause, at(package.shown("setup.cfg"), line), fix)
 
 
 def _with(setup: SetupScript, names: list[str]) -> str:

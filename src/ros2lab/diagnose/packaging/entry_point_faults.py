@@ -109,6 +109,15 @@ def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
     )
 
 
+def _is_anothers(package: SourcePackage, point: EntryPoint) -> bool:
+    """Return whether another package may bring the module of an entry point: a declared or installed one, or one beside it."""
+    top = point.module.partition(".")[0]
+    if top in package.declared or is_installed(top):
+        return True
+    named = package.beside.rglob(f"{point.module.replace('.', '/')}.py")
+    return any(not path.is_relative_to(package.folder) for path in named)
+
+
 def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryPoint) -> Iterator[Finding]:
     place = at(setup.source.shown, point.line)
     if not point.module or point.function.endswith("."):
@@ -127,11 +136,8 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         yield Finding("entry-point-module", cause, place, fix, (package.shown(called),))
         return
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
-    if source is None and top not in tops and (top in package.declared or is_installed(top)):
+    if source is None and top not in tops and _is_anothers(package, point):
         return
-    named = package.beside.rglob(f"{point.module.replace('.', '/')}.py")
-    if source is None and top not in tops and not all(path.is_relative_to(package.folder) for path in named):
-        return  # another package brings it
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
         yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)
     elif not point.function:

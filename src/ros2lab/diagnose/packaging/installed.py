@@ -147,20 +147,27 @@ def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
     ]
 
 
-def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
-    """Yield a link of a build with --symlink-install that is broken or leads out of the workspace."""
-    build = root / "build" / package.name
+def _links_in(package: SourcePackage, build: Path, prefix: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield the links that a build has made, each with its target, but those to a file that setup.py asks for and that is missing."""
     walked = (entry for base in (prefix, build) for entry in os.walk(base))
     paths = (Path(folder, name) for folder, names, files in walked for name in (*names, *files))
     links = {path: path.readlink() for path in paths if path.is_symlink()}
     for folder in site_packages(prefix):
         links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
-    own, first = (root, root.resolve()), _built_in(root)
-    asked = package.setup.data_files if package.setup else []
+    given = package.setup.data_files if package.setup else []
+    asked = {package.folder / file for _, files in given for file in files}
     for path, target in links.items():
         whole = path.parent / target
-        if any(whole == package.folder / file for _, files in asked for file in files) and not whole.exists():
-            continue  # setup.py asks for what is not there: another build would make the same link
+        if whole not in asked or whole.exists():  # another build would make the same link to what is missing
+            yield path, target
+
+
+def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
+    """Yield a link of a build with --symlink-install that is broken or leads out of the workspace."""
+    build = root / "build" / package.name
+    own, first = (root, root.resolve()), _built_in(root)
+    for path, target in _links_in(package, build, prefix):
+        whole = path.parent / target
         is_within = any(target.is_relative_to(folder) for folder in own)
         is_first = first is not None and first not in own and target.is_relative_to(first)
         is_moved = target.is_absolute() and (is_first or not is_within)
