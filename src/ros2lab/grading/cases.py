@@ -11,21 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
-from ros2lab.diagnose.sources.static_value import UNKNOWN
+from ros2lab.diagnose.sources.static_value import COMPARISONS, UNKNOWN
 from ros2lab.grading.ranges import Numbers, Range, of_kind, of_value
 
-COMPARISONS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-    ast.In: lambda member, container: member in container,
-    ast.NotIn: lambda member, container: member not in container,
-    ast.Is: lambda left, right: type(left) is type(right) and left == right,
-    ast.IsNot: lambda left, right: type(left) is not type(right) or left != right,
-}
 ARITHMETIC: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,

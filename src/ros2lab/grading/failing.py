@@ -15,8 +15,9 @@ from typing import Any
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, is_generator
+from ros2lab.diagnose.sources.static_value import COMPARISONS
 from ros2lab.grading.arguments import is_refused
-from ros2lab.grading.cases import ARITHMETIC, COMPARISONS, Given, range_within
+from ros2lab.grading.cases import ARITHMETIC, Given, range_within
 from ros2lab.grading.possible import Possible
 from ros2lab.grading.ranges import Numbers
 

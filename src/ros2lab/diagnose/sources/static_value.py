@@ -32,7 +32,7 @@ _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
 }
-_COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
+COMPARISONS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
     ast.Lt: operator.lt,
@@ -182,7 +182,7 @@ def _compared(node: ast.Compare, sure: Callable[[ast.expr], Any]) -> Any:
         return UNKNOWN  # what has been computed may be another object
     values = [*map(sure, sides)]
     pairs = zip(values, node.ops, values[1:], strict=False)
-    return all(_COMPARES[type(sign)](left, right) for left, sign, right in pairs)
+    return all(COMPARISONS[type(sign)](left, right) for left, sign, right in pairs)
 
 
 def _joined(node: ast.BinOp, part: Callable[[ast.expr], Any]) -> Any:
