@@ -23,8 +23,8 @@ from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.grading import rubric
 from ros2lab.grading.collect import collect
-from ros2lab.grading.reports.evidence_json import evidence_json
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.evidence_json import evidence_json
+from ros2lab.grading.sandbox.worlds import World
 from ros2lab.grading.verdict import verdict
 
 BONUS = ("launch", "config", "test")  # folders of the reference that the assignment does not ask for

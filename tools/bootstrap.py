@@ -50,7 +50,7 @@ WARM_UP = (
     "matplotlib.pyplot",
     "nbgrader.preprocessors",
     "typer",
-    "ros2lab.grading.reader",
+    "ros2lab.grading.reading.reader",
 )
 # What runs in the grader's boxes, where no module can be stored compiled: it would be compiled each time.
 IN_BOXES = ("colcon_*", "setuptools")

@@ -9,13 +9,14 @@ from pathlib import Path
 
 from ros2lab import judge
 from ros2lab.clean_build import differing, digests
-from ros2lab.grading import readme, rubric
-from ros2lab.grading.box import SandboxMissing
+from ros2lab.grading import rubric
 from ros2lab.grading.collect import collect
 from ros2lab.grading.evidence import Build, Executable
 from ros2lab.grading.grade import Grade, Judgement
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging import readme
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.rubric import BONUS
+from ros2lab.grading.sandbox.box import SandboxMissing
 from ros2lab.grading.verdict import verdict
 from ros2lab.hand_in import PACKAGE, Evidence
 from ros2lab.table import Table

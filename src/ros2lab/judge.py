@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from ros2lab.grading import files as files_of
 from ros2lab.grading import rubric
 from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Files, Run
 from ros2lab.grading.grade import Judgement
-from ros2lab.grading.players import Case
-from ros2lab.grading.submission import Submission, receive
+from ros2lab.grading.judging.players import Case
+from ros2lab.grading.reading import files as files_of
+from ros2lab.grading.receiving.submission import Submission, receive
 from ros2lab.grading.verdict import verdict
 from ros2lab.scratch import scratch_folder
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ros2lab import assignments
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.grading.package_facts import own_words
+from ros2lab.grading.reading.package_facts import own_words
 from ros2lab.handlers import Handlers
 from ros2lab.table import Table
 from ros2lab.workspace import Workspace

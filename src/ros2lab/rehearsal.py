@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment, Part
-from ros2lab.grading.ear import plain
 from ros2lab.grading.senses import is_still
+from ros2lab.grading.watching.ear import plain
 from ros2lab.observed_domain import ObservedDomain
 from ros2lab.run_record import RunRecord
 

@@ -7,8 +7,8 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from ros2lab.grading.ear import KEPT, plain
 from ros2lab.grading.evidence import Clock, CommandSeen, Heard, Run
+from ros2lab.grading.watching.ear import KEPT, plain
 from ros2lab.node_process import NodeProcess
 from ros2lab.observed_domain import ObservedDomain
 from ros2lab.topics import Sample, TopicLog

@@ -13,7 +13,7 @@ from ros2lab.classroom import report
 from ros2lab.classroom.gradebook import Seen, opened
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
-from ros2lab.grading.reports.evidence_json import evidence_json
+from ros2lab.grading.evidence_json import evidence_json
 
 NAMES = [
     "Ada Abel",

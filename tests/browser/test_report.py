@@ -9,8 +9,8 @@ from playwright.sync_api import Browser
 
 from ros2lab.grading.evidence import SCHEMA, CommandSeen, Evidence, Files, Heard, Run
 from ros2lab.grading.grade import Fault, Grade, Judgement, Points
+from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.reports.html import html
-from ros2lab.grading.submission import Submission
 
 pytestmark = pytest.mark.long
 

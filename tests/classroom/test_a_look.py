@@ -13,8 +13,8 @@ from ros2lab.classroom.gradebook import Row
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.grading import rubric
 from ros2lab.grading.evidence import Evidence, Executable, WrittenEnd
-from ros2lab.grading.notes import Note
 from ros2lab.grading.overrides import Decision
+from ros2lab.grading.receiving.notes import Note
 from ros2lab.grading.verdict import verdict
 
 

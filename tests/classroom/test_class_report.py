@@ -13,8 +13,8 @@ from ros2lab.classroom.gradebook import Seen, opened
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.grading.collect import nothing
+from ros2lab.grading.evidence_json import evidence_json
 from ros2lab.grading.questions import QUESTIONS
-from ros2lab.grading.reports.evidence_json import evidence_json
 
 HOSTILE = "</td><script>alert(1)</script>\"'\u202e\x1b[2J"
 

@@ -135,7 +135,7 @@ def test_what_a_lost_worker_had_is_graded_by_another_and_nothing_is_twice_in_the
     """Three workers; the one that holds a submission is killed once it has said so."""
     from ros2lab import assignments
     from ros2lab.grading.collect import nothing
-    from ros2lab.grading.reports.evidence_json import evidence_json
+    from ros2lab.grading.evidence_json import evidence_json
 
     (tmp_path / "evidence.json").write_text(evidence_json(nothing(Path("x"), "", assignments.load(None))))
     os.mkfifo(tmp_path / "held")

@@ -16,7 +16,7 @@ from ros2lab.classroom.gradebook import Gradebook, Seen, opened
 from ros2lab.classroom.handed_in import ClassError, HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.grading.collect import nothing
-from ros2lab.grading.reports.evidence_json import evidence_json
+from ros2lab.grading.evidence_json import evidence_json
 
 NAMES = ['Müller, Jörg "JM"', "=cmd|' /C calc'!A0", "-2+3", "<img src=x onerror=alert(1)>", "張 偉"]
 CODES = "a\u202eb\x9b31m"  # of a terminal, in what the platform has called the third one

@@ -20,7 +20,7 @@ from ros2lab.classroom.gradebook import MIGRATIONS, NAME, Gradebook, Seen, Worth
 from ros2lab.classroom.handed_in import ClassError, HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.grading.collect import nothing
-from ros2lab.grading.reports.evidence_json import evidence_json
+from ros2lab.grading.evidence_json import evidence_json
 
 ANN, BOB = HandedIn("1", "Ann", "1"), HandedIn("2", "Bob", "2")
 SEEN = Seen("{}", {"a.py": "x = 1"}, "", 6.0)

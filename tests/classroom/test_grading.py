@@ -15,7 +15,7 @@ from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.classroom.one import _together, graded_apart
 from ros2lab.grading.collect import nothing
-from ros2lab.grading.reports.evidence_json import evidence_json
+from ros2lab.grading.evidence_json import evidence_json
 
 
 @pytest.fixture

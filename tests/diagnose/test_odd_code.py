@@ -18,10 +18,10 @@ from ros2lab.diagnose.sources.calls import fitting
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import Parameter
 from ros2lab.diagnose.sources.static_value import LARGEST, evaluate
-from ros2lab.grading import files
-from ros2lab.grading.build_plan import plan_for
-from ros2lab.grading.reports.evidence_json import plain
-from ros2lab.grading.submission import Received, found_in
+from ros2lab.grading.evidence_json import plain
+from ros2lab.grading.reading import files
+from ros2lab.grading.reading.build_plan import plan_for
+from ros2lab.grading.receiving.submission import Received, found_in
 
 SEEDS = range(16)
 VALUES = (

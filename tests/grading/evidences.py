@@ -19,9 +19,9 @@ from ros2lab.grading.evidence import (
     Place,
     Run,
 )
-from ros2lab.grading.notes import Note
-from ros2lab.grading.script import Script
-from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.grading.receiving.notes import Note
+from ros2lab.grading.receiving.submission import FoundPackage, Submission
+from ros2lab.grading.watching.script import Script
 
 SCRIPT = Script(assignments.load().commanded)
 STRING, TWIST = "std_msgs/msg/String", "geometry_msgs/msg/Twist"

@@ -27,14 +27,15 @@ from test_files import (
 
 from ros2lab import assignments
 from ros2lab.build_report import BuildResult, PackageResult
-from ros2lab.grading import build_plan, colcon_build, programs
-from ros2lab.grading.box import Box, Limits
-from ros2lab.grading.build import build, underlay
+from ros2lab.grading.building import colcon_build, programs
+from ros2lab.grading.building.build import build
 from ros2lab.grading.evidence import Build, Executable
-from ros2lab.grading.observe import SHOWN
-from ros2lab.grading.reading import read
-from ros2lab.grading.sandbox import ENVIRON, FILES, World
-from ros2lab.grading.submission import FoundPackage, copied
+from ros2lab.grading.reading import build_plan
+from ros2lab.grading.reading.boxed import read
+from ros2lab.grading.receiving.submission import FoundPackage, copied
+from ros2lab.grading.sandbox.box import Box, Limits
+from ros2lab.grading.sandbox.worlds import ENVIRON, FILES, World, underlay
+from ros2lab.grading.watching.observe import SHOWN
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="bubblewrap is for Linux")
 

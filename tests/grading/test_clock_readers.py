@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.grading.clock_readers import clock_readers
+from ros2lab.grading.code.clock_readers import clock_readers
 
 BLIND = """
 import math

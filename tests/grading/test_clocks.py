@@ -11,16 +11,15 @@ import evidences
 import pytest
 
 from ros2lab.diagnose.sources.python_source import read_source
-from ros2lab.grading.build import underlay
-from ros2lab.grading.clock_readers import clock_readers
-from ros2lab.grading.clocks import otherwise
+from ros2lab.grading.code.clock_readers import clock_readers
 from ros2lab.grading.evidence import Build, CommandSeen, Executable, Files, Heard, Run
-from ros2lab.grading.observe import SHOWN, Observer
+from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.rubric import load
-from ros2lab.grading.sandbox import FILES, World
-from ros2lab.grading.submission import Submission
+from ros2lab.grading.sandbox.worlds import FILES, World, underlay
 from ros2lab.grading.verdict import verdict
-from ros2lab.grading.watching import watch
+from ros2lab.grading.watching.clocks import otherwise
+from ros2lab.grading.watching.observe import SHOWN, Observer
+from ros2lab.grading.watching.rounds import watch
 
 PROGRAM = """
 import rclpy

@@ -10,11 +10,11 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.grading.evidence import Files, Place
-from ros2lab.grading.job import Program
-from ros2lab.grading.other_values import changed, doubtful
-from ros2lab.grading.reader import as_written
-from ros2lab.grading.submission import FoundPackage, Submission
-from ros2lab.grading.watching import CAUGHT, _refused
+from ros2lab.grading.reading.reader import as_written
+from ros2lab.grading.receiving.submission import FoundPackage, Submission
+from ros2lab.grading.watching.job import Program
+from ros2lab.grading.watching.other_values import changed, doubtful
+from ros2lab.grading.watching.rounds import CAUGHT, _refused
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
 SUBMISSION = Submission("workspace", "ws", [PACKAGE], PACKAGE, [], [])

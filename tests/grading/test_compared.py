@@ -3,8 +3,8 @@
 import pytest
 
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.grading.compared import compared
-from ros2lab.grading.running import running
+from ros2lab.grading.code.compared import compared
+from ros2lab.grading.code.running import running
 
 WORDS = ["reset", "start", "stop"]
 

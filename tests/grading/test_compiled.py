@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.grading import compiled
+from ros2lab.grading.sandbox import compiled
 
 
 def test_what_is_not_compiled_as_it_is_now_is_compiled(tmp_path: Path) -> None:

@@ -17,11 +17,11 @@ from corpus.graded import WORKSPACE, Outcome, disappointments, graded
 from corpus.hints import Hint
 from corpus.tree import as_folder, made
 
-from ros2lab.grading import readme
-from ros2lab.grading.files import look
 from ros2lab.grading.grade import Grade
+from ros2lab.grading.judging import readme
+from ros2lab.grading.reading.files import look
+from ros2lab.grading.receiving.submission import receive
 from ros2lab.grading.rubric import load
-from ros2lab.grading.submission import receive
 from ros2lab.grading.verdict import verdict
 
 NAMED = {case.name: case for case in CASES}

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
-from ros2lab.grading.dependence import depended_on
-from ros2lab.grading.running import running
+from ros2lab.grading.code.dependence import depended_on
+from ros2lab.grading.code.running import running
 
 NODE = """
 import rclpy

@@ -17,10 +17,10 @@ import evidences
 import pytest
 
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.grading import stand_in
-from ros2lab.grading.absent import named_places
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, CommandSeen, Evidence, WrittenEnd
 from ros2lab.grading.grade import Grade
+from ros2lab.grading.reading import stand_in
+from ros2lab.grading.reading.absent import named_places
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

@@ -13,10 +13,10 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.diagnose import of_text
-from ros2lab.grading import documents, files, graded_package, package_facts
 from ros2lab.grading.evidence import Files, Place
-from ros2lab.grading.submission import receive
-from ros2lab.grading.unread import OF_CODE
+from ros2lab.grading.reading import documents, files, graded_package, package_facts
+from ros2lab.grading.reading.unread import OF_CODE
+from ros2lab.grading.receiving.submission import receive
 
 RECORDED = "[INFO] [1700000000.5] [status_publisher]: Publishing: Robot is OK, message 1\n"
 REFERENCE = Path(__file__).parents[2] / "robot_controller"

@@ -275,7 +275,7 @@ def test_a_fault_of_the_grader_is_told_in_a_sentence(tmp_path: Path, monkeypatch
     def fail(*_: object) -> None:
         raise KeyError("x")
 
-    monkeypatch.setattr("ros2lab.grading.reading.read", fail)
+    monkeypatch.setattr("ros2lab.grading.reading.boxed.read", fail)
     (tmp_path / "handed in").mkdir()
     (tmp_path / "handed in" / "x.py").touch()
     done = CliRunner().invoke(app, ["grade", str(tmp_path / "handed in")])

@@ -11,15 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.grading.build import underlay
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
-from ros2lab.grading.keyboard import MOST_RUNS, Keyboard, Search, answers
-from ros2lab.grading.observe import SHOWN, Observer
-from ros2lab.grading.player import finds_no_keyboard, is_for_want
+from ros2lab.grading.judging.player import finds_no_keyboard, is_for_want
 from ros2lab.grading.questions.answer import last_word
-from ros2lab.grading.sandbox import FILES, World
-from ros2lab.grading.submission import Submission
-from ros2lab.grading.watching import watch
+from ros2lab.grading.receiving.submission import Submission
+from ros2lab.grading.sandbox.worlds import FILES, World, underlay
+from ros2lab.grading.watching.keyboard import MOST_RUNS, Keyboard, Search, answers
+from ros2lab.grading.watching.observe import SHOWN, Observer
+from ros2lab.grading.watching.rounds import watch
 
 BEGIN = """
 import sys, rclpy

@@ -11,9 +11,9 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.grading.evidence import CommandSeen, Run
+from ros2lab.grading.judging.reactions import effects_of
 from ros2lab.grading.questions.commands import _logged
-from ros2lab.grading.reactions import effects_of
-from ros2lab.grading.script import Script
+from ros2lab.grading.watching.script import Script
 
 LINES = {"start": "The robot moves", "stop": "The robot halts", "reset": "Back at zero"}
 WARNING = "This is no command"

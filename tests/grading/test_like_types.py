@@ -8,7 +8,7 @@ import evidences
 import pytest
 
 from ros2lab.grading.evidence import Evidence, Run, WrittenEnd
-from ros2lab.grading.player import STAND_IN
+from ros2lab.grading.judging.player import STAND_IN
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

@@ -16,15 +16,15 @@ from typing import Any
 import pytest
 
 from ros2lab import assignments
-from ros2lab.grading import observe
-from ros2lab.grading.ends import add_types
 from ros2lab.grading.evidence import CommandSeen, Run
-from ros2lab.grading.job import Job, Program
-from ros2lab.grading.observe import SHOWN, Observer
-from ros2lab.grading.sandbox import World
-from ros2lab.grading.script import Script
-from ros2lab.grading.watch import TOPICS
-from ros2lab.grading.ways import shut_out
+from ros2lab.grading.judging.ways import shut_out
+from ros2lab.grading.sandbox.worlds import World
+from ros2lab.grading.watching import observe
+from ros2lab.grading.watching.ends import add_types
+from ros2lab.grading.watching.job import Job, Program
+from ros2lab.grading.watching.observe import SHOWN, Observer
+from ros2lab.grading.watching.script import Script
+from ros2lab.grading.watching.watch import TOPICS
 
 TWIST = "geometry_msgs/msg/Twist"
 

@@ -10,9 +10,9 @@ import psutil
 import pytest
 
 from deadlines import DEADLINE
-from ros2lab.grading.box import Limits
-from ros2lab.grading.open_world import OpenWorld
-from ros2lab.grading.sandbox import FILES, HOME
+from ros2lab.grading.sandbox.box import Limits
+from ros2lab.grading.sandbox.open_world import OpenWorld
+from ros2lab.grading.sandbox.worlds import FILES, HOME
 
 
 def test_a_program_sees_the_copy_at_the_path_of_a_sandbox(tmp_path: Path) -> None:

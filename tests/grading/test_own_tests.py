@@ -11,15 +11,14 @@ from typing import Any
 import pytest
 
 from ros2lab.diagnose.sources.python_source import read_source
-from ros2lab.grading import own_tests, spoiler
-from ros2lab.grading.build import underlay
-from ros2lab.grading.build_plan import WORKSPACE
+from ros2lab.grading.building import own_tests, spoiler
+from ros2lab.grading.building.own_tests import OwnTests
+from ros2lab.grading.code.running import idle, running
 from ros2lab.grading.evidence import Build
-from ros2lab.grading.graded_package import written_modules
-from ros2lab.grading.observe import SHOWN
-from ros2lab.grading.own_tests import OwnTests
-from ros2lab.grading.running import idle, running
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.reading.build_plan import WORKSPACE
+from ros2lab.grading.reading.graded_package import written_modules
+from ros2lab.grading.sandbox.worlds import World, underlay
+from ros2lab.grading.watching.observe import SHOWN
 
 MODULE = '''"""Speeds."""
 

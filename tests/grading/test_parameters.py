@@ -11,8 +11,8 @@ from evidences import heard, right
 
 from ros2lab import assignments
 from ros2lab.grading.evidence import Clock, Run
+from ros2lab.grading.evidence_json import EvidenceError, evidence_json, read_evidence
 from ros2lab.grading.grade import Judgement
-from ros2lab.grading.reports.evidence_json import EvidenceError, evidence_json, read_evidence
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

@@ -8,7 +8,7 @@ import evidences
 import pytest
 
 from ros2lab.grading.evidence import Heard, Run
-from ros2lab.grading.periods import is_followed
+from ros2lab.grading.judging.periods import is_followed
 
 TOPIC = "/robot/status"
 EVEN = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]

@@ -9,7 +9,7 @@ import evidences
 import pytest
 
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.reactions import changed, is_reached, lines_of, logs_arbitrarily, tells
+from ros2lab.grading.judging.reactions import changed, is_reached, lines_of, logs_arbitrarily, tells
 from ros2lab.grading.rubric import load
 
 COMMAND, CMD_VEL = "/robot/command", "/cmd_vel"

@@ -14,13 +14,13 @@ from test_files import REFERENCE, Texts, right_package, write
 
 from ros2lab import assignments
 from ros2lab.diagnose.launching import launch_loaded
-from ros2lab.grading import reader, reading
-from ros2lab.grading.clean_copy import SubmissionError
-from ros2lab.grading.observe import SHOWN
-from ros2lab.grading.reading import Reading
-from ros2lab.grading.sandbox import World
-from ros2lab.grading.submission import copied
-from ros2lab.grading.unread import FACT, OF_CODE
+from ros2lab.grading.reading import boxed, reader
+from ros2lab.grading.reading.boxed import Reading
+from ros2lab.grading.reading.unread import FACT, OF_CODE
+from ros2lab.grading.receiving.clean_copy import SubmissionError
+from ros2lab.grading.receiving.submission import copied
+from ros2lab.grading.sandbox.worlds import World
+from ros2lab.grading.watching.observe import SHOWN
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def read(tmp_path: Path) -> Callable[[Texts | Path], Reading]:
         received = copied(given if isinstance(given, Path) else write(tmp_path / "handed_in", given), root)
         with World(root, shown=SHOWN) as world:
             before = os.times()
-            found = reading.read(world, received, assignments.load())
+            found = boxed.read(world, received, assignments.load())
             after = os.times()
         assert after.user + after.system - before.user - before.system < 2
         return found
@@ -93,7 +93,7 @@ def test_what_is_nested_too_deeply_for_us_is_not_read_and_that_is_said(
 def test_what_was_read_before_a_limit_counts_and_the_rest_is_neither_there_nor_missing(
     read: Callable[[Texts | Path], Reading], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = reading._ask
+    asked = boxed._ask
 
     def cut(*given: Any) -> tuple[dict[str, Any], str]:
         answers, _ = asked(*given)
@@ -102,7 +102,7 @@ def test_what_was_read_before_a_limit_counts_and_the_rest_is_neither_there_nor_m
             name: value for name, value in answers.items() if name not in late
         }, "It ran longer than 180 s."
 
-    monkeypatch.setattr(reading, "_ask", cut)
+    monkeypatch.setattr(boxed, "_ask", cut)
     found = read(REFERENCE).files
     assert "Not all of its files could be read: It ran longer than 180 s." in found.notes
     assert found.manifest["is_there"]
@@ -146,7 +146,7 @@ def test_a_limit_is_told_in_a_sentence(
     limits: dict[str, float],
     words: str,
 ) -> None:
-    monkeypatch.setattr(reading, "LIMITS", replace(reading.LIMITS, **limits))
+    monkeypatch.setattr(boxed, "LIMITS", replace(boxed.LIMITS, **limits))
     try:
         said = read(REFERENCE).files.notes[-1]
     except SubmissionError as error:

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from ros2lab.grading.evidence import Build, Executable, Files, Run
-from ros2lab.grading.readme import MOST_COMMANDS, commands
-from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.grading.judging.readme import MOST_COMMANDS, commands
+from ros2lab.grading.receiving.submission import FoundPackage, Submission
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
 OTHER = FoundPackage("ws/src/messages", "robot_messages", "ament_python", None)

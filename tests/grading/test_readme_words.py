@@ -5,7 +5,7 @@ from __future__ import annotations
 import evidences
 import pytest
 
-from ros2lab.grading import markdown
+from ros2lab.grading.reading import markdown
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

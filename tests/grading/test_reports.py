@@ -33,9 +33,10 @@ from ros2lab.grading.evidence import (
     Place,
     Run,
 )
+from ros2lab.grading.evidence_json import EvidenceError, evidence_json, read_evidence
 from ros2lab.grading.grade import Fault, Grade, Judgement, Override, Points
+from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.reports.as_json import as_json
-from ros2lab.grading.reports.evidence_json import EvidenceError, evidence_json, read_evidence
 from ros2lab.grading.reports.github import github
 from ros2lab.grading.reports.gradescope import gradescope
 from ros2lab.grading.reports.html import html
@@ -45,7 +46,6 @@ from ros2lab.grading.reports.markdown import markdown, prose
 from ros2lab.grading.reports.shown import disarmed, is_hidden, number, visible
 from ros2lab.grading.reports.table import table
 from ros2lab.grading.reports.timeline import timeline
-from ros2lab.grading.submission import Submission
 
 LARGEST = 1_000_000  # bytes
 TWIST, STRING = "geometry_msgs/msg/Twist", "std_msgs/msg/String"

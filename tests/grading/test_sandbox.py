@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 
 from deadlines import DEADLINE
-from ros2lab.grading import bubblewrap, sandbox
-from ros2lab.grading.box import SIGNALS, Box, Limits, SandboxMissing, why
-from ros2lab.grading.keeper.box import BYTES_PER_OPEN_FILE
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.sandbox import bubblewrap, worlds
+from ros2lab.grading.sandbox.box import SIGNALS, Box, Limits, SandboxMissing, why
+from ros2lab.grading.sandbox.keeper.box import BYTES_PER_OPEN_FILE
+from ros2lab.grading.sandbox.worlds import World
 
 LIMITS = Limits(
     wall_s=60, cpu_s=20, memory_bytes=256_000_000, processes=64, disk_bytes=20_000_000, file_bytes=8_000_000
@@ -410,7 +410,7 @@ def test_two_ros_nodes_of_one_world_hear_one_another(make_world: Callable[..., W
         for name, value in environment.lab_environment({"ROS_DOMAIN_ID": "5"}).items()
         if name not in ("HOME", "PWD")
     }
-    environ |= sandbox.ROS_SETTINGS
+    environ |= worlds.ROS_SETTINGS
     begin = "import rclpy, std_msgs.msg\nrclpy.init()\nnode = rclpy.create_node('{}')\n"
     listener = world.start(
         [
@@ -447,7 +447,7 @@ def test_a_node_does_not_import_what_it_does_not_need(make_world: Callable[..., 
     """What generates messages takes a seventh of its start; messages have their C side all the same, and numpy works."""
     pytest.importorskip("rclpy")
     from ros2lab import environment
-    from ros2lab.grading.build import underlay
+    from ros2lab.grading.sandbox.worlds import underlay
 
     world = make_world(shown=[environment.DDS_PROFILE])
     code = (
@@ -549,7 +549,7 @@ def test_no_name_of_a_folder_keeps_a_box_from_being_made(
 
 
 @pytest.mark.parametrize(("files", "own"), [("read", set()), ("write", {"/submission"})])
-def test_it_writes_nowhere_but_to_its_own_places(world: World, files: sandbox.Access, own: set[str]) -> None:
+def test_it_writes_nowhere_but_to_its_own_places(world: World, files: worlds.Access, own: set[str]) -> None:
     box = world.run(
         python(
             "import os\n"
@@ -1110,7 +1110,7 @@ def test_a_daemon_ends_with_its_program(world: World) -> None:
 
 GRADER = """
 import os, sys
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.sandbox.worlds import World
 world = World()
 print(world.run(["readlink", "/proc/self/ns/net"]).output, end="", flush=True)
 box = world.start(["sh", "-c", "trap '' INT TERM HUP; setsid sleep 1000 & echo ready; while :; do sleep 1000; done"])
@@ -1127,7 +1127,7 @@ os.read(0, 1)
 
 @pytest.mark.parametrize("kind", ["alone", "forked"])
 def test_when_the_grader_is_killed_its_boxes_end(kind: str) -> None:
-    source = str(Path(sandbox.__file__).parents[2])
+    source = str(Path(worlds.__file__).parents[2])
     grader = subprocess.Popen(
         [sys.executable, "-W", "ignore", "-c", GRADER, kind],
         env={**os.environ, "PYTHONPATH": source},
@@ -1247,7 +1247,7 @@ def test_a_limit_of_the_grader_is_not_a_programs() -> None:
     """A low one that may be raised is raised; where it may not, nothing is graded. No umask does harm."""
     source = (
         "import resource, sys\n"
-        "from ros2lab.grading.sandbox import World\n"
+        "from ros2lab.grading.sandbox.worlds import World\n"
         "os.umask(0o777)\n"
         "for kind in (resource.RLIMIT_AS, resource.RLIMIT_FSIZE):\n"
         "    resource.setrlimit(kind, (10**9, resource.getrlimit(kind)[1]))\n"
@@ -1278,9 +1278,9 @@ def test_another_architecture_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.parametrize("uid", ["0", "1000"])
 def test_in_a_container_without_user_namespaces_it_says_so(uid: str) -> None:
-    source = Path(sandbox.__file__).parents[2]
+    source = Path(worlds.__file__).parents[2]
     container = ["bwrap", "--unshare-user", "--disable-userns", "--uid", uid, "--dev-bind", "/", "/"]
-    made = "from ros2lab.grading.box import *\nfrom ros2lab.grading.sandbox import *\ntry: World().run(['true'])\nexcept SandboxMissing as e: print(e)\n"
+    made = "from ros2lab.grading.sandbox.box import *\nfrom ros2lab.grading.sandbox.worlds import *\ntry: World().run(['true'])\nexcept SandboxMissing as e: print(e)\n"
     finished = subprocess.run(
         [*container, sys.executable, "-c", made],
         env={**os.environ, "PYTHONPATH": str(source)},
@@ -1377,7 +1377,7 @@ def test_all_this_holds_for_an_ordinary_user(tmp_path: Path, request: pytest.Fix
         env={
             "PATH": os.environ["PATH"],
             "HOME": str(tmp_path),
-            "PYTHONPATH": str(Path(sandbox.__file__).parents[2]),
+            "PYTHONPATH": str(Path(worlds.__file__).parents[2]),
             "PYTHONDONTWRITEBYTECODE": "1",
         },
         cwd=repository,

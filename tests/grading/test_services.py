@@ -11,8 +11,8 @@ from evidences import right
 
 from ros2lab import assignments
 from ros2lab.grading.evidence import Evidence, Run, ServiceCall
+from ros2lab.grading.evidence_json import evidence_json, read_evidence
 from ros2lab.grading.grade import Judgement
-from ros2lab.grading.reports.evidence_json import evidence_json, read_evidence
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

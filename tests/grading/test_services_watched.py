@@ -11,12 +11,12 @@ import pytest
 from ros2lab import assignments
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.job import Job, Program
-from ros2lab.grading.observe import SHOWN, Observer
-from ros2lab.grading.player import Player
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.player import Player
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.publisher import comes_when_it_should
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.sandbox.worlds import World
+from ros2lab.grading.watching.job import Job, Program
+from ros2lab.grading.watching.observe import SHOWN, Observer
 
 ASSIGNMENT = """schema: 1
 title: A door

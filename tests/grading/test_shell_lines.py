@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ros2lab.grading.shell_lines import is_run
+from ros2lab.grading.judging.shell_lines import is_run
 
 RUN = [
     "colcon build",

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import pytest
 
 from deadlines import DEADLINE
-from ros2lab.grading.neighbours import Neighbours
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.sandbox.neighbours import Neighbours
+from ros2lab.grading.sandbox.worlds import World
 
 # Prints the commands of all processes, again when there are others, until it sees one of some name; then what else it has.
 _LOOK = """

@@ -9,9 +9,9 @@ import pytest
 
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.grade import Grade
+from ros2lab.grading.judging.ways import shut_out
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
-from ros2lab.grading.ways import shut_out
 
 BUSY = "The robot is busy."
 PROGRAMS = (evidences.STATUS, evidences.COMMAND, evidences.VELOCITY)

@@ -24,11 +24,11 @@ from typing import Any
 
 import pytest
 
-from ros2lab.grading import clean_copy, submission, unpacking
-from ros2lab.grading.clean_copy import SubmissionError
-from ros2lab.grading.notes import Note
-from ros2lab.grading.repository_links import linked_members
-from ros2lab.grading.submission import FoundPackage, Submission, receive
+from ros2lab.grading.receiving import clean_copy, submission, unpacking
+from ros2lab.grading.receiving.clean_copy import SubmissionError
+from ros2lab.grading.receiving.notes import Note
+from ros2lab.grading.receiving.repository_links import linked_members
+from ros2lab.grading.receiving.submission import FoundPackage, Submission, receive
 
 NODE = """\
 import rclpy
@@ -1483,7 +1483,7 @@ def test_all_that_keeps_a_hand_in_from_being_graded_is_named(tmp_path: Path, tak
 def test_of_a_damaged_tar_the_damage_is_named_beside_what_is_too_large(
     tmp_path: Path, take: Take, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ros2lab.grading.clean_copy.LARGEST_FILE", 20_000)
+    monkeypatch.setattr("ros2lab.grading.receiving.clean_copy.LARGEST_FILE", 20_000)
     packed = as_tar(
         tmp_path / "all", {"ws/large.bin": b"x" * 30_000, "ws/a.py": b"import rclpy\n"}
     ).read_bytes()

@@ -10,10 +10,10 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.judging.told_again import told_by_place
 from ros2lab.grading.rubric import load
-from ros2lab.grading.script import Script
-from ros2lab.grading.told_again import told_by_place
 from ros2lab.grading.verdict import verdict
+from ros2lab.grading.watching.script import Script
 
 COURSE = assignments.load().with_coined_words("a hand-in")
 assert COURSE.commanded is not None

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from ros2lab.grading import observe
-from ros2lab.grading.job import Job, Program
-from ros2lab.grading.observe import SHOWN, Observer
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.sandbox.worlds import World
+from ros2lab.grading.watching import observe
+from ros2lab.grading.watching.job import Job, Program
+from ros2lab.grading.watching.observe import SHOWN, Observer
 
 BEGIN = """
 import rclpy

@@ -9,11 +9,11 @@ import evidences
 import pytest
 
 from ros2lab.diagnose import net
-from ros2lab.grading import files
 from ros2lab.grading.evidence import Evidence, Files
+from ros2lab.grading.reading import files
+from ros2lab.grading.reading.unread import OF_CODE, read_all
+from ros2lab.grading.receiving.submission import receive
 from ros2lab.grading.rubric import load
-from ros2lab.grading.submission import receive
-from ros2lab.grading.unread import OF_CODE, read_all
 from ros2lab.grading.verdict import verdict
 
 REFERENCE = Path(__file__).parents[2] / "robot_controller"

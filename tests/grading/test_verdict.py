@@ -16,13 +16,13 @@ from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 from ros2lab import assignments
 from ros2lab.grading.evidence import NO_WORD, OTHER_TYPE, CommandSeen, Evidence, Place, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
-from ros2lab.grading.keeper import LIMITS, is_limit
-from ros2lab.grading.notes import Kind, Note
+from ros2lab.grading.judging.player import lacked
 from ros2lab.grading.overrides import Decision
-from ros2lab.grading.player import lacked
 from ros2lab.grading.questions.answer import ended, last_word
+from ros2lab.grading.receiving.notes import Kind, Note
+from ros2lab.grading.receiving.submission import FoundPackage
 from ros2lab.grading.rubric import Rubric, load
-from ros2lab.grading.submission import FoundPackage
+from ros2lab.grading.sandbox.keeper import LIMITS, is_limit
 from ros2lab.grading.verdict import verdict
 
 # Faults of one part that are shown by the run of another one.

@@ -11,7 +11,7 @@ from ros2lab import assignments
 from ros2lab.grading.evidence import Executable, Files, WrittenEnd
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
-from ros2lab.grading.watching import MOST_PROGRAMS, worth_watching
+from ros2lab.grading.watching.rounds import MOST_PROGRAMS, worth_watching
 
 STRING = "std_msgs/msg/String"
 MANY = [Executable(f"aa{number:02}", f"p.aa{number:02}:main", "installed", ["aa"]) for number in range(30)]

@@ -9,8 +9,8 @@ import pytest
 
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
-from ros2lab.grading.hidden_ends import hidden_ends
-from ros2lab.grading.written_ends import ends_elsewhere, written_ends
+from ros2lab.grading.reading.hidden_ends import hidden_ends
+from ros2lab.grading.reading.written_ends import ends_elsewhere, written_ends
 
 WORDS = ("start", "stop", "reset")
 SOURCE = """

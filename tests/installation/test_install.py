@@ -38,7 +38,7 @@ LOOKS_FOR = """
 import subprocess
 import sys
 
-from ros2lab.grading.sandbox import World
+from ros2lab.grading.sandbox.worlds import World
 
 COUNT = '''
 import hashlib, pathlib, sys

@@ -7,7 +7,7 @@ import time
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
-from ros2lab.grading import ends
+from ros2lab.grading.watching import ends
 from ros2lab.session import LabSession
 
 TOPIC = "/room/word"

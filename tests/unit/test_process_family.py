@@ -48,7 +48,7 @@ while "ready" not in process.output:
 end = process.stop
 """,
     "what is watched on one's own machine": """
-from ros2lab.grading.open_world import OpenWorld
+from ros2lab.grading.sandbox.open_world import OpenWorld
 world = OpenWorld()
 assert world.start(command).wait_for("ready", 60)
 end = world.close
@@ -168,7 +168,7 @@ def test_what_is_held_ends_as_well(tmp_path: Path) -> None:
     """Programs that are stopped while they are asked something are not left so by a kill."""
     script = """
 import sys, time
-from ros2lab.grading.open_world import OpenWorld
+from ros2lab.grading.sandbox.open_world import OpenWorld
 world = OpenWorld()
 box = world.start(["sh", "-c", "echo ready; sleep 600; true"])
 assert box.wait_for("ready", 60) and box.hold(60)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from ros2lab.grading.shares import shared_out
+from ros2lab.grading.watching.shares import shared_out
 
 TALK, LISTEN = "/program_0", "/program_1"
 

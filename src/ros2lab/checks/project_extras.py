@@ -42,8 +42,8 @@ from ros2lab.checks.watched_program import (
     message_numbers,
 )
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.grading.building.spoiler import SPOILERS, Spoiler
 from ros2lab.grading.evidence import Build
-from ros2lab.grading.spoiler import SPOILERS, Spoiler
 from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES, shared_files
 from ros2lab.judge import case_of, facts_of, lost
 from ros2lab.node_process import last_line

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from ros2lab.classroom.gradebook import Row
 from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.grade import Grade
-from ros2lab.grading.leftovers import case_of
-from ros2lab.grading.notes import Kind, first_of
+from ros2lab.grading.judging.leftovers import case_of
 from ros2lab.grading.questions import QUESTIONS
 from ros2lab.grading.questions.answer import shown
+from ros2lab.grading.receiving.notes import Kind, first_of
 from ros2lab.grading.reports.shown import number
 from ros2lab.grading.rubric import Criterion, Rubric
 

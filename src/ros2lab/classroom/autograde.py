@@ -25,8 +25,8 @@ from ros2lab.classroom.handed_in import ClassError
 from ros2lab.classroom.judging import Judging
 from ros2lab.classroom.links import disarm
 from ros2lab.classroom.one import graded_apart
+from ros2lab.grading.evidence_json import read_evidence
 from ros2lab.grading.grade import Grade, Judgement
-from ros2lab.grading.reports.evidence_json import read_evidence
 from ros2lab.grading.reports.markdown import prose
 from ros2lab.grading.reports.shown import number
 

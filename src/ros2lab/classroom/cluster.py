@@ -21,8 +21,8 @@ from ros2lab.classroom.gradebook import Seen
 from ros2lab.classroom.handed_in import ClassError
 from ros2lab.classroom.one import CannotGrade, GradingFailed, graded_apart
 from ros2lab.classroom.side_by_side import Done, Step, Task
-from ros2lab.grading.clean_copy import MOST_BYTES
-from ros2lab.grading.compiled import compile_modules
+from ros2lab.grading.receiving.clean_copy import MOST_BYTES
+from ros2lab.grading.sandbox.compiled import compile_modules
 from ros2lab.scratch import scratch_folder
 
 CONNECT_WITHIN = 20.0  # s

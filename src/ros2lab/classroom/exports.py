@@ -24,8 +24,8 @@ from ros2lab.classroom.gradebook import Gradebook, Row
 from ros2lab.classroom.handed_in import ClassError
 from ros2lab.classroom.judging import read_grade
 from ros2lab.classroom.report import file_name, is_device
+from ros2lab.grading.evidence_json import read_evidence
 from ros2lab.grading.grade import Grade
-from ros2lab.grading.reports.evidence_json import read_evidence
 from ros2lab.grading.reports.gradescope import gradescope as results_json
 from ros2lab.grading.reports.html import html
 from ros2lab.grading.reports.markdown import markdown

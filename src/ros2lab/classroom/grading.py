@@ -13,8 +13,8 @@ from ros2lab.classroom.gradebook import Gradebook, Row, Worth
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.classroom.side_by_side import Done, Step, Task, grade
-from ros2lab.grading.compiled import compile_modules
 from ros2lab.grading.reports.shown import number
+from ros2lab.grading.sandbox.compiled import compile_modules
 
 EMPTY = "Nothing was handed in: it is empty."
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import portable_ros2
 import ros2lab
 from ros2lab import __version__, assignments
-from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES, is_too_long, opened
+from ros2lab.grading.receiving.clean_copy import MOST_BYTES, TOOLS_NAMES, is_too_long, opened
 
 _TOOLS = ("colcon-core", "ros-rclpy", "setuptools", "ty")  # that build, run or read a submission
 # What shows and runs a class, and has no part in what is seen of a submission.

@@ -21,10 +21,10 @@ from ros2lab.classroom.gradebook import Gradebook, Row, Worth
 from ros2lab.classroom.handed_in import ClassError
 from ros2lab.grading import rubric as rubrics
 from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.evidence_json import EvidenceError, read_evidence
 from ros2lab.grading.grade import Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.reports.as_json import as_json
-from ros2lab.grading.reports.evidence_json import EvidenceError, read_evidence
 from ros2lab.grading.rubric import Rubric
 from ros2lab.grading.verdict import verdict
 

@@ -43,8 +43,8 @@ class CannotGrade(Exception):  # noqa: N818
 
 def refusal() -> str:
     """Return why this machine can grade no submission at all, in a sentence; empty if it can grade."""
-    from ros2lab.grading.box import SandboxMissing  # noqa: PLC0415
-    from ros2lab.grading.sandbox import World  # noqa: PLC0415
+    from ros2lab.grading.sandbox.box import SandboxMissing  # noqa: PLC0415
+    from ros2lab.grading.sandbox.worlds import World  # noqa: PLC0415
 
     try:
         with World() as world:
@@ -77,9 +77,9 @@ def seen(
     """
     from ros2lab import assignments  # noqa: PLC0415 -- only the process that grades needs the judge
     from ros2lab.classroom.discovery import project_in  # noqa: PLC0415
-    from ros2lab.grading.clean_copy import SubmissionError  # noqa: PLC0415
     from ros2lab.grading.collect import collect, nothing  # noqa: PLC0415
-    from ros2lab.grading.reports.evidence_json import evidence_json  # noqa: PLC0415
+    from ros2lab.grading.evidence_json import evidence_json  # noqa: PLC0415
+    from ros2lab.grading.receiving.clean_copy import SubmissionError  # noqa: PLC0415
     from ros2lab.scratch import scratch_folder  # noqa: PLC0415
 
     start = time.monotonic()
@@ -118,7 +118,7 @@ def _sources(root: Path, packages: Sequence[str], files: Sequence[str]) -> dict[
 
     What is Python is one, whatever it is called, and so is a text in one that is Python: they may be run.
     """
-    from ros2lab.grading.build_plan import WORKSPACE  # noqa: PLC0415
+    from ros2lab.grading.reading.build_plan import WORKSPACE  # noqa: PLC0415
 
     found, budgets = dict[str, str](), {True: MOST_SOURCE, False: MOST_SOURCE}
     in_packages = [path for folder in packages for path in sorted((root / folder).rglob("*"))]
@@ -238,7 +238,7 @@ def main() -> None:
         answers.write(json.dumps(reply) + "\n")
         answers.flush()
 
-    from ros2lab.grading.box import SandboxMissing  # noqa: PLC0415
+    from ros2lab.grading.sandbox.box import SandboxMissing  # noqa: PLC0415
 
     paths = [Path(os.fsdecode(path.encode("latin-1"))) for path in request["paths"]]
     assignment = Path(request["assignment"]) if request["assignment"] else None

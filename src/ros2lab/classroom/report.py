@@ -23,8 +23,8 @@ from ros2lab.classroom.a_look import Looked, reasons
 from ros2lab.classroom.gradebook import Gradebook, Row
 from ros2lab.classroom.judging import Judging, read_grade
 from ros2lab.classroom.similarity import Pair, pairs, template_texts
+from ros2lab.grading.evidence_json import read_evidence
 from ros2lab.grading.grade import Grade
-from ros2lab.grading.reports.evidence_json import read_evidence
 from ros2lab.grading.reports.html import html
 from ros2lab.grading.reports.shown import number, title, visible
 from ros2lab.grading.rubric import Criterion

@@ -14,7 +14,7 @@ from urllib.parse import unquote
 
 from ros2lab.classroom.handed_in import ClassError, HandedIn
 from ros2lab.git import ended
-from ros2lab.grading.clean_copy import MOST_BYTES, MOST_MEMBERS
+from ros2lab.grading.receiving.clean_copy import MOST_BYTES, MOST_MEMBERS
 
 # What a column may be called; of several, the first counts that says something in a line.
 COLUMNS: Mapping[str, tuple[str, ...]] = {

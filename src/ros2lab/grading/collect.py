@@ -14,18 +14,20 @@ from typing import Any
 
 from ros2lab import __version__, assignments
 from ros2lab.assignments import Assignment
-from ros2lab.grading import open_world, reading, readme
-from ros2lab.grading.build import build
-from ros2lab.grading.clean_copy import SubmissionError
+from ros2lab.grading.building.build import build
+from ros2lab.grading.building.own_tests import OwnTests
 from ros2lab.grading.evidence import GIVEN, SCHEMA, Evidence, Files, Run
-from ros2lab.grading.notes import Note
-from ros2lab.grading.observe import QUEUE, SHOWN, Observer
-from ros2lab.grading.open_world import OpenWorld
-from ros2lab.grading.own_tests import OwnTests
-from ros2lab.grading.player import is_for_want
-from ros2lab.grading.sandbox import World
-from ros2lab.grading.submission import Submission, copied
-from ros2lab.grading.watching import Show, watch
+from ros2lab.grading.judging import readme
+from ros2lab.grading.judging.player import is_for_want
+from ros2lab.grading.reading import boxed
+from ros2lab.grading.receiving.clean_copy import SubmissionError
+from ros2lab.grading.receiving.notes import Note
+from ros2lab.grading.receiving.submission import Submission, copied
+from ros2lab.grading.sandbox import open_world
+from ros2lab.grading.sandbox.open_world import OpenWorld
+from ros2lab.grading.sandbox.worlds import World
+from ros2lab.grading.watching.observe import QUEUE, SHOWN, Observer
+from ros2lab.grading.watching.rounds import Show, watch
 from ros2lab.scratch import scratch_folder
 
 
@@ -66,7 +68,7 @@ def collect(
         with _world(root, has_sandbox=has_sandbox) as world:
             with _timed(seconds, "unpack"):
                 show("reading")
-                found = reading.read(world, received, assignment)
+                found = boxed.read(world, received, assignment)
             submission, facts = found.submission, found.files
             built, runs, tests, coined = None, list[Run](), dict[str, Any](), list[str]()
             if submission.form != "nothing":
@@ -95,7 +97,7 @@ def collect(
             folder = submission.package.folder if submission.package else ""
             if texts:
                 with _world(root, has_sandbox=has_sandbox) as untouched:  # by the programs that ran
-                    explained = reading.explained(untouched, folder, texts)
+                    explained = boxed.explained(untouched, folder, texts)
                 facts = replace(facts, findings=[*facts.findings, *explained])
             wrong = readme.misgiven(commands, runs, facts)
             facts = replace(facts, readme_commands=commands, readme_misgiven=wrong)

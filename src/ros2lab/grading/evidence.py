@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import Any, Literal
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.senses import sense
-from ros2lab.grading.submission import Submission
 
 SCHEMA = 3
 

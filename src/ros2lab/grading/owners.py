@@ -10,7 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.grade import Judgement
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.nodes import CODES as NODE_CODES
 from ros2lab.grading.questions.nodes import missing
 

@@ -10,17 +10,17 @@ from pathlib import PurePosixPath
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
-from ros2lab.grading.leftovers import case_of
-from ros2lab.grading.notes import first_of
+from ros2lab.grading.judging.leftovers import case_of
+from ros2lab.grading.judging.player import Player, deadly_in, is_for_want
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.owners import is_about, owners_of
-from ros2lab.grading.player import Player, deadly_in, is_for_want
-from ros2lab.grading.players import Case
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import ended, is_shut_down, last_word, listed, shown
 from ros2lab.grading.questions.nodes import missing
+from ros2lab.grading.reading.unread import FAILED
+from ros2lab.grading.receiving.notes import first_of
 from ros2lab.grading.rubric import BONUS, Rubric
-from ros2lab.grading.unread import FAILED
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
 _OUTPUT = re.compile(r"\[INFO\] \[|^\s*data: |^\s*average rate: ", re.MULTILINE)

@@ -10,7 +10,7 @@ from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.player import finds_no_keyboard
+from ros2lab.grading.judging.player import finds_no_keyboard
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen

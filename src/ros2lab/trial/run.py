@@ -28,13 +28,13 @@ from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.domain_lease import leased
-from ros2lab.grading.box import Box, Limits
-from ros2lab.grading.compared import compared
+from ros2lab.grading.code.compared import compared
+from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.job import Job, Program
-from ros2lab.grading.observe import SHOWN, Observer
-from ros2lab.grading.open_world import OpenWorld
-from ros2lab.grading.running import running
+from ros2lab.grading.sandbox.box import Box, Limits
+from ros2lab.grading.sandbox.open_world import OpenWorld
+from ros2lab.grading.watching.job import Job, Program
+from ros2lab.grading.watching.observe import SHOWN, Observer
 from ros2lab.scratch import scratch_folder
 from ros2lab.trial.retold import without_retold
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults

@@ -21,9 +21,9 @@ from ros2lab.diagnose.nodes.ros_graph import End, Fault, NearMiss, Observation, 
 from ros2lab.diagnose.nodes.topic_faults import COURSE_TOPICS, ends_of, goes_on, timers_of, word_sources
 from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.grading.compared import compared
+from ros2lab.grading.code.compared import compared
+from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.running import running
 from ros2lab.grading.senses import is_still, sense
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of

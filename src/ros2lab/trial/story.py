@@ -9,7 +9,7 @@ from ros2lab.diagnose.nodes.service_faults import service_ends
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Heard, Run
-from ros2lab.grading.player import finds_no_keyboard
+from ros2lab.grading.judging.player import finds_no_keyboard
 from ros2lab.rhythm import median_gap
 from ros2lab.trial.ends import word_that_ended
 from ros2lab.trial.unmade import unmade_notes

@@ -95,8 +95,8 @@ class _Outputs:
 
     def write(self, grade: Grade, evidence: Evidence) -> None:
         """Write all that is wanted."""
+        from ros2lab.grading.evidence_json import evidence_json  # noqa: PLC0415
         from ros2lab.grading.reports.as_json import as_json  # noqa: PLC0415
-        from ros2lab.grading.reports.evidence_json import evidence_json  # noqa: PLC0415
         from ros2lab.grading.reports.github import github  # noqa: PLC0415
         from ros2lab.grading.reports.gradescope import gradescope  # noqa: PLC0415
         from ros2lab.grading.reports.html import html  # noqa: PLC0415
@@ -207,7 +207,7 @@ def regrade(
     overrides: _Overrides = None,
 ) -> None:
     """Grade again what was seen before, without another run: with another rubric, or with your decisions."""
-    from ros2lab.grading.reports.evidence_json import EvidenceError, read_evidence  # noqa: PLC0415
+    from ros2lab.grading.evidence_json import EvidenceError, read_evidence  # noqa: PLC0415
 
     outputs = _Outputs(json, html, md, gradescope, github, junit)
     with told_in_a_sentence():
@@ -275,9 +275,9 @@ def collected(
     """Return what was seen, and a sentence if there was nothing to grade; a name stands before the progress."""
     from rich.console import Console  # noqa: PLC0415
 
-    from ros2lab.grading.clean_copy import SubmissionError  # noqa: PLC0415
     from ros2lab.grading.collect import collect, nothing  # noqa: PLC0415
-    from ros2lab.grading.compiled import compile_modules  # noqa: PLC0415
+    from ros2lab.grading.receiving.clean_copy import SubmissionError  # noqa: PLC0415
+    from ros2lab.grading.sandbox.compiled import compile_modules  # noqa: PLC0415
 
     console = Console(stderr=True)
     with console.status("reading") as status:
@@ -331,7 +331,7 @@ def told_in_a_sentence() -> Iterator[None]:
     numbers = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
     handlers = {number: signal.signal(number, _end) for number in numbers}
     try:
-        from ros2lab.grading.box import SandboxMissing  # noqa: PLC0415
+        from ros2lab.grading.sandbox.box import SandboxMissing  # noqa: PLC0415
 
         try:
             yield

@@ -14,9 +14,9 @@ from pathlib import Path
 from corpus import CASES, HINTS
 from ros2lab import assignments
 from ros2lab.grading import rubric
-from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.collect import collect
 from ros2lab.grading.grade import Grade
+from ros2lab.grading.receiving.clean_copy import SubmissionError
 from ros2lab.grading.verdict import verdict
 
 from corpus.case import Case, said_of  # isort: skip

@@ -13,12 +13,12 @@ from dataclasses import dataclass, field, replace
 from ros2lab.assignments import End, Part
 from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.grading.evidence import KEYBOARD
-from ros2lab.grading.excuses import Excuse, excuse
-from ros2lab.grading.keeper import is_limit
-from ros2lab.grading.player import finds_no_keyboard
-from ros2lab.grading.players import Case
-from ros2lab.grading.sandbox import FILES
-from ros2lab.grading.unread import FAILED, missing
+from ros2lab.grading.judging.excuses import Excuse, excuse
+from ros2lab.grading.judging.player import finds_no_keyboard
+from ros2lab.grading.judging.players import Case
+from ros2lab.grading.reading.unread import FAILED, missing
+from ros2lab.grading.sandbox.keeper import is_limit
+from ros2lab.grading.sandbox.worlds import FILES
 
 LONGEST = 80  # characters of a submission's text in a sentence
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.periods import has_rhythm, is_changed, is_followed
-from ros2lab.grading.player import is_for_want, is_timers
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.periods import has_rhythm, is_changed, is_followed
+from ros2lab.grading.judging.player import is_for_want, is_timers
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
 # Parts of parameter names that can hardly belong to anything but a timer.

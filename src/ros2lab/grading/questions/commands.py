@@ -13,16 +13,16 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from ros2lab.assignments import Part
-from ros2lab.grading import reactions
-from ros2lab.grading.deeds import COMPARES, LOGS
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.fallback import taken_for_unknown
-from ros2lab.grading.player import Player, stamped
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging import reactions
+from ros2lab.grading.judging.fallback import taken_for_unknown
+from ros2lab.grading.judging.player import Player, stamped
+from ros2lab.grading.judging.players import Case
+from ros2lab.grading.judging.told_again import told_by_place
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, last_word, listed, question, raised_at, shown
+from ros2lab.grading.reading.deeds import COMPARES, LOGS
 from ros2lab.grading.senses import is_still
-from ros2lab.grading.told_again import told_by_place
 
 VERY_MANY = "very many commands"
 SLOW = "A node is slow to answer"  # the beginning of a run's note

@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.players import Case
+from ros2lab.grading.judging.readme_owners import Owners, is_placeholder
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 from ros2lab.grading.questions.launching import excuse
-from ros2lab.grading.readme_owners import Owners, is_placeholder
 
 _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline

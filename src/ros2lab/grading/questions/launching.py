@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, is_shut_down, listed, question, shown
 
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it

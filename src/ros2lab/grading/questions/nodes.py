@@ -6,13 +6,13 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.assignments import Part
-from ros2lab.grading.by_type import owners_of
 from ros2lab.grading.evidence import GIVEN
-from ros2lab.grading.excuses import unused
-from ros2lab.grading.keeper import is_limit
-from ros2lab.grading.player import STAND_IN, Player, is_for_want, of_one_node, stamped
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.by_type import owners_of
+from ros2lab.grading.judging.excuses import unused
+from ros2lab.grading.judging.player import STAND_IN, Player, is_for_want, of_one_node, stamped
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
+from ros2lab.grading.sandbox.keeper import is_limit
 
 # Findings that explain why a node does not run, or does not do what it should.
 CODES = frozenset(

@@ -16,10 +16,10 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import NO_WORD, Run
-from ros2lab.grading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
-from ros2lab.grading.player import lacked
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.player import lacked
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.reading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
 
 _WRITTEN = {
     "description_is_written": "the description",

@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, question, shown
 
 _ORDER = ("used", "loaded", "not_installed", "partly", "own", "lost", "unused", "untried")

@@ -9,9 +9,9 @@ from typing import Any
 
 from ros2lab.assignments import AskedParameter, Part
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.periods import period_of
-from ros2lab.grading.player import Player
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.periods import period_of
+from ros2lab.grading.judging.player import Player
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, listed, question, shown
 from ros2lab.rhythm import is_another

@@ -7,14 +7,14 @@ import math
 from collections.abc import Sequence
 
 from ros2lab.assignments import Part
-from ros2lab.grading.box import without_codes
-from ros2lab.grading.deeds import FINITE, PACED, READS, REPEATS
 from ros2lab.grading.evidence import GIVEN
-from ros2lab.grading.periods import gaps_of, period_of, quiet_times
-from ros2lab.grading.player import Player, of_one_node
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.periods import gaps_of, period_of, quiet_times
+from ros2lab.grading.judging.player import Player, of_one_node
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
+from ros2lab.grading.reading.deeds import FINITE, PACED, READS, REPEATS
+from ros2lab.grading.sandbox.box import without_codes
 from ros2lab.grading.senses import is_seen, numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from ros2lab.assignments import End, Exchange, Part
 from ros2lab.grading.evidence import ServiceCall
-from ros2lab.grading.player import Player
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.player import Player
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import OTHER_TYPE
-from ros2lab.grading.notes import Kind, spoken
-from ros2lab.grading.players import Case
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.package import wanting
+from ros2lab.grading.receiving.notes import Kind, spoken
 
 _BY_PYTHON = re.compile(r"(?:^|/)(?:__pycache__|[^/]*\.py[co])$")
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144

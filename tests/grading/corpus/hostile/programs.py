@@ -600,7 +600,7 @@ LIES: tuple[Case, ...] = (
         "a package named ros2lab",
         put(f"{P}ros2lab/__init__.py", _CUSTOMIZE),
         put(f"{P}ros2lab/grading/__init__.py", ""),
-        put(f"{P}ros2lab/grading/observer.py", _CUSTOMIZE),
+        put(f"{P}ros2lab/grading/watching/observer.py", _CUSTOMIZE),
         edit(SETUP, "packages=[package_name]", "packages=[package_name, 'ros2lab', 'ros2lab.grading']"),
     ),
     attack(

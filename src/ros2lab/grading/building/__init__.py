@@ -1,0 +1,1 @@
+"""Build a submission, find out how its programs start, and run its own tests."""

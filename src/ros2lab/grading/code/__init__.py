@@ -1,0 +1,1 @@
+"""What a submission's code would do, as far as its names and constants tell; nothing of it is run."""

@@ -1,0 +1,360 @@
+"""What code that runs does with a publisher: whether it publishes its type, repeatedly, and how often."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ros2lab.diagnose.sources.interfaces import is_interface, node_members
+from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.grading.code.cases import Given, text_of
+from ros2lab.grading.code.own_messages import Messages
+from ros2lab.grading.code.possible import Possible, Values
+
+# What calls a function that it is given only once; anything else may call it repeatedly.
+_CALLS_ONCE = frozenset(
+    ("add_done_callback", "Thread", "Timer", "submit", "register", "call_soon", "call_later")
+)
+_BINDS = ("partial", "partialmethod")
+# Functions that only inspect their argument.
+_LOOKS = frozenset(("isinstance", "len", "bool", "str", "repr", "id", "type", "print", "hasattr", "callable"))
+_REPEATS = (ast.While, ast.For, ast.AsyncFor, ast.comprehension, ast.ListComp, ast.GeneratorExp)
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+@dataclass
+class Rhythm:
+    """How often something is published.
+
+    Attributes:
+        repeats: whether it is published repeatedly.
+        paces: the periods of the timers that publish it, in s; None if anything else does, or a period is not
+            known.
+    """
+
+    repeats: bool = False
+    paces: set[float] | None = field(default_factory=set)
+
+    def add(self, other: Rhythm) -> None:
+        """Add the rhythm of another place that publishes."""
+        self.repeats |= other.repeats
+        self.paces = None if self.paces is None or other.paces is None else self.paces | other.paces
+
+
+class Publishing:
+    """What the code of some files does with the publishers it creates.
+
+    Args:
+        sources: the files.
+        code: the code that runs while a program lives.
+        messages: what is known of messages.
+    """
+
+    def __init__(self, sources: NodeSources, code: frozenset[ast.AST], messages: Messages) -> None:
+        self._sources = sources
+        self._code = code
+        self._messages = messages
+        self._possible = Possible(sources, code, messages)
+        self._declared = Possible(sources, code, messages, as_declared=True)
+
+    def uses(self, creation: Creation) -> list[ast.Call] | None:
+        """Return the calls that publish a publisher's type; None if not all uses can be followed."""
+        if not self._is_publish_named:
+            return []
+        found = list[ast.Call]()
+        waiting, told = [*self._kept(creation.call)], set[str]()
+        if self._is_lost(creation.call):
+            return None
+        while waiting:
+            target = waiting.pop()
+            if text_of(target) in told:
+                continue
+            told.add(text_of(target))
+            for load in self._loads(creation, target):
+                if (call := self._published(load)) is not None:
+                    found += [] if self._is_gone(call, text_of(target)) else [call]
+                elif self._is_lost(load):
+                    return None
+                else:
+                    waiting += self._kept(load)
+        kind = self._sources.resolve(creation.source, creation.given("msg_type")) or ""
+        return [call for call in found if self._is_of(kind, call)]
+
+    def rhythm(self, uses: Sequence[ast.Call]) -> Rhythm:
+        """Return how often these calls are made."""
+        found = Rhythm()
+        for call in uses:
+            found.add(self._of_place(call, ()))
+        return found
+
+    def is_finite(self, creation: Creation) -> bool:
+        """Return whether each number in the messages may be finite, by what is assigned to it."""
+        kind = self._sources.resolve(creation.source, creation.given("msg_type")) or ""
+        given: dict[str, Values] = {}
+        for node in self._code:
+            match node:
+                case ast.Assign(targets=[ast.Attribute() as target], value=value) if self._holds_number(
+                    kind, target
+                ):
+                    where = f"{text_of(target)} of {id(self._scope(target)[2])}"
+                    given[where] = given.get(where, frozenset()) | self._possible.values(value)
+                case ast.Call(keywords=keywords) if is_interface(made := self._made(node)):
+                    fields = self._messages.fields_of(made) or {}
+                    given |= {
+                        f"{keyword.arg} in {id(node)}": self._possible.values(keyword.value)
+                        for keyword in keywords
+                        if fields.get(keyword.arg or "") in ("double", "float")
+                    }
+        return not any(values and all(map(_is_endless, values)) for values in given.values())
+
+    def is_destroyed(self, creation: Creation) -> bool:
+        """Return whether an end is destroyed after it is created, before anything could come of it."""
+        statement = self._statement(creation.call)
+        names = {text_of(target) for target in self._kept(creation.call)}
+        body = next((body for body in self._bodies(statement) if statement in body), [])
+        for later in body[body.index(statement) + 1 :] if body else ():
+            if any(_destroys(node, names) for node in ast.walk(later)):
+                return isinstance(later, ast.Expr)
+            if hasattr(later, "body") or _lets_come(later):
+                return False
+        return False
+
+    def _is_gone(self, call: ast.Call, name: str) -> bool:
+        """Return whether a publisher is destroyed in the statements before a call, and not made again."""
+        statement = self._statement(call)
+        body = next((body for body in self._bodies(statement) if statement in body), [])
+        before = body[: body.index(statement)] if body else []
+        ends = [
+            number
+            for number, earlier in enumerate(before)
+            if isinstance(earlier, ast.Expr) and _destroys(earlier.value, {name})
+        ]
+        later = before[ends[-1] :] if ends else ()
+        return bool(ends) and not any(
+            text_of(node) == name and isinstance(getattr(node, "ctx", None), ast.Store)
+            for earlier in later
+            for node in ast.walk(earlier)
+        )
+
+    # --- what is done with it ---------------------------------------------------------------------------
+
+    @cached_property
+    def _is_publish_named(self) -> bool:
+        return any(_name_of(node) == "publish" for node in self._code)
+
+    @cached_property
+    def _parents(self) -> dict[ast.AST, ast.AST]:
+        return {
+            child: node
+            for source in self._sources.sources.values()
+            for node in (source.tree, *source.nodes)
+            for child in ast.iter_child_nodes(node)
+        }
+
+    def _scope(self, node: ast.AST) -> tuple[PythonSource | None, NodeClass | None, Function | None]:
+        return self._possible.scopes.get(node, (None, None, None))
+
+    def _kept(self, node: ast.AST) -> list[ast.expr]:
+        """Return the targets to which a node's value is assigned."""
+        match self._parents.get(node):
+            case ast.Assign(targets=targets):
+                return targets
+            case ast.AnnAssign(target=target) | ast.NamedExpr(target=target):
+                return [target]
+        return []
+
+    def _is_lost(self, node: ast.AST) -> bool:
+        """Return whether a value goes where we do not follow it, such as into a call."""
+        if kept := self._kept(node):
+            return not all(isinstance(target, (ast.Name, ast.Attribute)) for target in kept)
+        match self._parents.get(node):
+            case ast.Call(func=function) as call if call.func is not node:
+                name = _name_of(function)
+                return name not in _LOOKS and not name.startswith("destroy_") and not self._says(function)
+            case ast.Attribute(attr="publish"):
+                return True
+            case ast.BoolOp() | ast.NamedExpr() | ast.IfExp() as outer:
+                return not isinstance(self._parents.get(outer), (ast.If, ast.While, ast.UnaryOp, ast.Expr))
+            case parent:
+                plain = (ast.Attribute, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.Expr, ast.Delete)
+                return not isinstance(parent, (*plain, ast.FormattedValue, ast.Assert))
+
+    def _says(self, function: ast.expr) -> bool:
+        return isinstance(function, ast.Attribute) and "get_logger" in text_of(function)
+
+    def _loads(self, creation: Creation, target: ast.expr) -> Iterator[ast.AST]:
+        """Yield the places where code that runs loads a name or an attribute."""
+        _, made_in, function = self._scope(target)
+        for module in self._sources.together(creation.source.name):
+            source = self._sources.sources[module]
+            for owner, within, node in self._sources.scoped(source):
+                if node not in self._code or _name_of(node) != _last(target):
+                    continue
+                if isinstance(target, ast.Name) and function is not None:
+                    is_taken = isinstance(node, ast.Name) and self._is_within(within, function, target.id)
+                else:
+                    is_taken = isinstance(target, ast.Name) or not isinstance(node, ast.Name)
+                    is_taken &= self._is_same(made_in, owner, node)
+                if is_taken:
+                    yield node
+
+    def _is_same(self, made_in: NodeClass | None, owner: NodeClass | None, node: ast.AST) -> bool:
+        """Return whether a node may mean the same object; a self attribute only in related classes."""
+        if not (is_self_attribute(node) and owner and made_in):
+            return True
+        lines = [{*self._sources.lineage(node_class)[0]} for node_class in (owner, made_in)]
+        return not lines[0].isdisjoint(lines[1])
+
+    def _is_within(self, within: Function | None, function: Function, name: str) -> bool:
+        """Return whether a function is another one or nested in it, or that one declares the name global."""
+        is_shared = any(isinstance(node, ast.Global) and name in node.names for node in ast.walk(function))
+        while within is not None and within is not function:
+            within = self._scope(within)[2]
+        return is_shared or within is function
+
+    def _published(self, load: ast.AST) -> ast.Call | None:
+        """Return the call of `publish` on a loaded publisher; None if it is not used for one."""
+        match self._parents.get(load):
+            case ast.Attribute(attr="publish") as told:
+                call = self._parents.get(told)
+                return call if isinstance(call, ast.Call) and call.func is told else None
+        return None
+
+    def _is_of(self, kind: str, call: ast.Call) -> bool:
+        """Return whether a call may publish a message of this type, and no text, number or other message."""
+        values = self._possible.values(call.args[0]) if call.args else ()
+        return not values or any(
+            isinstance(value, Given) and (value.kind == kind or not (is_interface(kind) and value.kind))
+            for value in values
+        )
+
+    # --- how often --------------------------------------------------------------------------------------
+
+    def _of_place(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:
+        """Return how often a place in the code is reached.
+
+        Args:
+            node: the node at that place.
+            below: the functions whose callers led to this place, to stop at recursion.
+        """
+        inner = node
+        while (outer := self._parents.get(inner)) is not None:
+            if isinstance(outer, _REPEATS):
+                return Rhythm(True, None)
+            if isinstance(outer, ast.Lambda):
+                return self._of_handed(outer, below)
+            if isinstance(outer, _FUNCTIONS):
+                return self._of_function(outer, below)
+            inner = outer
+        return Rhythm()
+
+    def _of_function(self, function: Function, below: tuple[ast.AST, ...]) -> Rhythm:
+        if function in below or self._is_called_by_others(function):
+            return Rhythm(True, None)
+        owner, found = self._scope(function)[1], Rhythm()
+        name = owner.definition.name if owner and function.name == "__init__" else function.name
+        for node in self._code:
+            if _name_of(node) == name:
+                parent = self._parents.get(node)
+                is_called = isinstance(parent, ast.Call) and parent.func is node
+                go_on = self._of_place if is_called else self._of_handed
+                found.add(go_on(node, (*below, function)))
+        return found
+
+    def _is_called_by_others(self, function: Function) -> bool:
+        """Return whether rclpy, Python, or an unknown class may call a function by its name."""
+        owner = self._scope(function)[1]
+        if owner is None or function.name == "__init__":
+            return bool(function.decorator_list)
+        is_known = self._sources.lineage(owner)[2]
+        is_inherited = function.name in node_members() or function.name.startswith("__")
+        return not is_known or is_inherited or bool(function.decorator_list)
+
+    def _of_handed(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:
+        """Return how often a function is called that is passed on as a value."""
+        outer = self._parents.get(node)
+        if isinstance(outer, ast.keyword):
+            outer = self._parents.get(outer)
+        if isinstance(outer, ast.ClassDef):  # a base class
+            return Rhythm()
+        if not isinstance(outer, ast.Call):
+            return Rhythm(True, None)
+        name = _name_of(outer.func)
+        if name in _BINDS:
+            return self._of_handed(outer, below)
+        if name in _CALLS_ONCE:
+            return self._of_place(outer, below)
+        if name != "create_timer":
+            return Rhythm(True, None)
+        given = {keyword.arg: keyword.value for keyword in outer.keywords}
+        values = self._declared.values(given.get("timer_period_sec") or next(iter(outer.args), None))
+        numbers = [float(value) for value in values if isinstance(value, (int, float))]
+        return Rhythm(True, {*numbers} if len(numbers) == len(values) else None)
+
+    # --- what it holds ----------------------------------------------------------------------------------
+
+    def _holds_number(self, kind: str, target: ast.Attribute) -> bool:
+        """Return whether an assignment's target is a float field in a message of this type."""
+        root: ast.expr = target
+        while isinstance(root, ast.Attribute) and not is_self_attribute(root):
+            root = root.value
+        if Given(kind) not in self._possible.values(root):
+            return False
+        inner = self._possible.values(target.value)
+        kinds = {value.kind for value in inner if isinstance(value, Given)}
+        return any(
+            (self._messages.fields_of(message_type) or {}).get(target.attr) in ("double", "float")
+            for message_type in kinds
+        )
+
+    def _made(self, call: ast.Call) -> str:
+        source = self._scope(call)[0]
+        return (self._sources.resolve(source, call.func) or "") if source else ""
+
+    def _statement(self, node: ast.AST) -> ast.AST:
+        while not isinstance(node, ast.stmt) and node in self._parents:
+            node = self._parents[node]
+        return node
+
+    def _bodies(self, statement: ast.AST) -> Iterator[list[ast.AST]]:
+        for _, value in ast.iter_fields(self._parents.get(statement, statement)):
+            if isinstance(value, list):
+                yield value
+
+
+def _name_of(node: ast.AST) -> str:
+    """Return the name that a node loads, or looks up with `getattr`; empty if it does neither."""
+    match node:
+        case ast.Name(id=name, ctx=ast.Load()) | ast.Attribute(attr=name, ctx=ast.Load()):
+            return name
+        case ast.Call(func=ast.Name(id="getattr"), args=[_, ast.Constant(value=str(name)), *_]):
+            return name
+    return ""
+
+
+def _last(target: ast.expr) -> str:
+    """Return the last part of a name or an attribute."""
+    return target.attr if isinstance(target, ast.Attribute) else getattr(target, "id", "")
+
+
+def _destroys(node: ast.AST, names: set[str]) -> bool:
+    match node:
+        case ast.Call(func=ast.Attribute(attr="destroy", value=owner)):
+            return text_of(owner) in names
+        case ast.Call(func=ast.Attribute(attr="destroy_publisher" | "destroy_subscription"), args=[given]):
+            return text_of(given) in names
+    return False
+
+
+def _lets_come(statement: ast.AST) -> bool:
+    """Return whether anything may be received or published in a statement."""
+    names = {_name_of(node) for node in ast.walk(statement)}
+    return any(name.startswith(("spin", "publish", "sleep", "wait")) for name in names)
+
+
+def _is_endless(value: object) -> bool:
+    return isinstance(value, float) and not math.isfinite(value)

@@ -1,0 +1,210 @@
+"""Why what a node does could not be tried during grading, so that it costs fewer points, or none."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from pathlib import PurePosixPath
+from typing import NamedTuple
+
+from ros2lab.assignments import Part
+from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
+from ros2lab.grading.judging.player import PLAIN_SETTINGS, Player, is_for_want, lacked, of_one_node
+from ros2lab.grading.judging.players import Case
+from ros2lab.grading.reading.deeds import CLAUSES, PACED, PUBLISHES, READS
+from ros2lab.rhythm import has_period
+
+# What fails, or does nothing, wherever it runs.
+_FAILS = frozenset(
+    (
+        "attribute-missing",
+        "callback-arguments",
+        "field-type",
+        "message-compared",
+        "message-field",
+        "name-undefined",
+        "publish-text",
+        "publish-type",
+        "publisher-method",
+    )
+)
+
+
+class Excuse(NamedTuple):
+    """An excuse.
+
+    Attributes:
+        why: why something could not be tried here, in a clause; empty if it could.
+        lack: why the code would not do it anywhere, so that the excuse does not count, in a clause; empty if it
+            would.
+        is_ours: whether the grader came to no end, and nothing was missing.
+    """
+
+    why: str = ""
+    lack: str = ""
+    is_ours: bool = False
+
+
+def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> Excuse:
+    """Return why what a part's node does could not be tried here, and why its code would not do it anywhere.
+
+    Nothing excuses what no line of the code would do, or what a line keeps it from.
+
+    Args:
+        case: the evidence.
+        part: the part of the assignment.
+        deeds: what the code must do with the topic, besides publishing on it or reading its messages.
+    """
+    everybody = of_one_node(case.players[part.name], case.main(part))
+    players = [player for player in everybody if player.run.setting != GIVEN]
+    if not players:
+        return Excuse(_unwatched(case, part), is_ours=True)
+    lack = _left_out(case, players, (*_uses(part), *deeds)) or _broken(case, players)
+    return _why(case, part, players)._replace(lack=lack)
+
+
+def unused(case: Case, part: Part) -> str:
+    """Return a clause if what a part's node has is silent, and no line of its code that runs uses it; else empty."""
+    players = of_one_node(case.players[part.name], case.main(part))
+    is_heard = any(player.is_heard for player in players)
+    return "" if is_heard or not players else _left_out(case, players, _uses(part))
+
+
+def _uses(part: Part) -> tuple[str, ...]:
+    """Return what code must do with the end of a part for it to be of any use."""
+    return () if part.end == "service" else (PUBLISHES if part.is_publisher else READS,)
+
+
+def _left_out(case: Case, players: Sequence[Player], needed: Collection[str]) -> str:
+    """Return which deed the players' code never does, as a clause; empty if none is known."""
+    known = [does for player in players if (does := _does(case, player, needed)) is not None]
+    left = [deed for deed in needed if not any(deed in does for does in known)]
+    return f"no line of the code that runs {CLAUSES[left[0]]}" if left and len(known) == len(players) else ""
+
+
+def _broken(case: Case, players: Sequence[Player]) -> str:
+    """Return which line of the players' own code fails or is in vain anywhere, as a clause; empty if none is known."""
+    programs = [case.executables[player.program] for player in players if player.program in case.executables]
+    modules = {module for program in programs for module in (*program.modules, program.stem)}
+    for finding in case.evidence.files.told():
+        file, _, line = finding.place.partition(":")
+        if finding.code in _FAILS and PurePosixPath(file).stem in modules:
+            return f"line {line} of {PurePosixPath(file).name} is wrong: {finding.cause.removesuffix('.')}"
+    return ""
+
+
+def _why(case: Case, part: Part, players: Sequence[Player]) -> Excuse:
+    """Return why what the players of a part do could not be tried; an empty excuse if it could.
+
+    What the code itself shows comes first: a program in which nothing spins or loops would end anywhere, and
+    one in which nothing spins would receive nothing anywhere.
+    """
+    # A program that ends with an error of its own, or does something, is not waiting for anything.
+    is_mute = not any(player.is_heard for player in players)
+    is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
+    needs = (_needs(case, part, player, is_mute=is_mute) for player in players)
+    if need := next(filter(None, needs), ""):
+        return Excuse(need)
+    late = [player.run.unfinished for player in players]
+    if is_mute and late and all(late):
+        return Excuse(late[0], is_ours=True)
+    given = _given(case, part)
+    if part.end == "subscription":  # it takes itself what opens it
+        taken = {
+            topic
+            for player in players
+            for topic, nodes in player.run.subscribes.items()
+            if player.node in nodes
+        }
+        given = [topic for topic in given if topic in taken]
+    if is_mute and part.end != "service" and given:
+        return Excuse(f"{players[0].node} waits for what nobody here brings on {', '.join(given)}")
+    return Excuse()
+
+
+def _needs(case: Case, part: Part, player: Player, *, is_mute: bool) -> str:
+    """Return a clause that says what a player's program needs and lacks; empty if it can do without."""
+    program, said = case.executables.get(player.program), player.end or ""
+    is_called_back = part.end != "publisher"
+    if program is None or program.is_brief or (is_called_back and program.never_spins):
+        return ""
+    absent = [*_absent(case, program), *lacked(said)]
+    if not absent or not (is_mute or is_for_want(said)):  # a program may print anything
+        return ""
+    return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
+
+
+def _unwatched(case: Case, part: Part) -> str:
+    """Return a clause if there was no time to watch the program that may play a part; else empty."""
+    runs = case.evidence.runs
+    unseen = [run for run in runs if run.unfinished and not run.nodes]
+    ended = {name for run in runs if run.setting == "alone" for name in run.ended}
+    # A launch file may start any of them.
+    started = (case.executables if run.setting == "launched" else run.programs for run in unseen)
+    names = {name for programs in started for name in programs} - ended
+    return unseen[0].unfinished if any(case.may_be(name, part) for name in names) else ""
+
+
+def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | None:
+    """Return which of the deeds the code that may create a player's end does with it; None if not known."""
+    program = case.executables.get(player.program)
+    modules = {*program.modules, program.stem} - {""} if program else set()
+    ends = [
+        end
+        for end in case.evidence.files.ends
+        if end.is_publisher is player.part.is_publisher
+        and (not modules or not end.module or end.module in modules)
+    ]
+    ends = [end for end in ends if end.topic == player.topic] or [end for end in ends if not end.topic]
+    if not ends or any(end.does is None for end in ends):
+        return None
+    return {deed for end in ends for deed in _done_with(case, player, end, needed)}
+
+
+def _done_with(case: Case, player: Player, end: WrittenEnd, needed: Collection[str]) -> set[str]:
+    """Return the deeds that code may do with an end: those that it does, and those needed that it may do."""
+    does = {*(end.does or ())}
+    if PUBLISHES not in does:
+        return does
+    does |= {*needed} - {*end.never}
+    if _is_slow(case, player, end):
+        does -= {PACED}
+    return does
+
+
+def _is_slow(case: Case, player: Player, end: WrittenEnd) -> bool:
+    """Return whether an end's timers are slower than the assignment asks, and no parameter changes that."""
+    wanted = player.part.period
+    if not (wanted and end.paces) or min(end.paces) < wanted or has_period(min(end.paces), wanted):
+        return False
+    held = [
+        {name: value for name, value in run.parameters[player.node].items() if type(value) in (int, float)}
+        for run in case.evidence.runs
+        if run.setting in PLAIN_SETTINGS and player.node in run.parameters
+    ]
+    # If the node never appeared, nobody knows what a launch file would give it.
+    return all(values == held[0] for values in held) if held else not case.evidence.files.parameter_files
+
+
+def _absent(case: Case, program: Executable) -> list[str]:
+    """Return what a program lacks, except a keyboard if the grader typed for it."""
+    is_typed = any(run.typed and program.name in run.programs for run in case.evidence.runs)
+    return [name for name in program.absent if name != KEYBOARD or not is_typed]
+
+
+def _given(case: Case, part: Part) -> list[str]:
+    """Return the topics and services that were given values, except of types that the work should provide.
+
+    Empty, too, if every possible value was given and the part still did nothing.
+    """
+    own = {part.type_name for part in case.assignment.parts.values()}
+    given: dict[str, set[str]] = {}
+    runs = [run for run in case.evidence.runs if run.setting == GIVEN]
+    for run in runs:
+        for name in run.given:
+            types = (kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds)
+            given.setdefault(name, set()).update(types)
+    foreign = sorted(name for name, types in given.items() if own.isdisjoint(types))
+    everybody = of_one_node(case.players[part.name], case.main(part))
+    is_opened = any(player.is_heard for player in everybody if player.run.setting == GIVEN)
+    is_tried = len(runs) > 1 and not is_opened and all({*foreign} <= {*run.tried} for run in runs)
+    return [] if is_tried else foreign

@@ -1,0 +1,420 @@
+"""The facts in a submission's files, found by parsing, never by running or importing.
+
+`diagnose` finds what is wrong with a package, so that a lost point and the advice on it have the same source.
+If a value is known only when setup.py runs, the fact counts as true; the build shows whether it is.
+"""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import os
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import cache, cached_property
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from ros2lab import assignments
+from ros2lab.assignments import Assignment
+from ros2lab.diagnose import net
+from ros2lab.diagnose.code.syntax_repairs import mended
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look, text_faults
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
+from ros2lab.grading.code.clock_readers import clock_readers
+from ros2lab.grading.code.compared import compared
+from ros2lab.grading.code.dependence import depended_on
+from ros2lab.grading.code.own_messages import Messages, own_messages
+from ros2lab.grading.code.running import Code, idle, running
+from ros2lab.grading.code.vain_handlers import VainHandlers
+from ros2lab.grading.evidence import Files, Place, WrittenEnd
+from ros2lab.grading.reading.documents import described, foreign_names, named_in, readmes, recordings
+from ros2lab.grading.reading.graded_package import Package, has_code
+from ros2lab.grading.reading.launch_files import (
+    around,
+    hard_coded,
+    lacks,
+    launch_files,
+    launching,
+    packages_named,
+    uncommented,
+    without_comments,
+)
+from ros2lab.grading.reading.launch_order import programs_named, programs_of, those_that_start_most_first
+from ros2lab.grading.reading.package_facts import manifest_facts, setup_facts
+from ros2lab.grading.reading.tests_handed_in import test_files, tests_of
+from ros2lab.grading.reading.unread import OF_CODE, Tell, read_all, told
+from ros2lab.grading.reading.written_ends import ends_elsewhere, written_ends
+from ros2lab.grading.receiving.submission import Submission
+from ros2lab.handlers import Handlers
+
+MOST_FINDINGS = 50
+MOST_DECLARED = 50  # parameters
+
+
+def look(
+    root: Path,
+    submission: Submission,
+    assignment: Assignment | None = None,
+    tell: Tell = lambda _name, _value: None,
+) -> Files:
+    """Collect the facts in a submission's files.
+
+    Args:
+        root: the folder that holds the submission.
+        submission: what was found there.
+        assignment: the submission's assignment; None takes the course's own.
+        tell: given the name and the value of each fact as soon as it is known.
+
+    Returns:
+        The facts; those that only a run can show are left empty. Paths are relative to `root`.
+    """
+    found = submission.package
+    assignment = assignment or assignments.load()
+    words = assignment.commanded.commands if assignment.commanded else ()
+    paths = _paths(root)
+    beside = launching(root, submission)
+    texts, shown = readmes(root, paths, submission, beside), recordings(root, paths)
+    foreign = foreign_names(texts, root, paths)
+    for name, value in (("readme", texts), ("readme_foreign", foreign), ("recordings", shown)):
+        tell(name, value)
+    if found is None:
+        return replace(
+            _loose(root, submission, paths, texts, words), readme_foreign=foreign, recordings=shown
+        )
+    reader = _PackageReader(root, submission, assignment, paths)
+    facts, unread = read_all(reader.readers(texts), tell)
+    unread |= dict.fromkeys(OF_CODE, beyond) if (beyond := _beyond(reader.graded)) else {}
+    notes = [*facts.pop("left_out", {}).values(), *told(unread)]
+    return Files(**facts, readme=texts, readme_foreign=foreign, recordings=shown, notes=notes, unread=unread)
+
+
+def _beyond(packages: Iterable[Package]) -> str:
+    """Return which files of some packages are too large or too deep to be followed here, as sentences; empty if none is."""
+    found, notes = [], list[str]()
+    for package in packages:
+        tests = [package.read(path, path.stem) for path in test_files(package)]
+        found += [s.shown for s in (*package.own_sources, *tests) if s.tree is not None and s.is_beyond]
+        notes += package.notes
+    deep = [f"{', '.join(found)}: the code is nested too deeply for the grader to follow."] if found else []
+    return " ".join([*notes, *deep])
+
+
+class _PackageReader:
+    """Reads the facts of packages."""
+
+    def __init__(
+        self, root: Path, submission: Submission, assignment: Assignment, paths: Sequence[PurePosixPath]
+    ) -> None:
+        assert submission.package is not None
+        self.root, self.submission, self.assignment, self.paths = root, submission, assignment, paths
+        self.package = Package(root / submission.package.folder, root)
+        self.graded = [self.package, *(Package(root / other.folder, root) for other in submission.also)]
+        beside = [other for other in launching(root, submission) if other not in submission.also]
+        self.packages = [*self.graded, *(Package(root / other.folder, root) for other in beside)]
+
+    def readers(self, texts: str) -> dict[str, Callable[[], Any]]:
+        """Return a reader for each fact by its name in `Files`, and one for notes on omitted tests."""
+        root, packages, graded = self.root, self.packages, self.graded
+        names = {found.name for found in self.submission.packages if found.name}
+        every = [Package(root / found.folder, root) for found in self.submission.packages]
+        return {
+            "manifest": lambda: manifest_facts(self.package, names, self.assignment.dependencies),
+            "setup": lambda: setup_facts(self.package),
+            "sources": lambda: described(self.sources, self.code, texts),
+            "sources_beside": lambda: {
+                package.name: described(package.own_sources, self.code, texts) for package in graded[1:]
+            },
+            "readme_names": lambda: named_in(texts, self.sources),
+            "launch_files": lambda: self._shown(self.launches),
+            "launch_lacks": lambda: lacks(root, texts, self.launches),
+            "launched_packages": lambda: {
+                str(path.relative_to(root)): sorted(packages_named(path, text, names))
+                for path, text in self.launches.items()
+            },
+            "launched_programs": lambda: {
+                str(path.relative_to(root)): named
+                for path, named in programs_named(self.launches, programs_of(self.graded)).items()
+            },
+            "launch_files_elsewhere": lambda: self._shown(
+                path for path in launch_files(every) if path not in self.launches
+            ),
+            "parameter_files": lambda: {
+                str(path.relative_to(root)): _parameters(read_text(path))
+                for path in _parameter_files(packages)
+            },
+            "parameter_file_users": lambda: _parameter_file_users(root, packages),
+            "hard_coded": lambda: hard_coded(packages),
+            "tests": lambda: self._tests[0],
+            "tests_left_out": lambda: [*self._tests[1]],
+            "left_out": lambda: self._tests[1],
+            "handlers": lambda: _handlers(_of_nodes(self.sources), self.code),
+            "compared": lambda: compared(node for _, node in self.mended_code),
+            "depended_on": lambda: depended_on(self.mended, self.mended_code),
+            "idle": lambda: idle(self.sources, self.code),
+            "ends": lambda: self.ends[0],
+            "ends_elsewhere": lambda: ends_elsewhere(
+                root, self.paths, self.sources, itertools.chain(*self.ends)
+            ),
+            "clock_readers": lambda: clock_readers(
+                self.sources, {source.name.partition(".")[0] for source in self.sources}
+            ),
+            "declared": lambda: {
+                name: value for package in reversed(graded) for name, value in _declared(package).items()
+            },
+            "findings": lambda: _findings(root, self.submission, graded),
+        }
+
+    @cached_property
+    def sources(self) -> list[PythonSource]:
+        return [source for package in self.graded for source in package.own_sources]
+
+    @cached_property
+    def launches(self) -> dict[Path, str]:
+        texts = uncommented([*self.packages, *around(self.package, self.root)])
+        return those_that_start_most_first(texts, programs_named(texts, programs_of(self.graded)))
+
+    @cached_property
+    def entrances(self) -> set[str] | None:
+        return _entrances(self.graded)
+
+    @cached_property
+    def code(self) -> Code:
+        return [*running(self.sources, self.entrances)]
+
+    @cached_property
+    def mended(self) -> list[PythonSource]:
+        """The sources with slips of typing undone: what a file plainly has counts, also where Python cannot read it."""
+        return [*map(mended, self.sources)]
+
+    @cached_property
+    def mended_code(self) -> Code:
+        return [*running(self.mended, self.entrances)]
+
+    @cached_property
+    def messages(self) -> Messages:
+        """What is known of messages, with those that the submission defines."""
+        named = ((found.name, self.root / found.folder) for found in self.submission.packages if found.name)
+        return own_messages(named)
+
+    @cached_property
+    def ends(self) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+        commanded = self.assignment.commanded
+        return written_ends(
+            self.mended, self.entrances, commanded.commands if commanded else (), self.messages
+        )
+
+    @cached_property
+    def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
+        return tests_of(self.package)
+
+    def _shown(self, paths: Iterable[Path]) -> list[str]:
+        return [str(path.relative_to(self.root)) for path in paths]
+
+
+def _loose(
+    root: Path,
+    submission: Submission,
+    paths: Iterable[PurePosixPath],
+    texts: str,
+    words: Collection[str],
+) -> Files:
+    """Return the facts in files outside a package."""
+    loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
+    whole = cache(lambda: [*map(mended, loose)])
+    readers: dict[str, Callable[[], Any]] = {
+        "sources": lambda: described(loose, [*running(loose)], texts),
+        "readme_names": lambda: named_in(texts, loose),
+        "handlers": lambda: _handlers(loose, [*running(loose)]),
+        "compared": lambda: compared(node for _, node in running(whole())),
+        "depended_on": lambda: depended_on(whole(), [*running(whole())]),
+        "ends": lambda: written_ends(whole(), words=words)[0],
+        "ends_elsewhere": lambda: ends_elsewhere(
+            root, paths, loose, itertools.chain(*written_ends(loose, words=words))
+        ),
+        "clock_readers": lambda: clock_readers(loose, ()),
+        "findings": lambda: diagnosed(
+            lambda: [finding for source in loose for finding in text_faults(source)]
+        ),
+    }
+    facts, unread = read_all(readers)
+    unread |= dict.fromkeys(OF_CODE, " ".join(beyond)) if (beyond := submission.left_unread) else {}
+    return Files(**facts, readme=texts, notes=told(unread), unread=unread)
+
+
+def _paths(root: Path) -> list[PurePosixPath]:
+    """Return all files below a folder, relative to it."""
+    return [
+        PurePosixPath(parent, name).relative_to(root.as_posix())
+        for parent, _, names in os.walk(root)
+        for name in names
+    ]
+
+
+def _of_nodes(sources: Collection[PythonSource]) -> list[PythonSource]:
+    """Return the modules of nodes: those that import rclpy, also through others, and those that these import."""
+    found = [source for source in sources if _imports(source, "rclpy")]
+    for source in found:
+        name = source.name.rpartition(".")[2]
+        found += [other for other in sources if other not in found and _imports(other, name)]
+    for source in found:
+        found += [
+            other
+            for other in sources
+            if other not in found and _imports(source, other.name.rpartition(".")[2])
+        ]
+    return found
+
+
+def _imports(source: PythonSource, name: str) -> bool:
+    """Return whether a module imports a module of this name, or something from it."""
+    return any(name in found.target.split(".") for found in source.imports)
+
+
+def _entrances(packages: Iterable[Package]) -> set[str] | None:
+    """Return the functions that entry points name; None if they are not known."""
+    found = set[str]()
+    for package in packages:
+        points = package.setup.entry_points if package.setup else None
+        if not points:
+            return None
+        found |= {point.function for point in points}
+    return found
+
+
+def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[Place]]:
+    places: dict[str, list[Place]] = {"by name": [], "wholesale": [], "of an end": []}
+    known = {source.name: Handlers(source.nodes) for source in sources}
+    vain = VainHandlers(node for source in sources for node in source.nodes)
+    handled = {
+        handler
+        for source in sources
+        for node in source.nodes
+        if isinstance(node, ast.Try)
+        for handler in {*node.handlers}.difference(vain.of(node, known[source.name]))
+    }
+    for source, node in code:
+        if isinstance(node, ast.ExceptHandler) and node in handled:
+            of_file = known[source.name]
+            if of_file.only_raises_again(node):
+                continue
+            key = (
+                "of an end"
+                if of_file.is_of_an_end(node)
+                else "by name"
+                if of_file.is_by_name(node)
+                else "wholesale"
+            )
+            places[key].append(Place(source.shown, node.lineno))
+    return {key: sorted(found, key=lambda place: (place.file, place.line)) for key, found in places.items()}
+
+
+def _parameter_files(packages: Iterable[Package]) -> list[Path]:
+    """Return the files that set parameters, or lie where such files are expected."""
+    found: list[Path] = []
+    for package in packages:
+        paths = [path for path in package.folder.rglob("*.y*ml") if path.is_file()]
+        found += sorted(
+            {path for path in paths if "ros__parameters" in read_text(path)}.union(package.parameter_files)
+        )
+    return found
+
+
+def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, list[str]]:
+    """Return the launch files, and the modules that read YAML, that name each parameter file."""
+    texts = {str(path.relative_to(root)): text for path, text in uncommented(packages).items()}
+    for source in packages[0].own_sources:
+        if any(found.target.partition(".")[0] == "yaml" for found in source.imports):
+            texts[source.shown] = without_comments(source.text)
+    return {
+        str(path.relative_to(root)): [name for name, text in texts.items() if path.name in text]
+        for path in _parameter_files(packages)
+    }
+
+
+def _parameters(text: str) -> dict[str, dict[str, Any]]:
+    """Return the parameters in a file, by node; empty if the file cannot be read or repeats itself."""
+    try:
+        root = read_parameter_file(text)
+    except ParameterFileError:
+        return {}
+    found: dict[str, dict[str, Any]] = {}
+    queue = [("", root)]
+    while queue:
+        name, value = queue.pop()
+        for key, inner in value.items() if isinstance(value, dict) else ():
+            if key == "ros__parameters":
+                found[name or "/"] = {str(parameter): held for parameter, held in _flat("", inner)}
+            else:
+                queue.append((f"{name}/{str(key).strip('/')}", inner))
+    return found
+
+
+def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield parameters by their full names, with a dot after each group."""
+    for key, inner in value.items() if isinstance(value, dict) else ():
+        if isinstance(inner, dict):
+            yield from _flat(f"{prefix}{key}.", inner)
+        elif isinstance(inner, (str, bool, int, float)):
+            yield f"{prefix}{key}", inner
+        else:
+            yield f"{prefix}{key}", str(inner)
+
+
+# --- diagnosis --------------------------------------------------------------------------------------------
+
+
+def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
+    """Return findings in the form of the evidence, without what could not be judged: it costs nothing."""
+    try:
+        found = [finding for finding in find() if not isinstance(finding, net.Unjudged)]
+    except RecursionError:
+        return []
+    return [[finding.code, finding.cause, finding.place, finding.fix, *finding.about] for finding in found][
+        :MOST_FINDINGS
+    ]
+
+
+def _declared(package: Package) -> dict[str, bool | float | str | None]:
+    """Return the parameters that a package's nodes declare, as far as they are known."""
+    try:
+        found = declared_in(NodeSources(package.sources)) or {}
+    except RecursionError:
+        return {}
+    plain = {
+        name: value if isinstance(value, (bool, int, float, str)) else None for name, value in found.items()
+    }
+    return dict(itertools.islice(plain.items(), MOST_DECLARED))
+
+
+def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[list[str]]:
+    """Return what `diagnose` finds in the files of the graded packages, the assignment's first."""
+    look = Look(graded[0].folder)
+    look.packages = [
+        *graded,
+        *(Package(root / found.folder, root) for found in submission.packages if found.name),
+    ]
+    look.packages = list({package.folder: package for package in reversed(look.packages)}.values())[::-1]
+    # A prefix is empty for a package that was handed in alone.
+    prefixes = tuple(package.shown("setup.py").removesuffix("setup.py") for package in graded)
+    # Files that setup.py does not lead to.
+    strays = [
+        source
+        for package in graded
+        if not any(map(has_code, package.sources.values()))
+        for source in package.own_sources
+    ]
+    return diagnosed(
+        lambda: [
+            *(
+                finding
+                for finding in look.findings
+                if not finding.place or finding.place.startswith(prefixes)
+            ),
+            *(finding for source in strays for finding in text_faults(source)),
+        ]
+    )

@@ -1,0 +1,119 @@
+"""The publishers and subscriptions that code makes, as far as reading tells."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+
+from ros2lab.diagnose.code.syntax_repairs import mended
+from ros2lab.diagnose.nodes.topic_faults import ends_of, timers_of
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource
+from ros2lab.grading.code.own_messages import Messages
+from ros2lab.grading.code.running import living, running
+from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.reading.deeds import Deeds
+from ros2lab.grading.reading.documents import is_prose
+from ros2lab.grading.reading.hidden_ends import hidden_ends
+
+MOST_ENDS = 100
+_MAKERS = {
+    "create_publisher": True,
+    "create_subscription": False,
+}  # by method that makes an end, whether that publishes
+_MAKER_OF = {is_publisher: name for name, is_publisher in _MAKERS.items()}
+_NAMES_MAKER = re.compile(
+    rb"\b(create)_(?:\w+_)?(publisher|subscription)\b"
+)  # also `create_generic_publisher`
+
+
+def written_ends(
+    files: Iterable[PythonSource],
+    entrances: Collection[str] | None = None,
+    words: Collection[str] = (),
+    messages: Messages | None = None,
+) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+    """Return the publishers and subscriptions that some files make; an unknown topic is empty.
+
+    Args:
+        files: the modules.
+        entrances: as for `running`.
+        words: the commands of the assignment.
+        messages: what is known of messages, if the submission has its own.
+
+    Returns:
+        The ends in code that runs, and those in other code.
+    """
+    sources = NodeSources({source.name: mended(source) for source in files})
+    try:
+        told = {end.creation.call: end for end in ends_of(sources)}
+    except RecursionError:
+        return [], []
+    code = [*running([*sources.sources.values()], entrances)]
+    run, deeds = (
+        {node for _, node in code},
+        Deeds(sources, living(sources, entrances, messages), words, messages),
+    )
+    found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
+    for creation in sources.creations:
+        if creation.method not in _MAKERS:
+            continue
+        end = told.get(creation.call)
+        made = WrittenEnd("", "", _MAKERS[creation.method], [], creation.source.name.rpartition(".")[2])
+        made = deeds.entered(made, creation)
+        if end:
+            type_name = (end.type or "").replace(".", "/")
+            periods = [seconds for _, seconds in timers_of(end)]
+            made = replace(made, topic=f"/{end.topic}", type_name=type_name, periods=periods)
+        found[creation.call in run].append(made)
+    # If there are too many, those with a known topic come first.
+    live, dead = (sorted(found[key], key=lambda end: not end.topic)[:MOST_ENDS] for key in (True, False))
+    return live, dead
+
+
+def ends_elsewhere(
+    root: Path, paths: Iterable[PurePosixPath], sources: Collection[PythonSource], ends: Iterable[WrittenEnd]
+) -> list[WrittenEnd]:
+    """Return an end with an unknown topic for each kind that code may make besides the `ends` in `sources`.
+
+    Anything that names the method may call it: a module in another way than by a plain call, or any file that
+    is no prose. So may code that has the message's class; see `hidden_ends`.
+    """
+    ends = [*ends]
+    known = {source.path for source in sources}
+    named = Counter(name for source in sources for name in _makers_in(source))
+    named.subtract(_MAKER_OF[end.is_publisher] for end in ends)
+    unparsed = (path for path in paths if root / path not in known and not is_prose(path))
+    named.update(name for path in unparsed for name in _named_makers(root / path))
+    found = [
+        WrittenEnd("", "", is_publisher, []) for name, is_publisher in _MAKERS.items() if named[name] > 0
+    ]
+    return [*found, *hidden_ends(sources, ends)]
+
+
+def _makers_in(source: PythonSource) -> Iterator[str]:
+    """Yield the name of a method that makes an end for each time that a module uses the name."""
+    if not source.tree.body:  # what cannot be parsed, or is empty
+        yield from _makers_named(source.text.encode(errors="replace"))
+    for node in source.nodes:
+        match node:
+            case ast.Attribute(attr=name) | ast.Name(id=name) | ast.Constant(value=name):
+                if name in _MAKERS:
+                    yield str(name)
+
+
+def _named_makers(path: Path) -> Iterable[str]:
+    """Return the names in a file of methods that make an end; all for a Python file that is too large."""
+    with path.open("rb") as file:
+        data = file.read(LARGEST_FILE + 1)
+    if len(data) > LARGEST_FILE and path.suffix == ".py":
+        return _MAKERS
+    return {*_makers_named(data)}
+
+
+def _makers_named(data: bytes) -> list[str]:
+    return [b"_".join(words).decode() for words in _NAMES_MAKER.findall(data)]
