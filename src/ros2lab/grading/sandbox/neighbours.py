@@ -7,7 +7,7 @@ starts, the rest once it is told to show them.
 
 from __future__ import annotations
 
-import json
+import marshal
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,8 +22,8 @@ _VARIABLE = "NEIGHBOURS"
 # its standard input and shows the rest; none is a child of the program. The commands come in the environment,
 # which nobody can read.
 _STARTER = f"""
-import json, os, signal, sys
-own, before, after = json.loads(os.environ.pop("{_VARIABLE}"))
+import _signal, marshal, os, sys
+own, before, after = marshal.loads(bytes.fromhex(os.environ.pop("{_VARIABLE}")))
 def show(commands):
     environ = {{"PYTHONPATH": "{FOLDER_OF_WAITING}", "PYTHONHOME": sys.base_prefix}}
     running, nobody = os.pipe()  # closed when a process becomes what it is to be
@@ -34,7 +34,7 @@ def show(commands):
     os.read(running, 1)
 nothing = os.open(os.devnull, os.O_RDWR)
 if not os.fork():
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _signal.signal(_signal.SIGINT, _signal.SIG_IGN)
     for number in (1, 2):
         os.dup2(nothing, number)
     show(before)
@@ -67,7 +67,7 @@ class Neighbours:
             [*map(str, command)],
             *([_shown(neighbour) for neighbour in some] for some in (self.before, self.after)),
         ]
-        return [sys.executable, "-I", "-S", "-c", _STARTER], {_VARIABLE: json.dumps(lists)}
+        return [sys.executable, "-I", "-S", "-c", _STARTER], {_VARIABLE: marshal.dumps(lists).hex()}
 
 
 def _shown(command: Command) -> list[str]:
