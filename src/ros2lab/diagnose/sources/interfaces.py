@@ -13,7 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
-from ros2lab.diagnose.sources.python_source import Function, read_text
+from ros2lab.diagnose.sources.python_source import Function, children, read_text, walk
 from ros2lab.diagnose.sources.spelling import nearest, snake_case
 from ros2lab.manifest_words import KEYS
 
@@ -269,7 +269,7 @@ def _bound_in(tree: ast.Module) -> frozenset[str]:
 
 
 def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
-    for node in ast.iter_child_nodes(parent):
+    for node in children(parent):
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             continue
         yield node
@@ -418,7 +418,7 @@ def node_members() -> frozenset[str]:
 def members_of(module: str, class_name: str) -> frozenset[str]:
     """Return the members of an installed class."""
     found = _class(module, class_name)
-    nodes = [*ast.walk(found)] if found else []
+    nodes = [*walk(found)] if found else []
     members = {node.name for node in nodes if isinstance(node, Function)}
     members |= {n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)}
     for statement in found.body if found else ():
@@ -439,7 +439,7 @@ def fixed_node_properties() -> frozenset[str]:
     found = _class("rclpy.node", "Node")
     fixed: set[str] = set()
     settable: set[str] = set()
-    for method in (node for node in (ast.walk(found) if found else ()) if isinstance(node, Function)):
+    for method in (node for node in (walk(found) if found else ()) if isinstance(node, Function)):
         decorators = {ast.unparse(decorator) for decorator in method.decorator_list}
         fixed |= {method.name} if "property" in decorators else set()
         if f"{method.name}.setter" in decorators and not isinstance(method.body[-1], ast.Raise):

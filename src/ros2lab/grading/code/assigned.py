@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ros2lab.diagnose.sources.node_source import NodeClass
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.grading.code.cases import leaves, text_of
 
 
@@ -163,5 +163,5 @@ def _binds(statement: ast.AST, name: str) -> bool:
         (isinstance(node, ast.Name) and node.id == name and not isinstance(node.ctx, ast.Load))
         or (isinstance(node, (ast.Global, ast.Nonlocal)) and name in node.names)
         or getattr(node, "name", None) == name
-        for node in ast.walk(statement)
+        for node in walk(statement)
     )

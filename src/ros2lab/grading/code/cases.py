@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
+from ros2lab.diagnose.sources.python_source import children
 from ros2lab.diagnose.sources.static_value import COMPARISONS, UNKNOWN
 from ros2lab.grading.code.ranges import Numbers, Range, of_kind, of_value
 
@@ -81,7 +82,7 @@ def leaves(expression: ast.AST) -> Iterator[ast.expr]:
         case ast.Lambda() | ast.ListComp() | ast.SetComp() | ast.DictComp() | ast.GeneratorExp():
             return
         case _:
-            for part in ast.iter_child_nodes(expression):
+            for part in children(expression):
                 yield from leaves(part)
 
 

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
+from ros2lab.diagnose.sources.python_source import walk
 from ros2lab.grading.code.cases import Given, leaves, text_of
 
 
@@ -71,4 +72,4 @@ class Comparisons:
 
 def _calls(leaf: ast.expr) -> bool:
     """Return whether an expression contains a call."""
-    return any(isinstance(node, ast.Call) for node in ast.walk(leaf))
+    return any(isinstance(node, ast.Call) for node in walk(leaf))

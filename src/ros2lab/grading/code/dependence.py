@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Iterator
 from functools import cache, cached_property
 
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PAUSES, PythonSource
+from ros2lab.diagnose.sources.python_source import PAUSES, PythonSource, children, walk
 from ros2lab.grading.code.compared import LOOKS_FOR, compared
 from ros2lab.grading.code.running import Code
 
@@ -40,7 +40,7 @@ class _Flow:
             child: node
             for source in sources.sources.values()
             for node in source.nodes
-            for child in ast.iter_child_nodes(node)
+            for child in children(node)
         }
         self._called = Counter(_name(node.func) for node in code if isinstance(node, ast.Call))
         self._loaded = Counter(
@@ -87,9 +87,7 @@ class _Flow:
                     parts = [left, *others]
                 case ast.Call(func=function, args=given, keywords=named):
                     parts = [function, *given, *(keyword.value for keyword in named)]
-            is_there = any(
-                inner is table or _name(inner) in kept for part in parts for inner in ast.walk(part)
-            )
+            is_there = any(inner is table or _name(inner) in kept for part in parts for inner in walk(part))
             if is_there and any(map(self._comes, parts)):
                 yield node
 
@@ -136,7 +134,7 @@ class _Flow:
 
     def _comes(self, node: ast.AST) -> bool:
         """Return whether an expression may hold a value from a message."""
-        return any(self._key(inner) in self._coming for inner in ast.walk(node) if _name(inner))
+        return any(self._key(inner) in self._coming for inner in walk(node) if _name(inner))
 
     @cached_property
     def _coming(self) -> set[Name]:
@@ -173,7 +171,7 @@ class _Flow:
             case ast.For(target=target, iter=values) | ast.comprehension(target=target, iter=values):
                 yield from (self._key(name) for name in _names(target) if self._comes(values))
             case ast.Match(subject=subject) if self._comes(subject):
-                yield from (self._key(part) for case in node.cases for part in ast.walk(case.pattern))
+                yield from (self._key(part) for case in node.cases for part in walk(case.pattern))
             case ast.Call(func=function, args=given, keywords=named):
                 if any(map(self._comes, (*given, *(keyword.value for keyword in named)))):
                     yield from self._received(function)
@@ -188,7 +186,7 @@ class _Flow:
 
     def _is_from_outside(self, value: ast.expr) -> bool:
         """Return whether a value may be input: it comes from a call, and no callback receives messages."""
-        return not self._has_callbacks and any(isinstance(node, ast.Call) for node in ast.walk(value))
+        return not self._has_callbacks and any(isinstance(node, ast.Call) for node in walk(value))
 
     def _key(self, node: ast.AST) -> Name:
         """Return what a name refers to: a local, a global, or an attribute, which is the same everywhere."""
@@ -253,7 +251,7 @@ def _own_names(function: ast.AST) -> frozenset[str]:
     names = {*_given(function)}
     inner: list[ast.AST] = [function]
     while inner:
-        for node in ast.iter_child_nodes(inner.pop()):
+        for node in children(inner.pop()):
             is_given = not isinstance(getattr(node, "ctx", None), (ast.Load, type(None)))
             if is_given or isinstance(node, (ast.MatchAs, ast.MatchStar)):
                 names.add(_name(node))

@@ -14,7 +14,14 @@ from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, is_generator
+from ros2lab.diagnose.sources.python_source import (
+    YIELDS,
+    Function,
+    PythonSource,
+    children,
+    is_generator,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import COMPARISONS
 from ros2lab.grading.code.arguments import is_refused
 from ros2lab.grading.code.cases import ARITHMETIC, Given, range_within
@@ -218,7 +225,7 @@ class Failing:
         for statement in function.body:
             if isinstance(statement, ast.Raise) or self.fails(home, statement):
                 return True
-            if isinstance(statement, _COMPOUND) or any(isinstance(n, _LEAVES) for n in ast.walk(statement)):
+            if isinstance(statement, _COMPOUND) or any(isinstance(n, _LEAVES) for n in walk(statement)):
                 return False
         return False
 
@@ -264,7 +271,7 @@ def _evaluated(node: ast.AST) -> Iterator[ast.AST]:
         case ast.Compare(left=left, comparators=[right, *_]):
             parts = (left, right)
         case _:
-            parts = [*ast.iter_child_nodes(node)]
+            parts = [*children(node)]
     for part in parts:
         yield from _evaluated(part)
 

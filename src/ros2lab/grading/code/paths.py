@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator
 from weakref import WeakKeyDictionary
 
 from ros2lab.diagnose.code.bound_names import undefined_names
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, children, walk
 from ros2lab.grading.code.cases import leaves, text_of
 from ros2lab.grading.code.failing import Failing
 from ros2lab.grading.code.possible import Facts, Possible
@@ -47,7 +47,7 @@ class Paths:
     def reached(self, source: PythonSource, node: ast.AST, facts: Facts) -> Iterator[tuple[ast.AST, Facts]]:
         """Yield the parts of a node that are reached if the node is, each with the facts that hold there."""
         if isinstance(node, ast.expr) and not isinstance(node, (ast.BoolOp, ast.IfExp)):
-            yield from ((part, facts) for part in ast.iter_child_nodes(node))
+            yield from ((part, facts) for part in children(node))
             return
         shut, known = set[str](), dict[str, Facts]()
         match node:
@@ -125,7 +125,7 @@ class Paths:
             return False
         if not (undefined := _undefined_in(source)):
             return False
-        inside = [*ast.walk(part)]
+        inside = [*walk(part)]
         return not any(isinstance(node, ast.Lambda) for node in inside) and any(
             isinstance(node, ast.Name) and node.id in undefined for node in inside
         )
@@ -161,7 +161,7 @@ class Paths:
             return facts
         stored = set[str]()
         is_shared = False
-        for node in ast.walk(statement):
+        for node in walk(statement):
             match node:
                 case ast.Name(ctx=ast.Store()) | ast.Attribute(ctx=ast.Store()):
                     stored.add(text_of(node))
@@ -218,7 +218,7 @@ def _leaves(source: PythonSource, part: ast.AST) -> bool:
 
 
 def _breaks(loop: ast.While) -> bool:
-    return any(isinstance(node, ast.Break) for node in ast.walk(loop))
+    return any(isinstance(node, ast.Break) for node in walk(loop))
 
 
 def _truth(test: ast.expr) -> bool | None:
@@ -241,14 +241,14 @@ def _truth(test: ast.expr) -> bool | None:
 
 def _cannot_fail(statement: ast.stmt) -> bool:
     """Return whether a statement only assigns constants, what types make of constants, or other names."""
-    made = [node for node in ast.walk(statement) if is_made_of_constants(node)]
+    made = [node for node in walk(statement) if is_made_of_constants(node)]
     return all(
         node in made
         or (
             isinstance(node, _PLAIN)
             and not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
         )
-        for node in ast.walk(statement)
+        for node in walk(statement)
     )
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 from ros2lab.grading.code.arguments import Arguments
 from ros2lab.grading.code.assigned import Store, Stores, value_before
@@ -215,7 +215,7 @@ class Possible:
     def _of_name(self, source: PythonSource, function: Function | None, name: str) -> Values:
         inner: ast.AST | None = function
         while isinstance(inner, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            if name in {argument.arg for argument in ast.walk(inner.args) if isinstance(argument, ast.arg)}:
+            if name in {argument.arg for argument in walk(inner.args) if isinstance(argument, ast.arg)}:
                 given = self._of_parameter(inner, name)
                 return given | self._stored((inner, name)) if (inner, name) in self._stores else given
             if (inner, name) in self._stores:

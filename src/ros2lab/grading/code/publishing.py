@@ -10,7 +10,7 @@ from functools import cached_property
 
 from ros2lab.diagnose.sources.interfaces import is_interface, node_members
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
 from ros2lab.grading.code.cases import Given, text_of
 from ros2lab.grading.code.own_messages import Messages
 from ros2lab.grading.code.possible import Possible, Values
@@ -117,7 +117,7 @@ class Publishing:
         names = {text_of(target) for target in self._kept(creation.call)}
         body = next((body for body in self._bodies(statement) if statement in body), [])
         for later in body[body.index(statement) + 1 :] if body else ():
-            if any(_destroys(node, names) for node in ast.walk(later)):
+            if any(_destroys(node, names) for node in walk(later)):
                 return isinstance(later, ast.Expr)
             if hasattr(later, "body") or _lets_come(later):
                 return False
@@ -137,7 +137,7 @@ class Publishing:
         return bool(ends) and not any(
             text_of(node) == name and isinstance(getattr(node, "ctx", None), ast.Store)
             for earlier in later
-            for node in ast.walk(earlier)
+            for node in walk(earlier)
         )
 
     # --- what is done with it ---------------------------------------------------------------------------
@@ -152,7 +152,7 @@ class Publishing:
             child: node
             for source in self._sources.sources.values()
             for node in (source.tree, *source.nodes)
-            for child in ast.iter_child_nodes(node)
+            for child in children(node)
         }
 
     def _scope(self, node: ast.AST) -> tuple[PythonSource | None, NodeClass | None, Function | None]:
@@ -211,7 +211,7 @@ class Publishing:
 
     def _is_within(self, within: Function | None, function: Function, name: str) -> bool:
         """Return whether a function is another one or nested in it, or that one declares the name global."""
-        is_shared = any(isinstance(node, ast.Global) and name in node.names for node in ast.walk(function))
+        is_shared = any(isinstance(node, ast.Global) and name in node.names for node in walk(function))
         while within is not None and within is not function:
             within = self._scope(within)[2]
         return is_shared or within is function
@@ -352,7 +352,7 @@ def _destroys(node: ast.AST, names: set[str]) -> bool:
 
 def _lets_come(statement: ast.AST) -> bool:
     """Return whether anything may be received or published in a statement."""
-    names = {_name_of(node) for node in ast.walk(statement)}
+    names = {_name_of(node) for node in walk(statement)}
     return any(name.startswith(("spin", "publish", "sleep", "wait")) for name in names)
 
 

@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.grading.code.failing import Failing
 from ros2lab.grading.code.own_messages import Messages
 from ros2lab.grading.code.paths import Paths
@@ -142,7 +142,7 @@ def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collectio
             is_named = entrances is None or name in entrances or name == "main"
             return is_named or any(
                 isinstance(node, ast.Call) and source.resolve(node.func) in ("rclpy.init", "rclpy.init.init")
-                for node in ast.walk(statement)
+                for node in walk(statement)
             )
     return False
 

@@ -13,7 +13,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 
 from ros2lab.diagnose.sources.node_source import LOG_METHODS
-from ros2lab.diagnose.sources.python_source import Function
+from ros2lab.diagnose.sources.python_source import Function, children, walk
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.grading.code.paths import is_made_of_constants
 from ros2lab.handlers import ENDS, EVERY_ERROR, Handlers
@@ -179,10 +179,10 @@ class _Tried:
         if isinstance(node, _FIRM) or _is_of_constants(node):
             return False
         if isinstance(node, _PLAIN) and self._is_by_others(node):
-            return any(map(self._may_fail, ast.iter_child_nodes(node)))
+            return any(map(self._may_fail, children(node)))
         if isinstance(getattr(node, "ctx", None), ast.Store) and isinstance(node, (ast.Tuple, ast.List)):
             return True  # there may be more values, or fewer
-        parts = ast.iter_child_nodes(node) if isinstance(node, _OF_PARTS) else self._parts(node)
+        parts = children(node) if isinstance(node, _OF_PARTS) else self._parts(node)
         return parts is None or any(map(self._may_fail, parts))
 
     def _is_by_others(self, node: ast.AST) -> bool:
@@ -275,7 +275,7 @@ def _changes_nothing(node: ast.Try, handler: ast.ExceptHandler) -> bool:
 
 def _only_computes(value: ast.expr) -> bool:
     """Return whether an expression has no effect but its value, or its error."""
-    calls = [part for part in ast.walk(value) if isinstance(part, (ast.Call, ast.Await, ast.NamedExpr))]
+    calls = [part for part in walk(value) if isinstance(part, (ast.Call, ast.Await, ast.NamedExpr))]
     return all(isinstance(call, ast.Call) and _is_pure(call.func) for call in calls)
 
 
@@ -293,9 +293,7 @@ def _always_set(node: ast.ClassDef) -> set[str]:
     made = [part for part in node.body if isinstance(part, ast.FunctionDef) and part.name == "__init__"]
     targets = [part for function in made for statement in function.body for part in _targets(statement)]
     deleted = {
-        part.attr
-        for part in ast.walk(node)
-        if isinstance(part, ast.Attribute) and isinstance(part.ctx, ast.Del)
+        part.attr for part in walk(node) if isinstance(part, ast.Attribute) and isinstance(part.ctx, ast.Del)
     }
     return {part.attr for part in targets if isinstance(part, ast.Attribute) and _is_self(part)} - deleted
 
@@ -316,12 +314,12 @@ def _after_making(node: ast.ClassDef) -> Iterator[ast.Try]:
     calls = {
         part.func.attr
         for function in made
-        for part in ast.walk(function)
+        for part in walk(function)
         if isinstance(part, ast.Call) and isinstance(part.func, ast.Attribute)
     }
     for name, method in methods.items():
         if name not in {"__init__", *calls}:
-            yield from (part for part in ast.walk(method) if isinstance(part, ast.Try))
+            yield from (part for part in walk(method) if isinstance(part, ast.Try))
 
 
 def _is_of_constants(node: ast.AST) -> bool:
