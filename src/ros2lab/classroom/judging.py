@@ -14,6 +14,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from ros2lab import assignments
 from ros2lab.classroom import identity
@@ -133,25 +134,37 @@ def regrade(
     rows = [*rows]
     check_assignment(book, judging, rows)
     stale = [row for row in rows if row.worth and row.worth.rubric != judging.by(row.handed.key)]
-    changed, problems = 0, dict[str, str]()
+    show(0, len(stale))
+    done, changed, problems = 0, 0, dict[str, str]()
     with _judges(judging, len(stale) // AT_ONCE) as judged:
-        for start in range(0, len(stale), AT_ONCE):
-            show(start, len(stale))
-            some = stale[start : start + AT_ONCE]
-            given = [(book.evidence(row.grading), row.handed.key, row.handed.name) for row in some]
+        parts = (stale[start : start + AT_ONCE] for start in range(0, len(stale), AT_ONCE))
+        for some, worth_of_each in _begun_ahead((part, judged(_given(book, part))) for part in parts):
             worths: dict[int, dict[str, Worth | str]] = {}
-            for row, worth in zip(some, judged(given), strict=True):
+            for row, worth in zip(some, worth_of_each, strict=True):
                 if isinstance(worth, str):
                     problems[row.handed.name] = worth
                     continue
                 worths.setdefault(row.grading, {})[row.handed.key] = worth
                 changed += worth.total != (row.worth.total if row.worth else None)
             book.judge(worths)
-    show(len(stale), len(stale))
+            done += len(some)
+            show(done, len(stale))
     return JudgedAgain(len(stale) - len(problems), changed, problems)
 
 
 Given = tuple[str, str, str]  # the evidence on a submission, and the student's key and name
+Begun = TypeVar("Begun")
+
+
+def _given(book: Gradebook, rows: Iterable[Row]) -> list[Given]:
+    return [(book.evidence(row.grading), row.handed.key, row.handed.name) for row in rows]
+
+
+def _begun_ahead(items: Iterator[Begun]) -> Iterator[Begun]:
+    """Yield each item once the next one was begun, so that nobody waits for work while a result is written."""
+    for before, _ in itertools.pairwise(itertools.chain(items, [None])):
+        if before is not None:
+            yield before
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import PurePosixPath
 
 from ros2lab.grading.judging.players import Case
@@ -211,6 +212,7 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
     return Answer(level, seen, ("files.readme",), "README")
 
 
+@lru_cache(maxsize=1)
 def _told(case: Case) -> str:
     """Return the text of a README; only its commands if it has names, but hardly a word that says something of them."""
     files = case.evidence.files

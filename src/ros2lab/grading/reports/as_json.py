@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 
-from ros2lab.grading.grade import Grade
+from ros2lab.grading.grade import Grade, run_of
 
 
 def as_json(grade: Grade) -> str:
@@ -14,7 +14,8 @@ def as_json(grade: Grade) -> str:
     Raises:
         ValueError: if a number is not finite.
     """
-    data = {"run": grade.run, **asdict(grade)}
+    plain = asdict(grade)
+    data = {"run": run_of(plain), **plain}
     for criterion in data["criteria"]:
         if criterion["override"] is None:
             del criterion["override"]

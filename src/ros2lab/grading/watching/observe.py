@@ -228,7 +228,13 @@ class _Room:
                     json.dumps(self._assignment.plain()),
                 ],
                 files="none",
-                environ=_settings({**environment.found_libraries(), "PYTHONPATH": str(PACKAGE.parent)}),
+                environ=_settings(
+                    {
+                        **environment.found_libraries(),
+                        "PYTHONPATH": str(PACKAGE.parent),
+                        "ROS_PYTHON_CHECK_FIELDS": "0",  # what is received is of the right types
+                    }
+                ),
                 stdin=its_socket.fileno(),
                 shown=[PACKAGE],
                 limits=OBSERVER_LIMITS,
