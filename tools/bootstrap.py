@@ -53,7 +53,7 @@ WARM_UP = (
     "ros2lab.grading.reading.reader",
 )
 # What runs in the grader's boxes, where no module can be stored compiled: it would be compiled each time.
-IN_BOXES = ("colcon_*", "setuptools")
+IN_BOXES = ("argcomplete", "colcon_*", "distlib", "em.py", "notify2.py", "setuptools")
 WHEELS_WARM_UP = (
     "rclpy.node",
     "rclpy.executors",
@@ -432,8 +432,12 @@ class Installation:
 
     def compile_for_boxes(self) -> None:
         """Compile what the grader's boxes run."""
+        folders = ("bin", "lib/python*/site-packages")  # colcon finds what lies beside it first
         packages = [
-            str(path) for name in IN_BOXES for path in self.venv.glob(f"lib/python*/site-packages/{name}")
+            str(path)
+            for folder in folders
+            for name in IN_BOXES
+            for path in self.venv.glob(f"{folder}/{name}")
         ]
         compiled = [str(self.root / "src"), *packages]
         self.step("Preparing the grader", [self.python, "-m", "compileall", "-qq", "-j", "0", *compiled])

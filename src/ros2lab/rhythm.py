@@ -17,6 +17,7 @@ CLOSE = 0.25  # of the same, by which a period may be off and still be close
 FACTOR = 2.0  # times the period that is asked for, from which one is far off
 AT_A_TIME = 0.05  # of the longest time between two messages
 UNEVEN = 1.5  # s, between two times from message to message; on a busy machine one can be late
+REAL_HORIZON = 5.2  # s on the real clock, for two messages of a 2.4 s timer, whatever its phase
 LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
 _GRAIN = 0.05  # of the same, to which a period is rounded where it is told
 

@@ -17,10 +17,12 @@ from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
+from ros2lab.grading import markdown, plain_markup
 from ros2lab.grading.code.running import Code
-from ros2lab.grading.reading import markdown, plain_markup, restructured
+from ros2lab.grading.reading.boxed import markdown, plain_markup, restructured
+from ros2lab.grading.reading.launch_files import without_comments
 from ros2lab.grading.receiving.clean_copy import CHUNK, opened
-from ros2lab.grading.receiving.submission import MOST_SOURCE, FoundPackage, Submission
+from ros2lab.grading.receiving.submission import FoundPackage, MOST_SOURCE, Submission
 
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
@@ -40,7 +42,6 @@ _RECORDINGS = re.compile(
 _OF_ROS = re.compile(r"\b(?:ros2|colcon)\b")
 _OF_CODE = frozenset((".py", ".xml", ".cfg", ".toml", ".yaml", ".yml", ".msg", ".srv", ".action"))
 _MADE = ("setup.py", "ros2_ws", "robot_ws", "colcon_ws", "setup", "install", "build")
-COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _DESCRIPTION = re.compile(
     r"<description\b(?s:.*?)(?:</description|\Z)|\bdescription\s*[:=]\s*(?:(['\"])(?s:.*?)\1|[^\n]*)"
 )
@@ -132,6 +133,8 @@ def _shown(file: Path) -> str:
     if kind in _MARKDOWN:
         return markdown.shown(text)
     if kind == ".rst":
+        from ros2lab.grading import restructured  # noqa: PLC0415 -- docutils is slow to import, and few need it
+
         return restructured.shown(text)
     return plain_markup.shown(text, kind)
 
@@ -190,7 +193,7 @@ def _code_of(text: str, suffix: str) -> str:
             for token, kind in zip(tokens, before, strict=False)
             if token.type != tokenize.STRING or kind not in begin
         )
-    return _DESCRIPTION.sub("", COMMENT.sub("", text))
+    return _DESCRIPTION.sub("", without_comments(text))
 
 
 def described(sources: Iterable[PythonSource], code: Code = (), readme: str = "") -> dict[str, list[int]]:

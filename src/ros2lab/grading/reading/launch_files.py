@@ -13,6 +13,7 @@ from ros2lab.grading.reading.graded_package import Package
 from ros2lab.grading.receiving.submission import FoundPackage, Submission
 
 MOST = 50  # names or paths that are returned
+_COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 # How a launch file may look up the share folder of a package, in Python, XML or YAML.
 _SHARE_OF = re.compile(
     r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
@@ -66,7 +67,7 @@ def uncommented(packages: Iterable[Package]) -> dict[Path, str]:
 
 def without_comments(text: str) -> str:
     """Return a text in Python, YAML or XML without its comments."""
-    return COMMENT.sub("", text)
+    return _COMMENT.sub("", text)
 
 
 def lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, list[str]]:

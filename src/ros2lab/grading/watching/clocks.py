@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.senses import is_still, is_velocity, steady
 from ros2lab.grading.watching.quiet import REAL_HORIZON
-from ros2lab.rhythm import LEAST_CHANGE, is_another, period_of
+from ros2lab.rhythm import LEAST_CHANGE, REAL_HORIZON, is_another, period_of
 
 MOVING, STILL = "moving", "still"
 LISTENED = 3  # messages of each topic, after which nobody waits for more of them on the real clock

@@ -10,13 +10,13 @@ from ros2lab.grading.watching.ear import Ear
 from ros2lab.grading.watching.given import Given
 from ros2lab.grading.watching.watch import NotStepped, Watch
 from ros2lab.observed_domain import LATE
+from ros2lab.rhythm import REAL_HORIZON
 
 STEP = 0.1  # s of the stepped clock
 QUICK = 1.0  # s: topics with shorter periods are observed in small steps
 BRIEF_HORIZON = 2.6  # s, where periods are known already
 HORIZON = 8.0  # s, for three messages of a 2.4 s timer
 FAR_HORIZON = 12.0  # s, for two of a 5 s timer
-REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, whatever its phase
 JUMPS = 3
 MOST_LOOKS = 4  # at the graph for new topics
 SLOW = 5.0  # s, in which two messages of a 2.4 s timer come
