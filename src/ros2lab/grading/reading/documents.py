@@ -17,12 +17,11 @@ from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
-from ros2lab.grading import markdown, plain_markup
 from ros2lab.grading.code.running import Code
-from ros2lab.grading.reading.boxed import markdown, plain_markup, restructured
+from ros2lab.grading.reading import markdown, plain_markup
 from ros2lab.grading.reading.launch_files import without_comments
 from ros2lab.grading.receiving.clean_copy import CHUNK, opened
-from ros2lab.grading.receiving.submission import FoundPackage, MOST_SOURCE, Submission
+from ros2lab.grading.receiving.submission import MOST_SOURCE, FoundPackage, Submission
 
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
@@ -133,7 +132,7 @@ def _shown(file: Path) -> str:
     if kind in _MARKDOWN:
         return markdown.shown(text)
     if kind == ".rst":
-        from ros2lab.grading import restructured  # noqa: PLC0415 -- docutils is slow to import, and few need it
+        from ros2lab.grading.reading import restructured  # noqa: PLC0415 -- docutils is slow to import, and few need it
 
         return restructured.shown(text)
     return plain_markup.shown(text, kind)

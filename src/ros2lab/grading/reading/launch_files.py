@@ -8,7 +8,6 @@ from pathlib import Path
 
 from ros2lab.diagnose.launching.launch_file import read_launch_file
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.grading.reading.documents import COMMENT
 from ros2lab.grading.reading.graded_package import Package
 from ros2lab.grading.receiving.submission import FoundPackage, Submission
 

@@ -10,7 +10,6 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.senses import is_still, is_velocity, steady
-from ros2lab.grading.watching.quiet import REAL_HORIZON
 from ros2lab.rhythm import LEAST_CHANGE, REAL_HORIZON, is_another, period_of
 
 MOVING, STILL = "moving", "still"
