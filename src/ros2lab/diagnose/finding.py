@@ -12,6 +12,21 @@ SAID = "passed-on"  # the code of an error that a tool or Python explains itself
 
 
 @dataclass(frozen=True)
+class Guess:
+    """What a fix writes only because it looks likely: it is tried in a copy of the file before it is told.
+
+    Attributes:
+        old: the expression or the statement that it replaces, as `ast` writes it.
+        new: what it writes instead.
+        otherwise: the fix if that makes something fail.
+    """
+
+    old: str
+    new: str
+    otherwise: str
+
+
+@dataclass(frozen=True)
 class Finding:
     """One thing that is wrong.
 
@@ -22,6 +37,7 @@ class Finding:
         fix: what to type or change; empty if not known.
         about: the names of the packages, executables, files or topics that it is about.
         never: the places of the functions and classes of which it says that none of their code runs.
+        guess: what the fix writes, if that may be wrong; None if it is certain, or nothing to type.
     """
 
     code: str
@@ -30,6 +46,7 @@ class Finding:
     fix: str = ""
     about: tuple[str, ...] = ()
     never: tuple[str, ...] = ()
+    guess: Guess | None = None
 
 
 # In the order in which they stop a student: what keeps colcon from building at all comes first, what only

@@ -93,7 +93,10 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
         elif bare_sibling(source, imported, own_modules):
             continue  # whether Python finds it depends on how the file is started
     yield from misspelt_packages(source, own_modules)
-    yield from wrong_imports(source, names_of(source, own_modules))
+    is_run = any(name.rpartition(".")[0] == source.name for name in sources.used)
+    # A script that is run by hand finds the files beside it first.
+    beside = "" if is_run or "__main__" not in source.text else source.name.rpartition(".")[0]
+    yield from wrong_imports(source, names_of(source, own_modules, beside))
     undefined = [*undefined_names(source)]
     lost = {id(called.function): called.lacks for called in (called_back(sources) if undefined else ())}
     for name, node in undefined:
@@ -111,10 +114,22 @@ def _made(sources: NodeSources, source: PythonSource) -> dict[str, PythonSource]
     return {name: PythonSource(name, "", _UNKNOWN) for name in names if sources.beyond.is_made(name)}
 
 
-def names_of(source: PythonSource, modules: Mapping[str, PythonSource]) -> dict[str, frozenset[str]]:
-    """Return the names of each module that a file imports from; none for the other modules."""
+def names_of(
+    source: PythonSource, modules: Mapping[str, PythonSource], beside: str = ""
+) -> dict[str, frozenset[str]]:
+    """Return the names of each module that a file imports from, and what those below it define; none for the others.
+
+    Those of a module in the package `beside`, if it is given, count as those of one with its bare name, too.
+    """
     asked = {source.absolute(node) for node in source.nodes if isinstance(node, ast.ImportFrom)}
-    return {name: bound_names(own) if name in asked else frozenset() for name, own in modules.items()}
+    found = {name: frozenset[str]() for name in modules}
+    for name in (name for name in modules if name.rpartition(".")[0] in asked):
+        found[name] = bound_names(modules[name]) - {imported.local for imported in modules[name].imports}
+    for name in asked & found.keys():
+        found[name] = bound_names(modules[name])
+        twin = modules.get(f"{beside}.{name}") if beside and found[name] else None
+        found[name] |= bound_names(twin) if twin else frozenset()
+    return found
 
 
 def bound_names(source: PythonSource) -> frozenset[str]:

@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, Guess
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
@@ -77,7 +77,7 @@ def _of_names(
     wrong = [name for name in wrong if f"{module}.{name}" not in own]
     if not wrong:
         return None
-    homes = _homes(module, wrong, names, source)
+    homes = _homes(module, wrong, names, source) | _below(module, wrong, own)
     if is_absent and not homes:
         return None  # a library that is not installed here
     cause = f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} not in {module}"
@@ -86,8 +86,29 @@ def _of_names(
         "import-wrong",
         cause + _meant(module, wrong, homes, is_module=names is not None),
         source.at(node),
-        _fix(source, node, homes, names),
+        fix := _fix(source, node, homes, names),
+        guess=_guess(source, node, fix, wrong, homes),
     )
+
+
+def _guess(
+    source: PythonSource, node: ast.ImportFrom, fix: str, wrong: Sequence[str], homes: Mapping[str, _Home]
+) -> Guess | None:
+    """Return what is written instead of an import, if that is only taken from where a name is; else None."""
+    name = wrong[0]
+    lines = used_on(source, name)
+    if len(wrong) > 1 or homes.get(name, ("", ""))[1] != name or not lines:
+        return None
+    new = "; ".join(re.findall(r"`((?:from|import) [^`]+)`", fix))
+    more = f"line {lines[0]} cannot use {homes[name][0]}.{name} as it does"
+    return Guess(ast.unparse(node), new, f"import what is meant there: {more}")
+
+
+def _below(module: str, wrong: Sequence[str], own: Mapping[str, Collection[str]]) -> dict[str, _Home]:
+    """Return the only module of the workspace, directly below another one, that binds each of some names."""
+    inner = {name: names for name, names in own.items() if name.rpartition(".")[0] == module}
+    holding = {name: [home for home, names in inner.items() if name in names] for name in wrong}
+    return {name: (homes[0], name) for name, homes in holding.items() if len(homes) == 1}
 
 
 def _lacks(module: str) -> bool:

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from ros2lab.diagnose.causes.nothing_given import of_what_gives_nothing
 from ros2lab.diagnose.causes.origins import Origin
+from ros2lab.diagnose.checking.checked_copies import RULES, checked
 from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.edits_told import edits_told
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Trial, statement_of
@@ -54,6 +55,7 @@ def tried(
 def worth_typing(finding: Finding, look: Look) -> Finding:
     """Return a finding whose fix names the imports that it needs; a fix that changes nothing is removed."""
     spot = spot_at(finding.place, look)
+    finding = _without_guess(finding, spot)
     if spot.source is not None and finding.fix.startswith("write "):
         statement = statement_of(spot)
         inner = [n for n in ast.walk(statement or ast.Pass()) if isinstance(n, ast.expr)]
@@ -61,6 +63,24 @@ def worth_typing(finding: Finding, look: Look) -> Finding:
         if said and all(edit.is_idle(spot.source) for edit in said):
             finding = replace(finding, fix="")
     return _with_imports(finding, look)
+
+
+def _without_guess(finding: Finding, spot: Spot) -> Finding:
+    """Return a finding with its other fix if what the first one writes makes something else in the file fail."""
+    guess, source = finding.guess, spot.source
+    here = [n for n in spot.nodes if isinstance(n, (ast.expr, ast.stmt))]
+    replaced = next((n for n in here if guess and ast.unparse(n) == guess.old), None)
+    if guess is None or source is None or replaced is None:
+        return finding
+    before, after = checked(source, [source.text.encode(), Edit(replaced, guess.new).of(source)])
+    known = {(row.rule, row.said) for row in before}
+    new = [row for row in after if row.rule in _FAILS and (row.rule, row.said) not in known]
+    cause = finding.cause.partition(" Did you mean")[0]
+    return replace(finding, cause=cause, fix=guess.otherwise) if new else finding
+
+
+# Objections of the type checker to what fails whatever the annotations say.
+_FAILS = frozenset(RULES) - {"invalid-argument-type", "unsupported-operator", "missing-union-attribute"}
 
 
 def _with_imports(finding: Finding, look: Look) -> Finding:

@@ -8,7 +8,8 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.at_hand import holders
 from ros2lab.diagnose.code.unknown_names import Unknown, compared, first_value
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, Guess
+from ros2lab.diagnose.sources.commented_out import comments_in
 from ros2lab.diagnose.sources.interfaces import method_of, node_properties
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
@@ -45,11 +46,23 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
         close = _as_used(owner, node, close) if close else None
     meant = f" Did you mean {close}?" if close else ""
     cause = f"{owner.definition.name} has no {what} {name}.{meant}"
-    if (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
+    guess = Guess(f"self.{name}", f"self.{close}", f"define self.{name} in __init__") if close else None
+    if line := _commented_out(owner, name):
+        cause = f"{owner.definition.name} has no {what} {name}: line {line}, which sets it, is a comment."
+        fix, guess = f"remove the # from line {line}, or remove this line", None
+    elif (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
         cause, fix = told
     elif close:
         fix = f"write self.{close}, or define self.{name} in __init__"
-    return Finding("attribute-missing", cause, owner.source.at(node), fix)
+    return Finding("attribute-missing", cause, owner.source.at(node), fix, guess=guess)
+
+
+def _commented_out(owner: NodeClass, name: str) -> int | None:
+    """Return the line of a comment in a class that would set an attribute of self; None if there is none."""
+    setting = re.compile(rf"\s*self\.{re.escape(name)}\s*=[^=]")
+    inside = range(owner.definition.lineno, (owner.definition.end_lineno or 0) + 1)
+    found = (line for line, said in comments_in(owner.source.text) if setting.match(said))
+    return next((line for line in found if line in inside), None)
 
 
 def _nearest_member(owner: NodeClass, name: str, members: Collection[str]) -> str | None:
