@@ -78,7 +78,7 @@ def test_a_slip_in_what_runs_later_is_told(tmp_path: Path, later: str) -> None:
     [
         ("their_arm", "their_arm", "install it (sudo apt install ros-jazzy-their-arm), or put its source into src"),
         ("tf2_msgs_", "", "write tf2_msgs instead of tf2_msgs_"),
-        ("their_arm", "", "install it (sudo apt install ros-jazzy-their-arm), or put its source into src; if their_arm is misspelt, correct it"),
+        ("their_arm", "", "install it (sudo apt install ros-jazzy-their-arm), if `apt-cache policy ros-jazzy-their-arm` names a version, or put its source into src; if their_arm is misspelt, correct it"),
     ],
 )  # fmt: skip
 def test_a_right_name_is_not_to_be_corrected(tmp_path: Path, name: str, depends: str, fix: str) -> None:

@@ -12,6 +12,7 @@ from workspace_files import NAMES, Files
 from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.code.argument_names import argument_name_faults
 from ros2lab.diagnose.code.expression_faults import expression_faults
+from ros2lab.diagnose.code.lost_parameters import lost_parameters
 from ros2lab.diagnose.sources.spelling import is_near_miss
 
 NAME = NAMES[1]
@@ -287,3 +288,123 @@ def test_names_that_are_counted_from_another_number_are_not_swapped(
 ) -> None:
     found = [*argument_name_faults(sources_of(COUNTED.replace("CALL", call), tmp_path))]
     assert [finding.code for finding in found] == ["argument-order"] * is_told
+
+
+NESTED = "filter:\n  ros__parameters:\n    corners: [[1, 2], [3, 4]]\n"
+READER = "import yaml\n\n\ndef read():\n    return yaml.safe_load(open('config/more.yaml'))\n"
+OTHER_READER = READER.replace("more", "other")
+SHARE = "get_package_share_directory('PACKAGE')"
+JOINED = f"os.path.join({SHARE}, 'config', 'more.yaml', {SHARE}, 'config', 'robot.yaml')"
+GIVEN = f"os.path.join({SHARE}, 'config', 'more.yaml')"
+JOINING = LAUNCH.replace(
+    "from launch import",
+    "import os\nfrom ament_index_python.packages import get_package_share_directory\nfrom launch import",
+)
+
+
+@pytest.mark.parametrize(
+    ("reader", "given", "is_told"),
+    [
+        ("", GIVEN, True),
+        ("", "", True),
+        (READER, "", False),
+        (OTHER_READER, "", True),
+        (READER.replace("yaml.safe_load(open", "print((").replace("import yaml", ""), "", True),
+        (READER.replace("import yaml", "from yaml import safe_load").replace("yaml.safe", "safe"), "", False),
+        (READER, JOINED, False),
+        (READER, GIVEN, True),
+        (READER, f"PathJoinSubstitution([FindPackageShare('{PACKAGE}'), 'config', 'more.yaml'])", True),
+    ],
+)
+def test_a_file_that_only_programs_read_is_any_yaml(
+    tmp_path: Path, reader: str, given: str, is_told: bool
+) -> None:
+    files = Files.right(NAME).put("config/more.yaml", NESTED).put("PACKAGE/read.py", reader)
+    if given:
+        files.put(
+            "launch/more.launch.py", JOINING.replace("ACTIONS", OWN.replace("MORE", f"parameters=[{given}]"))
+        )
+    found = [f for f in of_workspace(files.write(tmp_path)) if f.code == "parameter-file-syntax"]
+    assert len(found) == is_told
+    assert all(("read.py reads the file, too" in f.fix) == (reader == READER) for f in found)
+
+
+GOAL = """\
+from rclpy.action import CancelResponse
+from std_msgs.msg import String
+
+SPEED = 2.0
+
+
+class Robot:
+    def ask(self, goal_handle):
+        LINE
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "is_told"),
+    [
+        ("return CancelResonse.ACCEPT", False),
+        ("return GoalResponse.ACCEPT", False),
+        ("self.pub.publish(Sting(data='on'))", False),
+        ("return SPED * 2", False),
+        ("step = 1.0; return stpe", False),
+        ("return msg.data", True),
+        ("print(request.order)", True),
+    ],
+)
+def test_a_name_with_a_better_reading_is_no_parameter(tmp_path: Path, line: str, is_told: bool) -> None:
+    sources = sources_of(GOAL.replace("LINE", line), tmp_path)
+    assert len([*lost_parameters(sources)]) == is_told
+
+
+PRINTS = "def main():\n    print('on', flush=True)\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "is_told"),
+    [
+        ("", True),
+        ("prefix='xterm -e'", False),
+        ("prefix=['gnome-terminal', ' --']", False),
+        ("prefix=LaunchConfiguration('device')", False),
+        ("output='screen'", False),
+        ("arguments=['--prefix']", True),
+        ("prefix=''", True),
+    ],
+)
+def test_what_another_program_starts_may_print_elsewhere(tmp_path: Path, more: str, is_told: bool) -> None:
+    files = Files.right(NAME).change("setup.py", POINT, f"{POINT}'shout = {PACKAGE}.shout:main',")
+    files.put(f"{PACKAGE}/shout.py", PRINTS)
+    actions = f"DeclareLaunchArgument('device', default_value='nice'), Node(package='{PACKAGE}', executable='shout', {more})"
+    files.put("launch/more.launch.py", LAUNCH.replace("ACTIONS", actions))
+    assert codes(files, tmp_path, "never-shown") == ["never-shown"] * is_told
+
+
+ASKS = "from my_bot import Helper\n\n\ndef main():\n    Helper()\n"
+RUN = "\n\nif __name__ == '__main__':\n    main()\n"
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "others", "fix"),
+    [
+        ("PACKAGE/by_hand.py", ASKS + RUN, {}, ""),
+        ("PACKAGE/test_by_hand.py", ASKS + RUN, {}, ""),
+        ("PACKAGE/by_hand.py", ASKS, {}, "write `from my_bot.my_bot import Helper`"),
+        ("PACKAGE/listed.py", ASKS + RUN, {}, "write `from my_bot.my_bot import Helper`"),
+        ("PACKAGE/by_hand.py", ASKS + RUN, {"PACKAGE/__init__.py": "from .my_bot import Helper\n"}, ""),
+        ("PACKAGE/by_hand.py", ASKS.replace("Helper", "Nobody") + RUN, {}, "import one of the names that it has: Helper"),
+        ("PACKAGE/inner/by_hand.py", ASKS + RUN, {"PACKAGE/inner/__init__.py": ""}, "write `from my_bot.my_bot import Helper`"),
+        ("PACKAGE/by_hand.py", ASKS.replace("Helper", "Other"), {"PACKAGE/kept.py": "class Other: ...\n"}, "write `from my_bot.kept import Other`"),
+    ],
+)  # fmt: skip
+def test_a_script_finds_the_file_beside_it_before_its_package(
+    tmp_path: Path, path: str, text: str, others: dict[str, str], fix: str
+) -> None:
+    files = Files.right(NAME).change("setup.py", POINT, f"{POINT}'listed = {PACKAGE}.listed:main',")
+    files.put("PACKAGE/listed.py", "def main(): ...\n").put("PACKAGE/my_bot.py", "class Helper: ...\n")
+    for name, given in {**others, path: text}.items():
+        files.put(name, given)
+    found = [f.fix for f in of_workspace(files.write(tmp_path)) if f.code == "import-wrong"]
+    assert found == [fix] * bool(fix)

@@ -62,7 +62,7 @@ from ros2lab.diagnose.sources.made_modules import is_made, written_modules
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.other_files import OtherFiles
 from ros2lab.diagnose.sources.package import SourcePackage, discover
-from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 
 
 def workspace_around(folder: Path) -> Path | None:
@@ -189,7 +189,8 @@ class Look:
             for name, (source, _) in node.sources.node_names().items()
             if source.name == node.module and (node.name != name or node.namespace)
         }
-        return file_faults(package, self.sources(package), names, moved, others)
+        given = {pair for file in self.launch_files for node in file.nodes for pair in node.files}
+        return file_faults(package, self.sources(package), names, moved, others, given=given)
 
     def _faults_of_launch_files(self, by_name: Mapping[str, SourcePackage]) -> Iterator[Finding]:
         for launch_file in self.launch_files:
@@ -259,7 +260,7 @@ class Look:
                 yield from guarded(self._faults_of_started, launch_file)
                 nodes = started_in(launch_file, self._with_sources)
                 yield from guarded(unknown_names, launch_file, nodes)
-                yield from guarded(keyboard_faults, launch_file, read_text(path), nodes)
+                yield from guarded(keyboard_faults, launch_file, nodes)
                 if path.suffix == ".py":
                     yield from guarded(awaited_ends, read_source(path, path.stem, launch_file.shown), nodes)
                 yield from guarded(set_back, nodes)

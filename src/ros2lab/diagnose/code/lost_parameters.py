@@ -7,11 +7,11 @@ import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ros2lab.diagnose.code.bound_names import unbound_names
+from ros2lab.diagnose.code.bound_names import bound_in, global_names, unbound_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, parameters, walk
-from ros2lab.diagnose.sources.spelling import snake_case
+from ros2lab.diagnose.sources.spelling import nearest, snake_case
 from ros2lab.diagnose.sources.syntax_parts import all_parameters, calls_in, is_property
 
 CODE = "callback-arguments"
@@ -112,6 +112,9 @@ def _by_another_name(definition: Definition) -> Finding | None:
     if len(names) != 1 or len(free) != 1 or function.args.defaults:
         return None
     name, old = names[0], free[0].arg
+    others = global_names(source) | bound_in(function) - {old}
+    if name[0].isupper() or nearest(name, others):
+        return None  # it is written like a class, or misspells what the body has already
     if used.count(name) == 1 and len(parameters(function)) > 1 + (definition.owner is not None):
         return None  # it may be a slip in the body
     changed = copy.deepcopy(function)

@@ -14,10 +14,10 @@ _READ = frozenset(("input", "getpass.getpass", "sys.stdin", "curses.wrapper", "c
 _DECIDES = (ast.If, ast.IfExp, ast.BoolOp, ast.Match)  # the program may well do without
 
 
-def keyboard_faults(file: LaunchFile, text: str, nodes: Sequence[Started]) -> Iterator[Finding]:
+def keyboard_faults(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield where programs that a launch file starts without a terminal of their own read the keyboard."""
-    for node in nodes if "prefix" not in text else ():
-        if (entrance := node.entrance) is None:
+    for node in nodes:
+        if node.launched.is_wrapped or (entrance := node.entrance) is None:
             continue
         told = {
             id(function) for _, function in node.sources.callbacks()

@@ -318,6 +318,7 @@ class _Loading:
                 "arguments": [text(word) for word in given.get("arguments") or []],
                 "values": values,
                 "given": in_order,
+                "is_wrapped": bool(given.get("prefix") or context.launch_configurations.get("launch-prefix")),
                 "line": line,
             }
         )

@@ -68,7 +68,7 @@ def _executable_fault(
     if there is None:
         return
     if executable in there:
-        yield from _prints(package, node) if node.output is None else ()
+        yield from _prints(package, node) if node.output is None and not node.is_wrapped else ()
     elif module := _uncalled(package, executable):
         yield _no_entry_point(package, node, executable, module)
     else:

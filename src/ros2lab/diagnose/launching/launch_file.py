@@ -21,8 +21,9 @@ from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
-from ros2lab.diagnose.launching.plain_values import may_be_parameter, plain_value_faults
+from ros2lab.diagnose.launching.plain_values import plain_value_faults, takers
 from ros2lab.diagnose.sources.calls import as_list
+from ros2lab.diagnose.sources.commented_out import comments_in
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
 from ros2lab.diagnose.sources.signatures import LISTS, heads_of, signature_of
@@ -48,6 +49,7 @@ class Launched:
         arguments: its command-line arguments.
         values: the parameters that it is given directly, without those of files.
         given: its parameters in order: dicts of values by name, and paths of files.
+        is_wrapped: whether launch starts another program, such as a terminal of its own, which then starts it.
     """
 
     package: Any
@@ -61,6 +63,7 @@ class Launched:
     arguments: tuple[str, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
     given: tuple[Mapping[str, Any] | str, ...] = ()
+    is_wrapped: bool = False
 
     @property
     def remapped(self) -> tuple[str, ...]:
@@ -204,8 +207,13 @@ def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Findin
             cause = f"The launch argument {name} is declared but never used, so it changes nothing."
             value = f"LaunchConfiguration('{name}')"
             fix = f"remove it, or write {value} where its value is needed"
-            if may_be_parameter(source, name):
-                fix = f"pass it to a node: parameters=[{{'{name}': {value}}}]"
+            if nodes := takers(source, name):
+                line = f"the Node on line {nodes[0].lineno}" if len(nodes) == 1 else "a node"
+                fix = f"pass it to {line}: parameters=[{{'{name}': {value}}}]"
+            elif used_by := [
+                n for n, said in comments_in(source.text) if f"LaunchConfiguration('{name}')" in said
+            ]:
+                fix = f"remove it, or remove the # from line {used_by[0]}, which would use it"
             yield Finding("launch-unused", cause, source.at(declared[name]), fix)
 
 
@@ -237,6 +245,7 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             given.get("namespace", ""),
             given.get("output"),
             _words(given.get("arguments")),
+            is_wrapped=bool(given.get("prefix")),
         )
 
 
@@ -259,7 +268,11 @@ def _calls(source: PythonSource) -> Mapping[str, Any]:
 
     def joined(*parts: Any) -> Any:
         flat = [inner for part in parts for inner in (part if isinstance(part, list) else [part])]
-        return "/".join(flat) if all(isinstance(part, str) for part in flat) else UNKNOWN
+        if not all(isinstance(part, str) for part in flat):
+            return UNKNOWN
+        # An absolute path, such as a share folder, replaces what is before it.
+        whole = [number for number, part in enumerate(flat) if part.startswith((_SHARE, "/"))]
+        return "/".join(flat[max(whole, default=0) :])
 
     known = {
         "ament_index_python.packages.get_package_share_directory": share,
@@ -350,6 +363,7 @@ def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
         at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
         _text(node.get("namespace", "")),
         node.get("output"),
+        is_wrapped=bool(node.get("launch-prefix")),
     )
 
 

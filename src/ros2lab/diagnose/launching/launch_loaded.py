@@ -178,6 +178,7 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
         tuple(node["arguments"]),
         node["values"],
         tuple(node["given"]),
+        node["is_wrapped"],
     )
 
 
@@ -368,11 +369,12 @@ def _modules(packages: Sequence[SourcePackage]) -> set[str]:
 
 
 def _how_to_get(name: str, *, is_module: bool, is_right: bool) -> str:
-    """Say how what a launch file names may be installed."""
-    if is_right or not is_module:
-        top = name.partition(".")[0]
-        apt = install_of(package_of(top) if is_module else top)
-        how = f"install it ({apt}), or put its source into src"
-    else:
-        how = "install the package that provides it"
-    return how if is_right else f"{how}; if {name} is misspelt, correct it"
+    """Say how what a launch file names may be installed; of a name that is not known, apt tells whether Jazzy has it."""
+    top = name.partition(".")[0]
+    apt = install_of(package_of(top) if is_module else top)
+    if is_right:
+        return f"install it ({apt}), or put its source into src"
+    asked = f"if `apt-cache policy {apt.rpartition(' ')[2]}` names a version"
+    how = f"install it ({apt}), {asked}, or put its source into src"
+    how = f"install the package that provides it ({apt}, {asked})" if is_module else how
+    return f"{how}; if {name} is misspelt, correct it"

@@ -11,7 +11,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import READING, calls_of_launch, named_arguments
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_read, read_text
-from ros2lab.diagnose.sources.static_value import evaluate
+from ros2lab.diagnose.sources.static_value import UNKNOWN, evaluate
 
 _TRUTHS = frozenset(("true", "false", "1", "0", "yes", "no", "on", "off"))
 # What launch counts in seconds.
@@ -139,7 +139,7 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
                     if len(free) > 1:
                         free = [call for call in free if _may_take(source, call, value)]
                     argument = _argument_of(source, value)
-                    free = free if not argument or may_be_parameter(source, argument) else []
+                    free = [call for call in free if not argument or call in takers(source, argument)]
                     lines = " or ".join(str(call.lineno) for call in free)
                     where = f"add {written} to the Node on line {lines}"
                     if keyword == "arguments" or not 0 < len(free) <= _MOST_NODES:
@@ -151,12 +151,26 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
 _MOST_NODES = 3  # that are offered to take a value
 
 
-def may_be_parameter(source: PythonSource, name: str) -> bool:
-    """Return whether a name is known as that of a parameter: every node has it, or code beside a launch file declares it."""
+def takers(source: PythonSource, name: str) -> list[ast.Call]:
+    """Return the calls of a launch file that make nodes which may have a parameter of a name.
+
+    Every node has `use_sim_time`; of the others it is known which the code of their packages declares.
+    """
+    calls = _node_calls(source)
+    if name == "use_sim_time":
+        return calls
     home = _home(source)
-    paths = home.parent.rglob("*.py") if home and name != "use_sim_time" else ()
     declares = re.compile(rf"declare_parameters?\b.*?['\"]{re.escape(name)}['\"]", re.DOTALL)
-    return name == "use_sim_time" or any(declares.search(read_text(path)) for path in paths)
+    paths = (path for path in (home.parent.rglob("*.py") if home else ()) if declares.search(read_text(path)))
+    homes = [folder for path in paths for folder in path.parents if (folder / "package.xml").is_file()]
+    names = {
+        text
+        for folder in homes
+        for text in re.findall(r"<name>\s*(\S+?)\s*<", read_text(folder / "package.xml"))
+    }
+    given = [next((k.value for k in call.keywords if k.arg == "package"), None) for call in calls]
+    known = [evaluate(source.written(value), {}, {}) if value else UNKNOWN for value in given]
+    return [c for c, package in zip(calls, known, strict=True) if names and package in {*names, UNKNOWN}]
 
 
 def _home(source: PythonSource) -> Path | None:

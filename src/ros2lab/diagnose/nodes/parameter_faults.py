@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at, not_read
@@ -212,8 +213,10 @@ def file_faults(
     launched: Collection[str],
     moved: Collection[str],
     others: Collection[str],
+    *,
+    given: Collection[tuple[str, str]],
 ) -> Iterator[Finding]:
-    """Yield faults in a package's parameter files.
+    """Yield faults in a package's parameter files; none in what only its programs read, as any YAML.
 
     Args:
         package: the package.
@@ -221,18 +224,27 @@ def file_faults(
         launched: names that launch files give its nodes; "" for one that is not known.
         moved: names in its code that launch files replace or put into a namespace.
         others: names that launch files give nodes of other packages.
+        given: the files that launch files give nodes, as (package, path below its folder).
     """
     names = {*sources.node_names(), *launched}
     full = {name: whole for name, whole in sources.full_names().items() if name not in {*launched, *moved}}
     declared = declared_in(sources)
     for path in package.parameter_files:
-        shown = package.shown(str(path.relative_to(package.folder)))
+        inner = path.relative_to(package.folder).as_posix()
+        shown = package.shown(inner)
         text = read_text(path)
+        readers = [*_readers(path.name, sources.beyond.modules.values())]
+        if readers and (package.name, inner) not in given:
+            continue
         try:
             content = read_parameter_file(text)
         except ParameterFileError as error:
             if BELOW in text or not is_other_yaml(text):
-                yield unread_file(shown, text, error)
+                fault = unread_file(shown, text, error)
+                also = "".join(
+                    f"; {reader.shown} reads the file, too, as it is now" for reader in readers[:1]
+                )
+                yield replace(fault, fix=fault.fix + also)
             continue
         lines_of = _Lines(shown, text)
         if isinstance(content, Mapping) and BELOW in text:
@@ -252,6 +264,15 @@ def file_faults(
             cause = f"In {shown} the line `ros__parameters:` is missing between the node's name and its parameters."
             fix = "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it"
             yield Finding("parameter-file-node", cause, at(shown, 1), fix)
+
+
+def _readers(name: str, files: Iterable[PythonSource]) -> Iterator[PythonSource]:
+    """Yield the programs that name a YAML file and read YAML themselves."""
+    for file in files:
+        texts = (node.value for node in file.nodes if isinstance(node, ast.Constant))
+        is_named = any(isinstance(text, str) and text.endswith(name) for text in texts)
+        if is_named and any(i.target.partition(".")[0] in ("yaml", "ruamel") for i in file.imports):
+            yield file
 
 
 def _nearly_below(content: Mapping[Any, Any]) -> str:
