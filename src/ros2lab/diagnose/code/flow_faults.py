@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.code.deadlocks import deadlocks
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.sources.entrance import is_lasting
 from ros2lab.diagnose.sources.node_source import CREATORS, Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import blocks, is_steady
@@ -140,7 +140,14 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
             cause = f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`."
             kind = type(before).__name__.lower()
             fix = f"move the {kind} to the end, or below the condition it belongs to"
-            if any(isinstance(statement, _LEAVES) for statement in block[block.index(before) + 1 :]):
+            rest = block[block.index(before) + 1 :]
+            done = {*map(ast.unparse, block[: block.index(before)])}
+            is_bare = isinstance(before, ast.Return) and before.value is None
+            is_whole = isinstance(function, Function) and block is function.body
+            if all(isinstance(n, _LEAVES) or ast.unparse(n) in done for n in rest):
+                last = max(n.end_lineno or n.lineno for n in rest)
+                fix = f"remove {lines_in_words(after.lineno, last)}"
+            elif any(isinstance(n, _LEAVES) for n in rest) or (is_bare and is_whole):
                 fix = f"remove line {before.lineno}, or what comes after it; or write the {kind} below the condition it belongs to"
             yield Finding("unreachable", cause, source.at(after), fix)
 

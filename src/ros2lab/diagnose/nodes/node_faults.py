@@ -27,7 +27,17 @@ from ros2lab.diagnose.sources.node_source import (
     is_self_attribute,
 )
 from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
-from ros2lab.diagnose.sources.python_source import YIELDS, Function, PythonSource, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.python_source import (
+    YIELDS,
+    Function,
+    PythonSource,
+    last_name,
+    names_bound,
+    names_read,
+    own_nodes,
+    parameters,
+    walk,
+)
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -276,13 +286,24 @@ def _parameter_fault(
         f"{creation.source.shown}:{function.lineno}",
         f"write {_def(function)} {function.name}({right}):",
     )
-    others = [other for other, called in sources.callbacks() if called is function and other is not creation]
-    for other in others:
-        if other.method in CALLED_WITH and _fits(other, accepts):
-            place = creation.source.at(creation.call)
-            fix = f"{removal(creation.source, creation.call, 'this line')}, or give it a method of its own: {function.name} is right for the {other.method} on line {other.call.lineno}"
-            break
+    used = names_read(own_nodes(function)) - names_bound(own_nodes(function)) - {*right.split(", ")}
+    if lost := [name for name in names if name in used]:
+        fix += f" and give {' and '.join(lost)} a value in its body, which uses it"
+    if use := _right_use(sources, creation, function, accepts):
+        place = creation.source.at(creation.call)
+        fix = f"{removal(creation.source, creation.call, 'this line')}, or give it a method of its own: {function.name} is right for the {use}"
     yield Finding("callback-arguments", cause, place, fix)
+
+
+def _right_use(sources: NodeSources, creation: Creation, function: Function, accepts: range) -> str:
+    """Return what else calls a callback with as many arguments as it accepts, in words; empty if nothing does."""
+    for other, called in sources.callbacks():
+        if called is function and other.method in CALLED_WITH and _fits(other, accepts):
+            return f"{other.method} on line {other.call.lineno}"
+    kind = type(creation.given("callback"))
+    calls = (call for call in creation.source.calls if last_name(call.func) == function.name)
+    fitting = (c for c in calls if isinstance(c.func, kind) and len(c.args) + len(c.keywords) in accepts)
+    return next((f"call on line {call.lineno}" for call in fitting), "")
 
 
 def _fits(creation: Creation, accepts: range) -> bool:

@@ -11,7 +11,7 @@ from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.read_once import meant_to_change
 from ros2lab.diagnose.nodes.stale_values import computed_once
 from ros2lab.diagnose.sources.interfaces import node_members
-from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
+from ros2lab.diagnose.sources.node_source import LOG_METHODS, Creation, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, holds
@@ -183,6 +183,8 @@ def _never_called(state: State) -> Iterator[Finding]:
         if _is_callback(state, method, takes):
             why = "it is not passed to any timer, subscription or service"
             begun = f"{_given_to(name, len(takes))} in __init__"
+            if len(takes) == 1 and not _is_message(state, method, takes[0]):
+                begun = f"write `self.{name}(...)` where its {takes[0]} is known, or remove it"
         elif not state.uses.named[name] and (changed := _changed_alone(state, method)):
             why, begun = f"only it changes {changed}", _call_of(state, name, takes)
         if begun:
@@ -206,6 +208,13 @@ def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
     )
     looks_so = bool(own) or "callback" in method.name or takes in (["msg"], ["request", "response"])
     return looks_so and len(takes) < len(is_alone) and bool(is_alone[len(takes)])
+
+
+def _is_message(state: State, method: Function, name: str) -> bool:
+    """Return whether a method treats a parameter as a message: it reads a field of it, or uses nothing of it."""
+    uses = [n for n in own_nodes(method) if isinstance(n, ast.Name) and n.id == name]
+    read = [n for n in own_nodes(method) if isinstance(n, ast.Attribute) and n.value in uses]
+    return not uses or name in ("msg", "message") or not all(map(state.source.is_called, read))
 
 
 def _given_to(name: str, takes: int) -> str:
@@ -289,10 +298,30 @@ def _never_published(state: State) -> Iterator[Finding]:
         if not last.isidentifier() or state.uses.named[last]:
             continue
         kept = name if name.startswith("self.") else f"self.{name}"
-        fix = f"write {kept}.publish(msg) in the callback that has the message"
+        fix = _sent_there(state, creation, kept)
         fix = fix if kept == name else f"write {kept} instead of {name}, and {fix.removeprefix('write ')}"
         cause = f"{name} is a publisher, but nothing publishes with it."
         yield Finding("never-sent", cause, state.at(creation.call), fix)
+
+
+def _sent_there(state: State, creation: Creation, kept: str) -> str:
+    """Return where a publisher may publish: in a callback that receives its type, unless it hears the same topic."""
+    kind, topic = (_text(state, creation, name) for name in ("msg_type", "topic"))
+    others = [c for c in state.uses.sources.creations if c.owner is state.owner]
+    heard = [c for c in others if c.method == "create_subscription" and _text(state, c, "msg_type") == kind]
+    if not heard and any(c.method in ("create_subscription", "create_timer") for c in others):
+        return f"write {kept}.publish(...) in a callback, with a {kind} that is made there"
+    if heard and all(_text(state, c, "topic") == topic for c in heard):
+        topic = ast.unparse(creation.given("topic") or ast.Constant(topic))
+        return f"write another topic here, or remove the publisher: a callback that publishes on {topic}, which it receives itself, never comes to an end"
+    return f"write {kept}.publish(msg) in the callback that has the message"
+
+
+def _text(state: State, creation: Creation, name: str) -> str:
+    """Return what an argument is, or how it is written where that is not known."""
+    given = creation.given(name)
+    value = state.uses.sources.value(creation.source, given)
+    return value.lstrip("/") if isinstance(value, str) else ast.unparse(given) if given else ""
 
 
 def _never_shown(state: State) -> Iterator[Finding]:

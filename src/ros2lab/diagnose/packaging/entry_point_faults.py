@@ -297,7 +297,8 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
     known = [name for name in installed if name.rpartition(".")[2] == wanted.stem]
     if not known and (lies := _lies(package, wanted)):
         return _renamed(package, point, lies, wanted, place)
-    close = meant_file(package, point, known or installed)
+    having = [name for name in installed if point.function in package.sources[name].functions]
+    close = meant_file(package, point, known or having) or meant_file(package, point, installed)
     if close and not can_be_named(close):
         return _renamed(package, point, package.sources[close].path or wanted, wanted, place)
     return _no_such_module(package, point, place, close, known, is_own=is_own)
@@ -340,6 +341,8 @@ def _no_such_module(
     said = f" Did you mean {close}?" if close else ""
     cause = f"The entry point {point.name} names the module {point.module}, but {lacks}{said}"
     fix = f"write '{point.name} = {right}', and build again"
+    if close and not _has(package.sources[close], right.rpartition(":")[2]):
+        fix += f", with a function {right.rpartition(':')[2]}() there that runs its code"
     if not right:
         fix = f"create {package.shown(point.module.replace('.', '/'))}.py with the function {function}, or remove this entry point"
     return Finding("entry-point-module", cause, place, fix, (close,) if close else ())

@@ -21,7 +21,7 @@ from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
-from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, shape_faults
+from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, meant_name, shape_faults
 from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.diagnose.sources.lying import lies_elsewhere
@@ -245,7 +245,7 @@ def _cfg_form(package: SourcePackage) -> Iterator[Finding]:
 
 def _scripts(package: SourcePackage) -> dict[str, tuple[str, str]]:
     """Return what setup.cfg must say for `ros2 run` to find the executables."""
-    folder = f"$base/lib/{package.name}"
+    folder = f"$base/lib/{meant_name(package)}"
     return {"develop": ("script_dir", folder), "install": ("install_scripts", folder)}
 
 
@@ -291,13 +291,13 @@ def _cfg_section(
     package: SourcePackage, config: RawConfigParser, section: str, lost: str
 ) -> Iterator[Finding]:
     """Yield what is wrong in one section of a setup.cfg."""
-    shown, wanted = package.shown("setup.cfg"), f"lib/{package.name}"
+    shown, wanted = package.shown("setup.cfg"), f"lib/{meant_name(package)}"
     key, right = _scripts(package)[section]
     dashed, value = key.replace("_", "-"), config.get(section, key, fallback=None)
     if value is None and config.has_option(section, dashed):
         # This release of setuptools may only warn, and install there all the same.
         if not (package.root and (package.root / "install" / package.name / wanted).is_dir()):
-            cause = f"setup.cfg has {dashed}, but setuptools needs {key}, with an underscore."
+            cause = f"setup.cfg has {dashed}, which not every setuptools takes: the option is called {key}, with an underscore."
             place = at(shown, _cfg_line(package, dashed))
             yield Finding("setup-cfg-dashes", cause, place, f"write {key} instead of {dashed}")
         return

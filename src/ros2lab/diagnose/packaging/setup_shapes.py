@@ -78,7 +78,7 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
             fix = f"touch {quote(package.shown('COLCON_IGNORE'))}, if {there} has replaced it, for that package is called {better}; otherwise give it another name, with underscores"
         yield Finding("package-name", cause, package.shown(""), fix)
     elif isinstance(name, str) and given and name.replace("-", "_") != given:
-        if (package.folder / name).is_dir() and not (package.folder / given).is_dir():
+        if meant_name(package) == name:
             cause = f"package.xml names the package {given}, but its folder and setup.py name it {name}: colcon goes by package.xml."
             fix = f"write <name>{name}</name> in package.xml, then rm -r build install, build again, and source install/setup.bash in a new terminal"
             place = at(package.shown("package.xml"), manifest_line(package, given))
@@ -88,6 +88,13 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
         cause = f"setup.py names the package {name}, but package.xml names it {given}."
         fix = f"write {given} instead of {name}"
         yield Finding("package-name", cause, at(setup.source.shown, line), fix)
+
+
+def meant_name(package: SourcePackage) -> str:
+    """Return the name that a package should have: that of setup.py, if its folder has it and only package.xml has another."""
+    name, given = package.setup.keywords.get("name") if package.setup else None, package.name
+    is_meant = isinstance(name, str) and name.replace("-", "_") != given and (package.folder / name).is_dir()
+    return str(name) if is_meant and not (package.folder / given).is_dir() else given
 
 
 def _named(package: SourcePackage, name: str) -> str:

@@ -7,7 +7,9 @@ import re
 
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import last_name
 from ros2lab.diagnose.sources.setup_script import EntryPoint
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
 def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
@@ -39,9 +41,13 @@ def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
 
 
 def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
-    """Return the function that an entry point should call: as written, else the only one, else main."""
+    """Return the function that an entry point should call: as written, the only one, main, or the one that a script calls."""
     if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
         return name[1]
     source = package.sources.get(module)
-    functions = [n.name for n in source.tree.body if isinstance(n, ast.FunctionDef)] if source else []
-    return functions[0] if len(functions) == 1 else "main"
+    body = source.tree.body if source else []
+    functions = [n.name for n in body if isinstance(n, ast.FunctionDef)]
+    guards = [n for n in body if isinstance(n, ast.If) and "__name__" in ast.unparse(n.test)]
+    called = [last_name(call.func) for guard in guards for call in calls_in(ast.walk(guard))]
+    known = [*(["main"] if "main" in functions else []), *(name for name in called if name in functions)]
+    return functions[0] if len(functions) == 1 else [*known, "main"][0]
