@@ -7,9 +7,12 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.code.expression_faults import expression_faults
+from ros2lab.diagnose.nodes.life_faults import life_faults
 
 TICK = "    def CALLBACK(self):\n        msg = String()\n        msg.data = f'running {self.count}'\n        self.PUBLISHER.publish(msg)\n        self.get_logger().info(msg.data)\n        self.count += 1\n"
 
@@ -149,3 +152,71 @@ def test_a_member_with_another_word_is_not_meant(tmp_path: Path, files: Files) -
     files.change("node", "self.count += 1", "self.count += 1\n        self.destroy()")
     (finding,) = (f for f in of_workspace(files.write(tmp_path)) if f.code == "attribute-missing")
     assert "destroy_rate" not in finding.fix
+
+
+NODE = """\
+import sys
+
+import rclpy
+from rclpy.node import Node
+
+
+class Camera(Node):
+    def __init__(self):
+        super().__init__('camera')
+        try:
+            self.port = open('/dev/camera')
+        except OSError:
+            rclpy.shutdown()
+            LINE
+
+
+def main():
+    rclpy.init()
+    node = Camera()
+    SPIN
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "spin", "is_told"),
+    [
+        ("pass", "rclpy.spin(node)", True),
+        ("return", "rclpy.spin(node)", True),
+        ("self.port = None", "rclpy.spin(node)", True),
+        ("raise", "rclpy.spin(node)", False),
+        ("sys.exit(1)", "rclpy.spin(node)", False),
+        ("pass", "if rclpy.ok():\n        rclpy.spin(node)", False),
+        ("pass", "try:\n        rclpy.spin(node)\n    except Exception:\n        pass", False),
+        ("pass", "print(node.port)", False),
+    ],
+)
+def test_a_constructor_that_shuts_down_ends_the_program(
+    tmp_path: Path, line: str, spin: str, is_told: bool
+) -> None:
+    sources = sources_of(NODE.replace("LINE", line).replace("SPIN", spin), tmp_path)
+    found = [finding.fix for finding in life_faults(sources, None) if finding.code == "life-order"]
+    assert found == ["write `raise` instead of `rclpy.shutdown()`"] * is_told
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("os.path.join(share('a'), 'config', 'a.yaml')", ""),
+        ("os.path.join(share('a'), 'a.yaml', share('b'), 'b.yaml')", "write 2 paths: `os.path.join(share('a'), 'a.yaml'), os.path.join(share('b'), 'b.yaml')`"),
+        ("PathJoinSubstitution([FindPackageShare('a'), 'a', FindPackageShare('b'), 'b'])", "write 2 paths: `PathJoinSubstitution([FindPackageShare('a'), 'a']), PathJoinSubstitution([FindPackageShare('b'), 'b'])`"),
+        ("os.path.join(HOME, 'a.yaml', share('b'), 'b.yaml')", "write 2 paths: `os.path.join(HOME, 'a.yaml'), os.path.join(share('b'), 'b.yaml')`"),
+        ("os.path.join(os.getcwd(), share('b'))", ""),
+        ("', '.join([share('a'), share('b')])", ""),
+        ("try:\n    main()\nexcept KeyboardInterrupt():\n    pass", "write KeyboardInterrupt instead of KeyboardInterrupt()"),
+        ("try:\n    main()\nexcept (OSError, ExternalShutdownException()):\n    pass", "write ExternalShutdownException instead of ExternalShutdownException()"),
+        ("try:\n    main()\nexcept (OSError, KeyboardInterrupt):\n    pass", ""),
+        ("try:\n    main()\nexcept errors_of(os):\n    pass", ""),
+    ],
+)  # fmt: skip
+def test_what_python_takes_otherwise_than_it_looks(tmp_path: Path, line: str, fix: str) -> None:
+    head = "import os\nfrom ament_index_python.packages import get_package_share_directory\nHOME = get_package_share_directory('a')\n"
+    name = "get_package_share_directory"
+    sources = sources_of(head + line.replace("share(", f"{name}("), tmp_path)
+    found = [f.fix for f in expression_faults(sources) if f.code in ("path-absolute", "argument-type")]
+    assert found == [fix.replace("share(", f"{name}(")] * bool(fix)

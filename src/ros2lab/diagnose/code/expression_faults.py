@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import sys
 from collections.abc import Callable, Iterator, Sequence
 
@@ -17,6 +18,7 @@ from ros2lab.diagnose.sources.one_run import blocks, is_steady, may_leave
 from ros2lab.diagnose.sources.python_source import PythonSource, children, given_to, last_name, own_nodes
 from ros2lab.diagnose.sources.spelling import nearest
 
+_SHARES = frozenset(("get_package_share_directory", "FindPackageShare", "get_package_share_path"))
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "lower": str.lower,
     "upper": str.upper,
@@ -47,6 +49,17 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from sign_fault(source, node)
             elif isinstance(node, ast.Call):
                 yield from _named_in_lambda(source, node)
+            elif isinstance(node, ast.ExceptHandler):
+                yield from _caught_objects(source, node)
+
+
+def _caught_objects(source: PythonSource, handler: ast.ExceptHandler) -> Iterator[Finding]:
+    """Yield what an `except` calls to make an object of an exception, although it takes the class."""
+    for given in handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]:
+        if isinstance(given, ast.Call) and last_name(given.func)[:1].isupper() and not given.args:
+            text, name = ast.unparse(given), ast.unparse(given.func)
+            cause = f"`{text}` is an object, and `except` takes the class: whatever is raised here ends in a TypeError instead."
+            yield Finding("argument-type", cause, source.at(given), f"write {name} instead of {text}")
 
 
 def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
@@ -177,6 +190,7 @@ def path_faults(source: PythonSource) -> Iterator[Finding]:
             parts = (
                 node.args[0].elts if len(node.args) == 1 and isinstance(node.args[0], ast.List) else node.args
             )
+            yield from _shares_joined(source, node, parts)
             for part in parts[1:]:
                 if (
                     isinstance(part, ast.Constant)
@@ -186,6 +200,22 @@ def path_faults(source: PythonSource) -> Iterator[Finding]:
                     cause = f"{part.value!r} begins with a slash, so os.path.join drops everything before it."
                     fix = f"write {part.value.lstrip('/')!r}"
                     yield Finding("path-absolute", cause, source.at(part), fix)
+
+
+def _shares_joined(source: PythonSource, call: ast.Call, parts: Sequence[ast.expr]) -> Iterator[Finding]:
+    """Yield a path that is joined from those of several packages, of which only the last is left."""
+    made = (source.written(part) for part in parts)
+    shares = [n for n, part in enumerate(made) if last_name(getattr(part, "func", None)) in _SHARES]
+    if len(shares) < 2:
+        return
+    texts, starts = [ast.unparse(part) for part in parts], [0, *shares[1:], len(parts)]
+    paths = [", ".join(texts[first:last]) for first, last in itertools.pairwise(starts)]
+    ends = ("[", "]") if call.args and isinstance(call.args[0], ast.List) else ("", "")
+    whole = ", ".join(f"{ast.unparse(call.func)}({ends[0]}{path}{ends[1]})" for path in paths)
+    cause = f"The path of a package's share folder is absolute, so of these {len(shares)} only the last is left, with what is after it."
+    yield Finding(
+        "path-absolute", cause, source.at(parts[shares[-1]]), f"write {len(shares)} paths: `{whole}`"
+    )
 
 
 def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:

@@ -23,11 +23,19 @@ from ros2lab.diagnose.sources.answered import plain_returns, unanswered
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, may_leave, own_calls, run_once
+from ros2lab.diagnose.sources.one_run import (
+    blocks,
+    in_loops,
+    is_always_reached,
+    may_leave,
+    own_calls,
+    run_once,
+)
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     is_generator,
+    last_name,
     own_nodes,
     parameters,
     walk,
@@ -127,6 +135,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from _needs_asyncio(sources, source, functions, what)
         yield from _waits_for_another(sources, source, owner, functions, what)
         if what == "the constructor":
+            yield from _shut_down_at_first(source, function)
             continue
         if spins_on(sources, source):
             yield from _shut_down(sources, source, function)
@@ -135,6 +144,34 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
     yield from unreached_faults(sources)
     yield from rate_faults(sources)
     yield from _sent_early(sources)
+
+
+def _shut_down_at_first(source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield shutdowns in a constructor that goes on, or returns to a program that spins then."""
+    named = {source.resolve(call.func): call for call in source.calls}
+    spin = named.get("rclpy.spin")
+    if spin is None or "rclpy.ok" in named or may_be_caught(source, spin.lineno, TypeError):
+        return
+    for block in (block for node in (function, *own_nodes(function)) for block in blocks(node)):
+        for number, statement in enumerate(block):
+            called = statement.value if isinstance(statement, ast.Expr) else None
+            name = source.resolve(getattr(called, "func", None))
+            if name not in ("rclpy.shutdown", "rclpy.try_shutdown") or any(map(_ends, block[number + 1 :])):
+                continue
+            cause = f"The constructor shuts rclpy down and does not end the program, so what uses rclpy after it fails, at the latest `{ast.unparse(spin)}` on line {spin.lineno}."
+            is_caught = isinstance(source.above(statement), ast.ExceptHandler)
+            fix = f"write `raise{'' if is_caught else ' SystemExit'}` instead of `{ast.unparse(statement)}`"
+            yield Finding("life-order", cause, source.at(statement), fix)
+
+
+def _ends(statement: ast.stmt) -> bool:
+    """Return whether a statement ends the program, or raises an error."""
+    called = statement.value if isinstance(statement, ast.Expr) else None
+    return isinstance(statement, ast.Raise) or last_name(getattr(called, "func", None)) in (
+        "exit",
+        "_exit",
+        "quit",
+    )
 
 
 def _shut_down(sources: NodeSources, source: PythonSource, function: Function) -> Iterator[Finding]:
