@@ -227,3 +227,27 @@ def test_what_does_not_let_python_read_even_the_function_is_not_told() -> None:
     assert not source.tree.body
     assert source.fault is not None
     assert repairs_of(text, source.fault) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (
+            "class A:\n    def f(self):\n        # to do\n\n    # next\n    def g(self):\n        return 1\n",
+            2,
+        ),
+        ("def f(x):\n    # to do\n", 1),
+        ("def f(x):\n    for y in x:\n        # to do\n\n\ndef g():\n    return 1\n", 2),
+        (
+            "def f():\n    # a\n\n\ndef g():\n    # b\n\n\ndef h():\n    # c\n\n\ndef k():\n    # d\n\n\nx = 1\n",
+            1,
+        ),
+    ],
+)
+def test_a_block_that_is_only_a_comment_gets_pass(text: str, line: int) -> None:
+    assert mended(Slip("", line, text)).splitlines()[line - 1].endswith(": pass")
+
+
+def test_a_body_below_a_comment_is_indented() -> None:
+    text = "def f(x):\n# the body\nreturn x + 1\n"
+    assert mended(Slip("", 3, text)).splitlines()[2] == "    return x + 1"

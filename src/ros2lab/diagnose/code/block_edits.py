@@ -21,6 +21,16 @@ def depth_of(line: str) -> int:
     return len(line) - len(line.lstrip())
 
 
+def is_code(line: str) -> bool:
+    """Return whether a line has more than a comment."""
+    return line.strip()[:1] not in ("", "#")
+
+
+def is_definition(line: str) -> bool:
+    """Return whether a line begins a function or a class."""
+    return _DEFINITION.match(line) is not None
+
+
 def level_of(lines: Sequence[str]) -> str:
     """Return what most lines of a file are indented by: a tab, or else four spaces."""
     indents = Counter(line[0] for line in lines if line.strip() and line[0] in " \t")
@@ -38,7 +48,10 @@ def moves_of(lines: Sequence[str], place: int, above: int, said: str) -> Iterato
     if not re.search(r"indent|tab|expected '", said, re.IGNORECASE):
         return
     if above and re.search("expected an indented block", said):
-        yield from _with_something_below(lines, place, above)
+        empty = [*_with_something_below(lines, place, above)]
+        yield from empty
+        if any(repair.cost == USUAL for repair in empty):
+            return
     for number in (place, above):
         for depth in _depths(lines, number) if number else ():
             for last in _ends(lines, number):
@@ -48,16 +61,21 @@ def moves_of(lines: Sequence[str], place: int, above: int, said: str) -> Iterato
 
 
 def _with_something_below(lines: Sequence[str], place: int, above: int) -> Iterator[Repair]:
-    if re.match(r"(def|class|@|else|elif|except|finally)\b", lines[place - 1].strip()) or place == above:
-        head = lines[above - 1].strip()
-        yield Repair(above, f"{lines[above - 1].rstrip()} pass", f"there is nothing below `{head}`", RARE)
+    """Yield `pass` for a block if what follows is no part of it; it costs less if a comment stands there, as in a template."""
+    head, follows = lines[above - 1], lines[place - 1]
+    comments = [line for line in lines[above:place] if line.strip() and not is_code(line)]
+    has_comment = any(depth_of(line) > depth_of(head) for line in comments)
+    is_end = place == above or not is_code(follows) or depth_of(follows) < depth_of(head)
+    if is_end or re.match(r"(def|class|@|else|elif|except|finally)\b", follows.strip()):
+        what, cost = ("only a comment", USUAL) if has_comment else ("nothing", RARE)
+        yield Repair(above, f"{head.rstrip()} pass", f"there is {what} below `{head.strip()}`", cost)
 
 
 def _depths(lines: Sequence[str], number: int) -> list[int]:
     """Return the depths that a line may have had, the nearest to its own first."""
     now, level = depth_of(lines[number - 1]), level_of(lines)
     found = {depth_of(line) for line in lines[: number - 1] if line.strip()}
-    above = [line for line in lines[: number - 1] if line.strip()]
+    above = [line for line in lines[: number - 1] if is_code(line)]
     if above and above[-1].rstrip().endswith(":"):
         found.add(depth_of(above[-1]) + len(level))
     is_mixed = _is_mixed(lines[number - 1], level)

@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ros2lab.diagnose.code.block_edits import depth_of, moves_of
+from ros2lab.diagnose.code.block_edits import depth_of, is_code, is_definition, moves_of
 from ros2lab.diagnose.code.line_edits import edits_of, ends_of
 from ros2lab.diagnose.code.other_languages import in_pythons_words
 from ros2lab.diagnose.code.repair import Repair
@@ -118,6 +118,10 @@ _BEGINS = re.compile(r"\s*(?:async def|def|class|@|import|from|if|for|while|try|
 
 def _part(lines: list[str], place: int, reader: _Reader) -> _Part | None:
     """Return the function or statement around a line, by its indentation; None if it has another fault by itself."""
+    empty = re.match(r"expected an indented block .* on line (\d+)", reader.said)
+    if empty and is_definition(lines[place - 1]):
+        below = f"{lines[place - 1][: depth_of(lines[place - 1])]}pass"
+        return _Part([*lines[int(empty[1]) - 1 : place - 1], below], int(empty[1]))
     for pattern in (r"\s+(?:async )?def\b", r"\S"):
         above = (n for n in range(place, 0, -1) if _BEGINS.match(lines[n - 1]))
         begin = next((n for n in above if re.match(pattern, lines[n - 1])), 1)
@@ -180,7 +184,7 @@ def _unpaired(text: str) -> int:
 
 def _changes(lines: list[str], place: int, said: str) -> Iterator[Repair]:
     """Yield the changes near a fault that may mend it."""
-    above = next((n for n in range(place - 1, 0, -1) if lines[n - 1].strip()), 0)
+    above = next((n for n in range(place - 1, 0, -1) if is_code(lines[n - 1])), 0)
     yield from _left_out(place, lines[place - 1])
     yield from moves_of(lines, place, above, said)
     for number in dict.fromkeys((place, above, *map(int, re.findall(r"on line (\d+)", said)))):
