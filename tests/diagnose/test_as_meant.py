@@ -131,6 +131,12 @@ def test_a_call_is_given_what_the_library_takes(call: str, meant: str) -> None:
         assert meant_call(source, statement.value) == fix
 
 
+def test_a_value_too_many_is_given_to_the_keyword_that_comes_next() -> None:
+    source = PythonSource("copy", "copy.py", "import shutil\nshutil.copyfile(old, new, False)\n")
+    (call,) = source.calls
+    assert meant_call(source, call) == "write `shutil.copyfile(old, new, follow_symlinks=False)`"
+
+
 @pytest.mark.parametrize(
     ("typed", "meant"),
     [

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from workspace_files import NAMES, Files
 
-from ros2lab.diagnose import of_text
+from ros2lab.diagnose import of_text, of_workspace
 
 NAME = NAMES[1]
 COUNT = "        self.count = 0\n"
@@ -24,6 +24,9 @@ ROWS = [
     ("rclpy.Time.now()", "self.get_clock().now()"),
     ("rclpy.loginfo('hello')", "self.get_logger().info('hello')"),
     ("rclpy.get_param('speed')", "self.get_parameter('speed').value"),
+    ("rclpy.get_param('speed', 3)", "self.declare_parameter('speed', 3).value"),
+    ("rclpy.is_shutdown()", "not rclpy.ok()"),
+    ("rclpy.sleep(1.0)", "time.sleep(1.0)` instead of `rclpy.sleep(1.0)`, with `import time"),
     ("rclpy.Duration(seconds=2)", "Duration(seconds=2)"),
 ]
 
@@ -43,3 +46,27 @@ def test_the_call_is_told_as_the_node_has_it(tmp_path: Path, call: str, meant: s
         f"AttributeError: module 'rclpy' has no attribute '{name}'\n"
     )
     assert of_text(text, tmp_path)[0].fix.startswith(f"write `{meant}`")
+
+
+@pytest.mark.parametrize(
+    ("given", "fix"),
+    [
+        ("node", "write `self.node.create_rate(5)` instead of `rclpy.Rate(5)`"),
+        ("speed", "hand a node to Helper, and write `node.create_rate(5)` on it instead of `rclpy.Rate(5)`"),
+    ],
+)
+def test_a_class_that_is_no_node_asks_the_node_that_it_is_given(tmp_path: Path, given: str, fix: str) -> None:
+    helper = f"""\
+class Helper:
+    def __init__(self, {given}):
+        self.{given} = {given}
+        print(self.{given}{".get_logger()" * (given == "node")})
+
+    def go(self):
+        self.rate = rclpy.Rate(5)
+
+
+"""
+    files = Files.right(NAME).change("node", "class CLASS", f"{helper}class CLASS")
+    (found,) = of_workspace(files.write(tmp_path))
+    assert found.fix == fix

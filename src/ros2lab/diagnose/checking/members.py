@@ -54,6 +54,8 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
     meant = [_of_type(name, owner), *(member for member in near if may_mean(name, member, known)), *ends]
     meant = [*dict.fromkeys(filter(None, meant))]
     uses = [n for n in spot.nodes if isinstance(n, ast.Attribute) and n.attr == name]
+    if any(call.func in uses for call in calls_in(spot.nodes)):  # no module can be called
+        meant = [member for member in meant if not interfaces.is_module(f"{owner}.{member}")]
     if len(uses) == 1 and meant and said and spot.source:
         calls = (n for n in calls_in(spot.nodes) if n.func is uses[0])
         whole = next(calls, uses[0])

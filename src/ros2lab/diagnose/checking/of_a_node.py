@@ -5,14 +5,16 @@ from __future__ import annotations
 import ast
 from collections.abc import Mapping
 
+from ros2lab.diagnose.checking.checked_copies import first_that_stands
 from ros2lab.diagnose.code.at_hand import holders
 from ros2lab.diagnose.code.unknown_names import Unknown
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.node_source import CREATORS
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
+from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.diagnose.sources.signatures import signature_by_name
-from ros2lab.diagnose.sources.spelling import nearest, snake_case
+from ros2lab.diagnose.sources.spelling import has_other_words, nearest, snake_case
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _MAKERS: Mapping[str, tuple[str, ...]] = {**CREATORS, "create_rate": ("frequency",)}
 _SUFFIXES = {"msg_type": ".msg.", "srv_type": ".srv."}
@@ -23,6 +25,7 @@ _GIVEN = {
     "get_logger()": ("rclpy.impl.rcutils_logger", "RcutilsLogger"),
 }
 _LEAST_ALIKE = 0.6
+_OF_NODES = (*CREATORS, "get_logger", "get_clock", "declare_parameter")  # methods that only a node has
 
 
 def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
@@ -38,11 +41,10 @@ def of_a_node(name: str, spot: Spot) -> tuple[str, str] | None:
                 continue
         if source is None or source.resolve(call.func) not in (f"rclpy.{name}", f"rclpy.{name}.{last}"):
             continue
-        node = _node(spot, call)
-        written = _made(name, node, call, source) or _asked(name, last, node, call)
-        if written:
-            cause = f"rclpy has no {name} in ROS 2; the node has it."
-            return cause, f"write `{written}` instead of `{ast.unparse(call)}`"
+        if name in _ASKED_OTHERWISE:
+            return _otherwise(source, name, call)
+        if written := _made(name, _NODE, call, source) or _asked(name, last, _NODE, call):
+            return _of_a_node_at_hand(name, spot, call, written)
         homes = [home for home in interfaces.inner_homes_of(name) if home.startswith("rclpy.")]
         signature = signature_by_name(f"{homes[0]}.{name}") if homes else None
         if homes and last == name and (signature is None or signature.accepts(call)):
@@ -129,15 +131,48 @@ def _asked(name: str, last: str, node: str, call: ast.Call) -> str:
                 return f"{node}.{getter}.{member}{rest}"
     methods = interfaces.node_members()
     known = [method for method in methods if method.startswith("get_") and not name[:1].isupper()]
+    known = [method for method in known if not has_other_words(name, method)]
     method = nearest(name, known, 0.75) if last == name and name not in known else None
     value = ".value" if method == "get_parameter" else ""
+    method = "declare_parameter" if value and len(call.args) > 1 else method  # with its default
     return f"{node}.{method}{rest}{value}" if method else ""
 
 
-def _node(spot: Spot, call: ast.Call) -> str:
-    """Return how a line names its node: self in a class, else the variable that holds one."""
-    function = spot.function
-    if function is not None and [argument.arg for argument in function.args.args[:1]] == ["self"]:
-        return "self"
-    held = holders(Unknown(spot.source, "", call), set(), is_node=True) if spot.source else []
-    return next(iter(held), "node")
+def _of_a_node_at_hand(name: str, spot: Spot, call: ast.Call, written: str) -> tuple[str, str]:
+    """Return the cause and the fix with the first node that the type checker knows at a line; `written` asks any."""
+    source, old = spot.source, ast.unparse(call)
+    assert source is not None
+    asked = {f"{node}.get_name()": node for node in _nodes(spot, call)}
+    node = asked.get(first_that_stands(source, call, [*asked]))
+    if node:
+        cause = f"rclpy has no {name} in ROS 2; the node has it."
+        return cause, f"write `{node}{written.removeprefix(_NODE)}` instead of `{old}`"
+    owner = source.class_at(call.lineno)
+    place = owner.name if owner else getattr(source.function_at(call.lineno), "name", "this file")
+    cause = f"rclpy has no {name} in ROS 2; a node has it, and none is at hand here."
+    return cause, f"hand a node to {place}, and write `{written}` on it instead of `{old}`"
+
+
+def _otherwise(source: PythonSource, name: str, call: ast.Call) -> tuple[str, str]:
+    """Return the cause and the fix for a question of ROS 1 that rclpy is asked the other way round."""
+    right, around = _ASKED_OTHERWISE[name], source.above(call)
+    whole = around if isinstance(around, ast.UnaryOp) and isinstance(around.op, ast.Not) else call
+    written = right if whole is call else right.removeprefix("not ")
+    cause = f"rclpy has no {name} in ROS 2; {right.removeprefix('not ')} tells the opposite."
+    return cause, f"write `{written}` instead of `{ast.unparse(whole)}`"
+
+
+_NODE = "node"  # stands for a node that is not at hand
+_ASKED_OTHERWISE = {"is_shutdown": "not rclpy.ok()"}
+
+
+def _nodes(spot: Spot, call: ast.Call) -> list[str]:
+    """Return how a line may name a node: self, a variable that holds one, or what a node's methods are called on."""
+    function, source = spot.function, spot.source
+    assert source is not None
+    is_method = function is not None and [argument.arg for argument in function.args.args[:1]] == ["self"]
+    held = holders(Unknown(source, "", call), set(), is_node=True)
+    asked = [c.func for c in calls_in(walk(source.class_at(call.lineno) or function or source.tree))]
+    made = [f.value for f in asked if isinstance(f, ast.Attribute) and f.attr in _OF_NODES]
+    texts = [ast.unparse(value) for value in made if is_self_attribute(value)]
+    return [*dict.fromkeys([*["self"] * is_method, *held, *texts, _NODE])]

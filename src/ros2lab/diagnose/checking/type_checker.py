@@ -292,13 +292,19 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> t
             return told
         cause = f"self.{name} is used here, but nothing in the class sets it."
         return cause, f"write self.{name} = ... in __init__, with its initial value"
-    methods = interfaces.methods_of(owner)
-    return (
-        cause,
-        f"use one of the methods of {owner}: {methods}"
-        if methods
-        else f"fix the spelling of {name}, or define it",
-    )
+    return cause, _of_those_known(owner, name, spot, look)
+
+
+def _of_those_known(owner: str, name: str, spot: Spot, look: Look) -> str:
+    """Say what to write instead of a member that is like none: one of those there are, or its definition if that is the workspace's."""
+    is_called = any(getattr(call.func, "attr", "") == name for call in calls_in(spot.nodes))
+    if offered := interfaces.methods_of(owner, with_properties=not is_called):
+        return f"use one of {offered} instead, if one of them does what is meant"
+    short = owner.rpartition(".")[2]
+    sources = [look.sources(package) for package in look.packages]
+    named = {inner for own in sources for inner in (*own.sources, *own.classes)}
+    is_own = short in {*(spot.source.classes if spot.source else ()), *(n.rpartition(".")[2] for n in named)}
+    return f"fix the spelling of {name}, or {'define it' if is_own else f'use what {owner} has instead'}"
 
 
 def _of_another_module(owner: str, name: str, spot: Spot) -> tuple[str, str] | None:

@@ -14,6 +14,7 @@ from ros2lab.diagnose.code.at_hand import holders
 from ros2lab.diagnose.code.unknown_names import Unknown
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -32,7 +33,8 @@ def of_another_owner(owner: str, name: str, spot: Spot) -> tuple[str, str] | Non
     if not good:
         return None
     cause = f"{plain(owner)} has no {name}: {ways[good]}."
-    return cause, f"write `{good}` instead of `{ast.unparse(calls[0])}`"
+    more = "".join(f", with `{line}` at the top" for line in missing_imports(source, good))
+    return cause, f"write `{good}` instead of `{ast.unparse(calls[0])}`{more}"
 
 
 def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str, str]]:
@@ -50,6 +52,9 @@ def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str
     for function, clause in _functions(source, name):
         for values in ([*own, *given, *named], [*given, *named]):
             yield f"{function}({', '.join(values)})", clause
+    for home in () if own else interfaces.homes_around(name, source.resolve(call.func.value) or ""):
+        if home in sys.stdlib_module_names:
+            yield f"{home}.{name}({', '.join([*given, *named])})", f"it is in {home}"
     for holder in _at_hand(source, call, name):
         if holder not in own:
             yield f"{holder}.{name}({', '.join([*given, *named])})", f"{holder} has it"

@@ -7,6 +7,7 @@ import contextlib
 import itertools
 import re
 import shlex
+import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
@@ -224,7 +225,9 @@ def _with_functions_in_place(places: list[Parameter], values: list[ast.expr]) ->
 def _fit(places: list[Parameter], values: list[ast.expr]) -> int:
     """Return how many literals fit their positions."""
     return sum(
-        1 for place, value in zip(places, values, strict=False) if kind_of(value) and place.takes(value)
+        1
+        for place, value in zip(places, values, strict=False)
+        if kind_of(value) and not heads_of(place.type) & ANYTHING and place.takes(value)
     )
 
 
@@ -287,6 +290,10 @@ def _home_of(value: ast.expr, free: Sequence[Parameter]) -> Parameter | None:
         for parameter in free:
             if not heads_of(parameter.type) & ANYTHING and parameter.takes(value):
                 return parameter
+        # One that has become a keyword comes next in the def; where no type is written, its default tells it.
+        named = [p for p in free if p.default and not p.is_positional and heads_of(p.type) & ANYTHING]
+        if named and kind_of(ast.parse(named[0].default, mode="eval").body) == kind_of(value):
+            return named[0]
     is_number = isinstance(value, ast.Constant) and re.fullmatch(r"\d+(\.\d*)?", str(value.value))
     return next((parameter for parameter in free if is_number and "float" in heads_of(parameter.type)), None)
 
@@ -374,14 +381,17 @@ def _objects(wanted: str, value: ast.expr) -> str:
 
 
 def missing_imports(source: PythonSource, written: str) -> list[str]:
-    """Return the import statements for the ROS classes in a text that a file does not import."""
+    """Return the import statements for the ROS classes and the modules of Python in a text that a file does not import."""
     # `Node(...)`, with the dots, is only a mention.
     names = set(re.findall(r"(?<![\w.'\"])[A-Z]\w+(?=\((?!\.\.\.))", written)) - {
         *source.classes,
         *source.names,
     }
     homes = {name: interfaces.homes_of(name) or interfaces.launch_homes_of(name) for name in sorted(names)}
-    return [f"from {found[0]} import {name}" for name, found in homes.items() if found]
+    bound = {getattr(node, "id", getattr(node, "arg", "")) for node in source.nodes} | {*source.names}
+    modules = {*re.findall(r"(?<![\w.'\"])([a-z]\w*)(?=\.\w+\()", written)} & sys.stdlib_module_names - bound
+    imports = [f"import {module}" for module in sorted(modules)]
+    return imports + [f"from {found[0]} import {name}" for name, found in homes.items() if found]
 
 
 def one_each(call: ast.Call) -> list[str]:
