@@ -85,7 +85,7 @@ MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"Invalid dash-separated key '(?P<key>[\w-]+)'.*use the underscore name '(?P<name>\w+)'",
         "setup-cfg-dashes",
-        "setup.cfg has {key} with a dash, but setuptools needs an underscore.",
+        "setup.cfg has {key} with a dash, but setuptools calls the option {name}.",
         "write it with an underscore",
     ),
     meaning(

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from configparser import RawConfigParser
+from contextlib import suppress
 from dataclasses import replace
 from fnmatch import fnmatchcase
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from shlex import quote
 
@@ -256,6 +258,10 @@ def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
         return
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
     sections = _scripts(package) if fault is None else {}  # otherwise `_cfg_form` reports it
+    pairs = ((name, key) for name, (key, _) in sections.items() if not config.has_option(name, key))
+    yield from _dashes(
+        package, [key for name, key in pairs if config.has_option(name, key.replace("_", "-"))]
+    )
     found = [one for section in sections for one in _cfg_section(package, config, section, lost)]
     match found:
         case [other, last] if all(re.fullmatch("write `[^`]+`", one.fix) for one in found):
@@ -295,12 +301,7 @@ def _cfg_section(
     key, right = _scripts(package)[section]
     dashed, value = key.replace("_", "-"), config.get(section, key, fallback=None)
     if value is None and config.has_option(section, dashed):
-        # This release of setuptools may only warn, and install there all the same.
-        if not (package.root and (package.root / "install" / package.name / wanted).is_dir()):
-            cause = f"setup.cfg has {dashed}, which not every setuptools takes: the option is called {key}, with an underscore."
-            place = at(shown, _cfg_line(package, dashed))
-            yield Finding("setup-cfg-dashes", cause, place, f"write {key} instead of {dashed}")
-        return
+        return  # told for the whole file
     options = config.options(section) if config.has_section(section) else []
     near = next((option for option in options if is_near_miss(option, key)), "")
     strange = re.search(r"\$(?!base\b)\w*", value or "")
@@ -320,6 +321,27 @@ def _cfg_section(
     line = slip.line if slip else _cfg_line(package, near or key) if near or value else None
     fix = slip.told if slip else f"add two lines at the end of setup.cfg: `[{section}]`, `{key}={right}`"
     yield Finding("setup-cfg-missing", cause, at(shown, line), fix)
+
+
+_REFUSES_DASHES = "78.0.1"  # the version of setuptools that stops at them; the next one only warns again
+
+
+def _dashes(package: SourcePackage, keys: Sequence[str]) -> Iterator[Finding]:
+    """Yield the options of a setup.cfg that are written with a dash; where setuptools has taken them, that is no fault."""
+    has_worked = package.root and (package.root / "install" / package.name / "lib" / package.name).is_dir()
+    if not keys or has_worked:
+        return
+    used = ""
+    (first, line), *more = [(key, _cfg_line(package, key.replace("_", "-"))) for key in keys]
+    with suppress(PackageNotFoundError):
+        used = version("setuptools")
+    does = f"takes this with a warning, but {_REFUSES_DASHES} stopped at it, and later ones may"
+    does = "stops at this" if used == _REFUSES_DASHES else does
+    dashed = " and ".join(key.replace("_", "-") for key in keys)
+    cause = f"setup.cfg has {dashed} with a dash, where an underscore belongs: setuptools {used} {does}."
+    fix = f"write {first} instead of {first.replace('_', '-')}"
+    fix += "".join(f", and on line {row} {key} instead of {key.replace('_', '-')}" for key, row in more)
+    yield Finding("setup-cfg-dashes", cause, at(package.shown("setup.cfg"), line), fix)
 
 
 def _cfg_line(package: SourcePackage, key: str) -> int | None:
