@@ -62,6 +62,8 @@ def imports(statement: str, **others: str) -> Files:
             "write my_bot.get_char instead",
         ),
         (imports("from .limit import fast", limits="from numpy import *"), "write my_bot.limits instead of"),
+        (imports("from .talk import KEY"), "fix the name, or create"),
+        (imports("from .secrets import KEY", reader="def f(:"), "fix the name, or create"),
     ],
 )
 def test_a_module_is_proposed_that_has_what_is_imported(tmp_path: Path, files: Files, fix: str) -> None:
@@ -127,6 +129,17 @@ def test_the_file_of_an_entry_point_is_moved_where_it_is_looked_for(
             "write 'show = my_bot.shows:main'",
         ),
         ("show = my_bot:printer.main", {"printer": DRIVER}, "write 'show = my_bot.printer:main'"),
+        (
+            "show = my_bot.printer",
+            {"printer": "import rclpy\nrclpy.init()"},
+            "write 'show = my_bot.printer:main', and put the lines that run the program, from line 2 of",
+        ),
+        (
+            "show = my_bot.prnter:main",
+            {"printer": "class A: ..."},
+            "write 'show = my_bot.printer:main', and define main()",
+        ),
+        ("show = my_bot.print_node:main", {"prints": "def clamp(a, b): ..."}, "create src/my_bot"),
     ],
 )
 def test_an_executable_does_not_get_the_program_of_another(
@@ -484,3 +497,93 @@ def test_a_launch_argument_is_given_to_a_node_that_has_the_parameter(
         "from launch.actions import DeclareLaunchArgument\nfrom launch import",
     )
     assert [fix.startswith(way) for fix in found(files, tmp_path, "launch-unused")] == [True]
+
+
+LAUNCHED = "import os\nfrom ament_index_python.packages import get_package_share_directory as share\n"
+WORKED_OUT = "def generate_launch_description():\n    given = os.path.join(share('my_bot'), 'config', {!r})\n"
+PUBLISHES = "self.PUBLISHER.publish(msg)"
+LOOPS = "        self.count = 0\n        {}\n            while rclpy.ok():\n                self.count += 1\n"
+UNREAD = "        self.declare_parameter('pitch', 0.7)\n        self.speed = 0.5\n"
+
+
+def commented(name: str) -> Files:
+    """Return a workspace whose node publishes with an attribute that only a comment sets."""
+    files = right().change("node", PUBLISHES, f"self.{name}.publish(msg)")
+    return files.change("node", "        self.PUBLISHER =", f"        # self.{name} = self.create_publisher(")
+
+
+@pytest.mark.parametrize(
+    ("files", "code", "way"),
+    [
+        (commented("warnings"), "attribute-missing", "remove the # from line 10, and from those below"),
+        (
+            Files.right(NAMES[2]).change(
+                "node", PUBLISHES, f"{PUBLISHES}\n        self.warning_out.publish(msg)"
+            ),
+            "attribute-missing",
+            "set self.warning_out in __init__",
+        ),
+        (
+            right().change("node", PUBLISHES, "self.publisher.publish(msg)"),
+            "attribute-missing",
+            "write self.PUBLISHER",
+        ),
+        (
+            right()
+            .change("driver", "        self.speed = 0.5\n", UNREAD)
+            .change("driver", "linear.x = 1.0", "linear.x = 0.7"),
+            "parameter-unread",
+            "write msg.linear.x = self.get_parameter('pitch').value if that is the value it should set",
+        ),
+        (
+            right().change("node", "        self.count = 0\n", LOOPS.format("with open('a'):")),
+            "endless-loop",
+            "move it with what is around it into a method of its own",
+        ),
+        (
+            right().change(
+                "node", "        self.count = 0\n", LOOPS.format("if True:") + " " * 16 + "continue\n"
+            ),
+            "endless-loop",
+            "write `pass` instead of the loop, and run its body in a timer callback, with `return` instead of",
+        ),
+        (
+            right().change("node", "class CLASS", "if not self.count:\n    print('x')\n\n\nclass CLASS"),
+            "name-undefined",
+            "move the statement into a method whose first parameter is self",
+        ),
+        (
+            right()
+            .put("config/bridge.yaml", "- topic: a\n")
+            .change(
+                "launch/robot.launch.py",
+                "def generate_launch_description():\n",
+                LAUNCHED + WORKED_OUT.format("bridge.yaml"),
+            ),
+            "launch-unused",
+            "remove it, or give given to the Node that reads it",
+        ),
+    ],
+)
+def test_a_fix_has_what_it_needs(tmp_path: Path, files: Files, code: str, way: str) -> None:
+    assert [fix.startswith(files.filled(way)) for fix in found(files, tmp_path, code)] == [True]
+
+
+def test_an_executable_of_another_package_is_started_from_there(tmp_path: Path) -> None:
+    other = Files.right(NAMES[0])
+    files = right().change("launch/robot.launch.py", "executable='DRIVER'", "executable='velocity_publisher'")
+    files.texts |= {path: text for path, text in other.texts.items() if "/launch/" not in path}
+    (fix,) = found(files, tmp_path, "launch-executable")
+    assert fix == "write robot_controller instead of my_bot as its package"
+
+
+def test_dashes_are_told_once_and_as_setuptools_takes_them(tmp_path: Path) -> None:
+    files = right()
+    for name in ("script_dir", "install_scripts"):
+        files.change("setup.cfg", name, name.replace("_", "-"))
+    (finding,) = (one for one in of_workspace(files.write(tmp_path)) if one.code == "setup-cfg-dashes")
+    assert "with a warning" in finding.cause
+    assert (
+        finding.fix
+        == "write script_dir instead of script-dir, and on line 4 install_scripts instead of install-scripts"
+    )

@@ -154,19 +154,27 @@ def _own_module(
     if module.endswith((".msg", ".srv", ".action")):
         yield _own_messages(source, imported, module, beyond)
         return
-    made = (f"{module.rpartition('.')[0]}.{name}" for name in beyond.written() if name)
+    made = {f"{module.rpartition('.')[0]}.{name}" for name in beyond.written() if name}
     name = imported.target.rpartition(".")[2] if imported.is_from else "*"
-    holding = [*made, *(home for home, file in own_modules.items() if _holds(file, name, own_modules))]
-    close = nearest(module, holding) or _only_definition(own_modules, name)
+    passing = {home for home, file in own_modules.items() if imported.target in file.names.values()}
+    holding = [home for home, file in own_modules.items() if _holds(file, name, own_modules)]
+    holding = [home for home in holding if home not in passing]  # they import it from there, too
+    # Where it is not known what a file has, only its own name tells.
+    alike = {home.rpartition(".")[2]: home for home in {*made, *own_modules}}
+    unread = {*made, *(home for home, file in own_modules.items() if name == "*" or not bound_names(file))}
+    near = alike.get(nearest(module.rpartition(".")[2], alike) or "")
+    close = (
+        nearest(module, holding) or (near if near in unread else None) or _only_definition(own_modules, name)
+    )
     cause = f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}"
     fix = f"write {close} instead of {module}" if close else "fix the name, or create the file"
     yield Finding("module-missing", cause, source.at(imported.line), fix)
 
 
 def _holds(file: PythonSource, name: str, modules: Collection[str]) -> bool:
-    """Return whether a name, perhaps misspelt, can be imported from a module of the package, as far as is known."""
+    """Return whether a name, perhaps misspelt, is known to be in a module of the package."""
     names = bound_names(file)
-    is_there = not names or name in ("*", *names) or any(is_near_miss(name, other) for other in names)
+    is_there = name in names or any(is_near_miss(name, other) for other in names)
     return is_there or f"{file.name}.{name}" in modules
 
 

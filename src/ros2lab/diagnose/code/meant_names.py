@@ -423,6 +423,9 @@ def _unexplained(unknown: Unknown) -> Reading:
     if isinstance(unknown.statement, ast.Expr) and dotted(alone):
         cause = f"{cause_of(unknown)} Alone on its line, it would do nothing."
         return cause, removal(unknown.source, alone or unknown.node, "this line")
+    if unknown.name in ("self", "cls"):
+        fix = f"move the statement into a method whose first parameter is {unknown.name}, or remove it"
+        return f"{cause_of(unknown)} It exists only inside a method.", fix
     if unknown.is_called:
         fix = f"write the object that {unknown.name} belongs to, and a dot, before it; otherwise import or define it above"
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
@@ -32,8 +32,9 @@ def launch_faults(
         if isinstance(node.package, str) and node.package not in packages:
             yield from _package_fault(node, node.package, packages, executables, declared)
         elif isinstance(node.package, str) and isinstance(node.executable, str):
+            others = [name for name, there in executables.items() if node.executable in (there or ())]
             yield from _executable_fault(
-                node, packages[node.package], node.executable, executables.get(node.package)
+                node, packages[node.package], node.executable, executables.get(node.package), others
             )
         yield from _parameter_files(node, packages)
         yield from unread_words(node, packages)
@@ -62,9 +63,13 @@ def _package_fault(
 
 
 def _executable_fault(
-    node: Launched, package: SourcePackage, executable: str, there: Collection[str] | None
+    node: Launched,
+    package: SourcePackage,
+    executable: str,
+    there: Collection[str] | None,
+    others: Sequence[str],
 ) -> Iterator[Finding]:
-    """Yield an executable that its package does not have, or what it prints and nobody sees."""
+    """Yield an executable that its package does not have, perhaps as others do, or what it prints and nobody sees."""
     if there is None:
         return
     if executable in there:
@@ -74,10 +79,13 @@ def _executable_fault(
     else:
         meant = by_another_name(package, executable)
         near = meant[0].name if meant else nearest(executable, there, 0.6)
-        said = "" if meant else did_you_mean(executable, there)
+        said = "" if meant or others else did_you_mean(executable, there)
+        said = f" {' and '.join(others)} {'has' if len(others) == 1 else 'have'} it." if others else said
         cause = f"The launch file starts {executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}"
         fix = "write the executable's name as it is in entry_points in setup.py"
-        if near:
+        if others:
+            fix = f"write {' or '.join(others)} instead of {package.name} as its package"
+        elif near:
             fix = f"write {near} instead of {executable}"
         yield Finding("launch-executable", cause, node.place, fix)
 

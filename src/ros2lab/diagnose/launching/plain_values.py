@@ -179,13 +179,21 @@ def _home(source: PythonSource) -> Path | None:
     return next((folder for folder in homes if (folder / "package.xml").is_file()), None)
 
 
-def _may_take(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
-    """Return whether a node may be meant to get a value: one of a parameter file that has a section for it."""
+def _parameters_in(source: PythonSource, value: ast.expr) -> str | None:
+    """Return the text of the parameter file that a value names; empty if it is of another kind; None if it names no file."""
     texts = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
     names = [PurePosixPath(text).name for text in texts if text.endswith((".yaml", ".yml"))]
     home = _home(source)
-    file = next((path for name in names for path in home.rglob(name)), None) if home else None
-    if file is None or "ros__parameters" not in (text := read_text(file)):
+    if not names or home is None:
+        return None
+    found = (read_text(path) for name in names for path in sorted(home.parent.rglob(name)))
+    return next((text for text in found if "ros__parameters" in text), "")
+
+
+def _may_take(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
+    """Return whether a node may be meant to get a value: one of a parameter file that has a section for it."""
+    text = _parameters_in(source, value)
+    if not text:
         return True
     given = {k.arg: evaluate(k.value, {}, {}) for k in call.keywords if k.arg in ("name", "executable")}
     sections = re.findall(r"(?:^|/)([\w*]+)[\"']?:\s*(?:#.*)?$", text, re.MULTILINE)
@@ -201,6 +209,7 @@ def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, s
     files = [
         text for text in texts if text.endswith(_FILES) and isinstance(value, ast.Call) and not is_action
     ]
+    is_yaml = any(file.endswith((".yaml", ".yml")) for file in files)
     are_pairs = bool(items) and all(isinstance(item, ast.Tuple) and len(item.elts) == 2 for item in items)
     are_values = bool(items) and all(isinstance(item, ast.Dict) for item in items)
     is_argument = _argument_of(source, value) in _only_read_once(source)
@@ -209,7 +218,7 @@ def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, s
         (are_values, "parameters", name),
         (isinstance(value, ast.Dict), "parameters", f"[{name}]"),
         (is_argument, "parameters", f"[{{{texts[0] if texts else ''!r}: {name}}}]"),
-        (any(file.endswith((".yaml", ".yml")) for file in files), "parameters", f"[{name}]"),
+        (is_yaml and _parameters_in(source, value) != "", "parameters", f"[{name}]"),
         (bool(files), "arguments", f"[{name}]"),
     )
     return next(((keyword, f"{keyword}={written}") for is_so, keyword, written in ways if is_so), ("", ""))

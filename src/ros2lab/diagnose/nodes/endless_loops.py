@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources.one_run import goes_on_forever, may_leave
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import PAUSES, Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
-from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by, stores_in
 from ros2lab.diagnose.sources.uses import is_log
 
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
@@ -36,11 +36,26 @@ def endless_loops(
             if not isinstance(node, ast.While) or (not has_others and not is_late and _does_something(node)):
                 continue  # the only thing that the node does is done in this loop
             if _is_endless(sources, source, owner, node):
-                fix = removal(source, node, "the loop")
-                if not all(isinstance(statement, ast.Pass) for statement in node.body):
-                    fix += ", and run its body in a timer callback: create_timer(period, self.callback)"
+                fix = _moved(source, node, function, functions[0])
                 cause = f"In {what}, a loop runs forever, so {lost}."
                 yield Finding("endless-loop", cause, source.at(node), fix)
+
+
+def _moved(source: PythonSource, loop: ast.While, function: Function, first: Function) -> str:
+    """Say where a loop may run, called from the first function: in a timer callback, or in a thread if it needs what is around it."""
+    around = [n for n in walk(function) if isinstance(n, (ast.Try, ast.With)) and loop in walk(n)]
+    if any(isinstance(n, ast.With) or n.finalbody for n in around):
+        name = function.name if function is not first else "METHOD"
+        given = f"args=({', '.join(needed_by(function))},), " * bool(needed_by(function))
+        call = f"`threading.Thread(target=self.{name}, {given}daemon=True).start()`"
+        if function is first:
+            return f"move it with what is around it into a method of its own, and write {call} here, with `import threading` at the top"
+        return f"write {call} instead of the call of self.{name}(), with `import threading` at the top"
+    fix = removal(source, loop, "the loop")
+    if all(isinstance(statement, ast.Pass) for statement in loop.body):
+        return fix
+    more = ", with `return` instead of `continue`" * any(isinstance(n, ast.Continue) for n in walk(loop))
+    return f"{fix}, and run its body in a timer callback{more}: create_timer(period, self.callback)"
 
 
 def has_others_than(sources: NodeSources, owner: NodeClass | None, function: Function) -> bool:

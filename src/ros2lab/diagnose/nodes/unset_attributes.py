@@ -21,8 +21,8 @@ from ros2lab.diagnose.sources.python_source import (
     returns_value,
     walk,
 )
-from ros2lab.diagnose.sources.spelling import may_mean, nearest
-from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by
+from ros2lab.diagnose.sources.spelling import has_other_words, may_mean, nearest, words_of
+from ros2lab.diagnose.sources.syntax_parts import calls_in, is_property, needed_by
 
 _SENDERS = ("publish", "call_async", "call")
 
@@ -97,6 +97,10 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
         if told := compared(source, use):
             return f"`==` only compares, so nothing sets self.{name}; a single `=` assigns.", told
     cause = f"self.{name} is used here, but nothing in the class sets it."
+    if line := _disabled(source, definition, name):
+        rest = source.text.splitlines()[line - 1].count("(") - source.text.splitlines()[line - 1].count(")")
+        more = ", and from those below that belong to it" if rest else ""
+        return f"{cause} Line {line} does, but is commented out.", f"remove the # from line {line}{more}"
     if there := _there(source, definition, name):
         return cause, there
     value = _sender(source, definition, name) or first_value(source, uses)
@@ -105,6 +109,13 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
     line = max(_constructed(definition), default=0)
     where = f"below line {line}, in __init__()" if line else "as the first line of __init__()"
     return cause, f"write `self.{name} = {value}` {where}"
+
+
+def _disabled(source: PythonSource, definition: ast.ClassDef, name: str) -> int:
+    """Return the line of a class that sets an attribute of self, but is a comment; 0 if there is none."""
+    lines = enumerate(source.text.splitlines()[: definition.end_lineno], 1)
+    sets = re.compile(rf"\s*#\s*self\.{name}\s*=[^=]")
+    return next((n for n, line in lines if n > definition.lineno and sets.match(line)), 0)
 
 
 def _constructed(definition: ast.ClassDef) -> Iterator[int]:
@@ -137,11 +148,21 @@ def _there(source: PythonSource, definition: ast.ClassDef, name: str) -> str:
     """Say which publisher of the class may be meant by an attribute that publishes; empty if there is none."""
     for method, kind in _sent(definition, name):
         found = _publishers(source, definition, kind) if method == "publish" else []
+        found = [text for text in found if not _is_another(definition, text, name)]
         numbered = [text for text in found if re.findall(r"\d+", text) == re.findall(r"\d+", name)]
         found = numbered if len(numbered) == 1 else found
         if found:
             return f"write {' or '.join(found)} instead of self.{name}: it publishes {kind} already"
     return ""
+
+
+def _is_another(definition: ast.ClassDef, text: str, name: str) -> bool:
+    """Return whether an attribute of self is in use, and its name has another word in place of one of a name."""
+    words, others = words_of(name), words_of(text.removeprefix("self."))
+    is_other = len(words) == len(others) and has_other_words(name, text.removeprefix("self."))
+    return is_other and any(
+        ast.unparse(call.func) == f"{text}.publish" for call in calls_in(walk(definition))
+    )
 
 
 def _publishers(source: PythonSource, definition: ast.ClassDef, kind: str) -> list[str]:

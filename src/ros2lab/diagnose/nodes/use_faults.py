@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.code.expression_faults import chain_faults, keys_twice
 from ros2lab.diagnose.code.result_faults import result_faults
@@ -159,8 +159,13 @@ def _parameters_unread(uses: Uses) -> Iterator[Finding]:
             field = _filled_with(owner, str(name), node.args[1] if len(node.args) > 1 else None)
             if field is None:
                 continue  # it may be read from outside
+            target = field.targets[0]
             cause = f"The parameter {name!r} is declared but never read, so setting it changes nothing."
-            fix = f"write {ast.unparse(field.targets[0])} = self.get_parameter({name!r}).value"
+            fix = f"write {ast.unparse(target)} = self.get_parameter({name!r}).value"
+            if {*words_of(str(name))}.isdisjoint(words_of(ast.unparse(target))):
+                fix += (
+                    " if that is the value it should set; otherwise read it where it is meant, or remove it"
+                )
             yield Finding("parameter-unread", cause, source.at(field), fix)
 
 
@@ -176,7 +181,7 @@ def _filled_with(owner: NodeClass, name: str, default: ast.expr | None) -> ast.A
     """Return the only assignment of a parameter's default to what the parameter is meant for; None if it is not sure.
 
     An attribute of self has a word of its name and is set nowhere else, as a counter is; for a field of a message,
-    the default must be more than 0, 1, or an empty string, which are written for anything.
+    the default must be more than 0, 1, or an empty string, which are written for anything, and be the only such value.
     """
     if not isinstance(default, ast.Constant):
         return None
@@ -189,10 +194,19 @@ def _filled_with(owner: NodeClass, name: str, default: ast.expr | None) -> ast.A
         if (
             not {*words_of(name)}.isdisjoint(words_of(target.attr)) and _is_set_once(owner, target)
             if is_self_attribute(target)
-            else default.value not in (0, 1, "")
+            else default.value not in _PLAIN and _is_only_value(assigned, target.attr)
         )
     ]
     return fit[0] if len(fit) == len(pairs) == 1 else None
+
+
+_PLAIN = (0, 1, "")  # values that are written for anything
+
+
+def _is_only_value(assigned: Iterable[ast.Assign], attr: str) -> bool:
+    """Return whether a field gets only one value but those that are written for anything, so the code chooses none."""
+    values = [node.value for node in assigned if getattr(node.targets[0], "attr", "") == attr]
+    return len([v for v in values if not isinstance(v, ast.Constant) or v.value not in _PLAIN]) == 1
 
 
 def _is_set_once(owner: NodeClass, target: ast.Attribute) -> bool:

@@ -30,7 +30,14 @@ from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
-from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, nearest
+from ros2lab.diagnose.sources.spelling import (
+    alike,
+    did_you_mean,
+    differs,
+    is_near_miss,
+    nearest,
+    same_letters,
+)
 
 _ALIKE = 0.6  # how similar the names of an executable and of its module usually are, at least
 
@@ -142,7 +149,8 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)
     elif not point.function:
         cause = f"The entry point {point.name} names the module {point.module} but no function in it."
-        fix = f"write '{point.name} = {point.module}:{meant_function(package, point.module)}'"
+        function = meant_function(package, point.module)
+        fix = f"write '{point.name} = {point.module}:{function}'{_lacking(package, point.module, function)}"
         yield Finding("entry-point-no-function", cause, place, fix)
     elif source is not None:
         yield from _function_fault(package, source, point, place)
@@ -334,18 +342,42 @@ def _no_such_module(
 ) -> Finding:
     """Say that no file is a module's, and which module was meant if one is called nearly so."""
     function = point.function or point.module.rpartition(".")[2]
-    right = f"{known[0]}:{point.function or 'main'}" if [*known] == [close] else ""
-    if not right and close:
-        right = f"{close}:{function_of(package, close, [function]) or meant_function(package, close)}"
+    right, more = "", ""
+    if close:
+        is_there = [*known] == [close]
+        called = (point.function or "main") if is_there else function_of(package, close, [function])
+        called = called or meant_function(package, close)
+        right, more = f"{close}:{called}", _lacking(package, close, called)
+        stem, written = close.rpartition(".")[2], point.module.rpartition(".")[2]
+        is_alike = (
+            same_letters(stem, point.name) or same_letters(stem, written) or is_near_miss(written, stem)
+        )
+        if more and not is_there and not is_alike:
+            close, right = None, ""  # a similar name alone does not make it the program
     lacks = "there is no such file." if is_own else "there is no such package in this folder."
     said = f" Did you mean {close}?" if close else ""
     cause = f"The entry point {point.name} names the module {point.module}, but {lacks}{said}"
-    fix = f"write '{point.name} = {right}', and build again"
-    if close and not _has(package.sources[close], right.rpartition(":")[2]):
-        fix += f", with a function {right.rpartition(':')[2]}() there that runs its code"
+    fix = f"write '{point.name} = {right}'{more}, and build again"
     if not right:
         fix = f"create {package.shown(point.module.replace('.', '/'))}.py with the function {function}, or remove this entry point"
     return Finding("entry-point-module", cause, place, fix, (close,) if close else ())
+
+
+def _lacking(package: SourcePackage, module: str, function: str) -> str:
+    """Return the further step of a fix that names a function that its module lacks; empty if the module has it."""
+    source = package.sources.get(module)
+    if source is None or _has(source, function):
+        return ""
+    kinds = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign)
+    others = (node for node in source.tree.body if not isinstance(node, kinds))
+    runs = next((node for node in others if not isinstance(getattr(node, "value", None), ast.Constant)), None)
+    if runs is not None:
+        return f", and put the lines that run the program, from line {runs.lineno} of {source.shown} on, into `def {function}():` there"
+    if free := [name for name in source.functions if _demanding(source, name) is None]:
+        return (
+            f", with the function that is meant instead of {function}: {source.shown} has {', '.join(free)}"
+        )
+    return f", and define {function}() in {source.shown}"
 
 
 def _has(source: PythonSource, function: str) -> bool:

@@ -9,7 +9,7 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import last_name
 from ros2lab.diagnose.sources.setup_script import EntryPoint
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by
 
 
 def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
@@ -41,13 +41,14 @@ def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
 
 
 def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
-    """Return the function that an entry point should call: as written, the only one, main, or the one that a script calls."""
+    """Return the function that an entry point should call: as written, the only one if it needs nothing, main, or the one that a script calls."""
     if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
         return name[1]
     source = package.sources.get(module)
     body = source.tree.body if source else []
-    functions = [n.name for n in body if isinstance(n, ast.FunctionDef)]
+    functions = {n.name: n for n in body if isinstance(n, ast.FunctionDef)}
     guards = [n for n in body if isinstance(n, ast.If) and "__name__" in ast.unparse(n.test)]
     called = [last_name(call.func) for guard in guards for call in calls_in(ast.walk(guard))]
-    known = [*(["main"] if "main" in functions else []), *(name for name in called if name in functions)]
-    return functions[0] if len(functions) == 1 else [*known, "main"][0]
+    only = [name for name, function in functions.items() if len(functions) == 1 and not needed_by(function)]
+    known = [*only, *(["main"] if "main" in functions else []), *(name for name in called if name in functions)]
+    return [*known, "main"][0]
