@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -408,3 +409,34 @@ def test_a_script_finds_the_file_beside_it_before_its_package(
         files.put(name, given)
     found = [f.fix for f in of_workspace(files.write(tmp_path)) if f.code == "import-wrong"]
     assert found == [fix] * bool(fix)
+
+
+TICK = "        self.count += 1\n"
+INNER = {
+    "a handler": ("class Handler(BaseHTTPRequestHandler):\n    def do_GET(self):\n        self.send_response(200)", ""),
+    "a thread": ("class Worker(threading.Thread):\n    def run(self):\n        print(self.ident)", ""),
+    "one of a base of the file": ("class Inner(Base):\n    def go(self):\n        return self.reply()", ""),
+    "two levels": ("def made():\n    class Handler(BaseHTTPRequestHandler):\n        def do_GET(self):\n            return self.path\n    return Handler", ""),
+    "a function that becomes a method": ("def reply(self):\n    return self.path\nkind = type('H', (BaseHTTPRequestHandler,), {'do_GET': reply})", ""),
+    "the node's self": ("def later():\n    return self.nothing", "nothing"),
+    "the node's self in a lambda": ("later = lambda: self.nothing", "nothing"),
+    "the node beside a handler": ("class Handler(BaseHTTPRequestHandler):\n    def do_GET(self):\n        return self.path\nself.nothing()", "nothing"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", INNER)
+def test_the_self_of_an_inner_class_is_another(tmp_path: Path, name: str) -> None:
+    inner, lacks = INNER[name]
+    files = Files.right(NAME).change("node", TICK, TICK + textwrap.indent(inner, " " * 8) + "\n")
+    head = "import threading\nfrom http.server import BaseHTTPRequestHandler\n\nimport rclpy\n"
+    base = "class Base:\n    def reply(self):\n        return 1\n\n\nclass CLASS("
+    files.change("node", "import rclpy\n", head).change("node", "class CLASS(", base)
+    found = [f.cause for f in of_workspace(files.write(tmp_path)) if f.code == "attribute-missing"]
+    assert [lacks in cause for cause in found] == [True] * bool(lacks), found
+
+
+@pytest.mark.parametrize("where", ["class State(Enum):\n        def label(self):\n            return self.value", "class Deep(threading.Thread):\n        def run(self):\n            return self.ident"])  # fmt: skip
+def test_the_self_of_a_class_in_the_body_is_another(tmp_path: Path, where: str) -> None:
+    files = Files.right(NAME).change("node", "(Node):\n", f"(Node):\n    {where}\n\n")
+    files.change("node", "import rclpy\n", "import threading\nfrom enum import Enum\n\nimport rclpy\n")
+    assert codes(files, tmp_path, "attribute-missing") == []

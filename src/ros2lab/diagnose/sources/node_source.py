@@ -110,8 +110,9 @@ class NodeClass:
 
 
 def is_self_attribute(node: ast.AST | None) -> TypeGuard[ast.Attribute]:
-    """Return whether a node is an attribute of self, such as `self.count`."""
-    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+    """Return whether a node is an attribute of a class's self, such as `self.count`; that of an inner class is another."""
+    is_of_self = isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "self"
+    return is_of_self and not hasattr(node, "is_inner")
 
 
 Scoped = tuple[NodeClass | None, Function | None, ast.AST]
@@ -262,7 +263,7 @@ class NodeSources:
         for node in children(parent):
             yield owner, function, node
             if isinstance(node, ast.ClassDef):
-                inner = self.classes.get(f"{source.name}.{node.name}")
+                inner = None if hasattr(node, "is_inner") else self.classes.get(f"{source.name}.{node.name}")
                 yield from self._within(source, node, inner, None)
             elif isinstance(node, Function):
                 yield from self._within(source, node, owner, node)

@@ -50,5 +50,9 @@ def meant_function(package: SourcePackage, module: str, written: str = "") -> st
     guards = [n for n in body if isinstance(n, ast.If) and "__name__" in ast.unparse(n.test)]
     called = [last_name(call.func) for guard in guards for call in calls_in(ast.walk(guard))]
     only = [name for name, function in functions.items() if len(functions) == 1 and not needed_by(function)]
-    known = [*only, *(["main"] if "main" in functions else []), *(name for name in called if name in functions)]
+    known = [
+        *only,
+        *(["main"] if "main" in functions else []),
+        *(name for name in called if name in functions),
+    ]
     return [*known, "main"][0]

@@ -14,6 +14,7 @@ from typing import TypeVar
 
 from ros2lab.diagnose.finding import at
 from ros2lab.diagnose.sources.file_texts import decoded
+from ros2lab.diagnose.sources.marks import mark
 from ros2lab.diagnose.sources.static_value import bound, dotted
 
 _Kind = TypeVar("_Kind", bound=ast.stmt)
@@ -70,7 +71,7 @@ class PythonSource:
                 compile(tree, self.shown, "exec", dont_inherit=True)  # not run; it gives more warnings
             self.warned = [(warning.lineno, str(warning.message)) for warning in warned]
             bound(tree)
-            _mark_functions(tree)
+            mark(tree)
             return tree
         except SyntaxError as error:
             self.fault = error
@@ -314,19 +315,6 @@ def read_text(path: Path) -> str:
         return decoded(path.read_bytes(), path)
     except OSError:
         return ""
-
-
-def _mark_functions(tree: ast.Module) -> None:
-    """Set `is_function` on each `name` and `self.name`: whether it is a function of the file."""
-    nodes = [*walk(tree)]
-    functions = {node.name for node in nodes if isinstance(node, Function) and not node.decorator_list}
-    named = [node for node in nodes if isinstance(node, (ast.Name, ast.Attribute))]
-    bound = {last_name(node) for node in named if isinstance(node.ctx, ast.Store)}
-    bound |= {node.arg for node in nodes if isinstance(node, ast.arg)}
-    for node in named:
-        owner = node.value if isinstance(node, ast.Attribute) else None
-        is_own = owner is None or (isinstance(owner, ast.Name) and owner.id == "self")
-        node.is_function = is_own and last_name(node) in functions - bound  # type: ignore[union-attr]
 
 
 def _depth(tree: ast.AST) -> int:
