@@ -125,3 +125,36 @@ def test_one_that_nothing_makes_is_told(tmp_path: Path, imports: str) -> None:
     """A copy that is installed may be of a file that has been renamed."""
     files = Files.right(NAME).change("node", "import rclpy\n", f"import rclpy\n{imports}\n")
     assert len(missing(install(files, "table"), tmp_path)) == 1
+
+
+CMAKE = "project({0})\nfind_package(rosidl_default_generators REQUIRED)\nrosidl_generate_interfaces(${{PROJECT_NAME}} msg/Wrist.msg)\nament_package()\n"
+MANIFEST = "<package format='3'><name>{0}</name><version>0.1.0</version><description>Wrists</description><maintainer email='a@b.de'>A</maintainer><license>MIT</license><export><build_type>ament_cmake</build_type></export></package>"
+NEAR = "There is no Python package {}. Did you mean {}?"
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "near"),
+    [
+        ("all_interfaces", "from all_interfaces.msg import Wrist", ""),
+        ("nav_msg", "from nav_msg.msg import Wrist", ""),
+        ("std_srv", "import std_srv.msg", ""),
+        ("wrist_msgs", "from all_interfaces.msg import Wrist", ""),
+        ("wrist_msgs", "from nav_msg.msg import Odometry", "nav_msgs"),
+        ("wrist_msgs", "from nav_msg.msg import Odometri", "nav_msgs"),
+        ("wrist_msgs", "import std_msg.msg", "std_msgs"),
+    ],
+)
+@pytest.mark.parametrize("file", ["node", "launch/robot.launch.py"])
+def test_a_package_of_the_workspace_comes_before_a_similar_one(
+    tmp_path: Path, file: str, name: str, line: str, near: str
+) -> None:
+    """A similar package is only offered if it may have what is imported."""
+    first = "import rclpy\n" if file == "node" else "from launch import LaunchDescription\n"
+    files = Files.right(NAME).change(file, first, f"{first}{line}\n")
+    files.texts |= {
+        f"src/{name}/CMakeLists.txt": CMAKE.format(name),
+        f"src/{name}/package.xml": MANIFEST.format(name),
+        f"src/{name}/msg/Wrist.msg": "float64 angle\n",
+    }
+    found = [f.cause for f in of_workspace(files.write(tmp_path)) if f.code == "module-missing"]
+    assert found == ([NEAR.format(line.split()[1].partition(".")[0], near)] if near else [])

@@ -152,7 +152,7 @@ class Look:
                 of_manifest = _each_once(guarded(manifest_faults, package, by_name, plain, homes))
                 yield from order.proposed(package, of_manifest)
             yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
-            yield from source_faults(self.sources(package), _mains(package))
+            yield from source_faults(self.sources(package), package.mains)
             yield from guarded(named_alike, self.sources(package), self._alternatives)
             yield from guarded(bare_imports, package, self.sources(package))
             yield from guarded(self._shadowed, package)
@@ -304,7 +304,7 @@ class Look:
         if package.folder not in self._sources:
             used = self._used if self.executables[package.name] is not None else set()
             made, written = partial(is_made, package), partial(written_modules, package)
-            beyond = Beyond(self.modules, made, written, package.is_built_by_cmake)
+            beyond = Beyond(self.modules, made, written, package.is_built_by_cmake, self._names)
             self._sources[package.folder] = NodeSources(package.sources, used, beyond)
         return self._sources[package.folder]
 
@@ -314,6 +314,10 @@ class Look:
         return self.sources(home) if home else NodeSources({source.name: source})
 
     @cached_property
+    def _names(self) -> frozenset[str]:
+        return frozenset(package.name for package in self.packages)
+
+    @cached_property
     def modules(self) -> Mapping[str, PythonSource]:
         """The Python files of all packages, by the names of their modules."""
         return {name: source for package in self.packages for name, source in package.sources.items()}
@@ -321,7 +325,7 @@ class Look:
     @cached_property
     def _used(self) -> set[str]:
         """What entry points, and imports across packages, name."""
-        found = {main for package in self.packages for main in _mains(package) or ()}
+        found = {main for package in self.packages for main in package.mains or ()}
         for package in self.packages:
             others = {
                 name.partition(".")[0]
@@ -337,7 +341,9 @@ class Look:
     def launch_files(self) -> list[LaunchFile]:
         """All launch files."""
         read = {
-            path: read_launch_file(path, package.shown(str(path.relative_to(package.folder))))
+            path: read_launch_file(
+                path, package.shown(str(path.relative_to(package.folder))), {*self.modules, *self._names}
+            )
             for package in self.packages
             for path in package.launch_files
         }
@@ -441,9 +447,3 @@ def text_faults(source: PythonSource) -> list[Finding]:
     sources = NodeSources({source.name: source})
     of_topics = guarded(lambda: topic_faults(ends_of(sources)))
     return ranked([*source_faults(sources, []), *of_topics])
-
-
-def _mains(package: SourcePackage) -> list[str] | None:
-    points = package.setup.entry_points if package.setup else None
-    found = [f"{point.module}.{point.function}" for point in points or () if point.module]
-    return found or None

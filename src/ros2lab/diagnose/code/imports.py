@@ -92,7 +92,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             yield from _own_module(source, imported, own_modules, sources.beyond)
         elif bare_sibling(source, imported, own_modules):
             continue  # whether Python finds it depends on how the file is started
-    yield from misspelt_packages(source, own_modules)
+    yield from misspelt_packages(source, {*own_modules, *sources.beyond.modules, *sources.beyond.packages})
     is_run = any(name.rpartition(".")[0] == source.name for name in sources.used)
     # A script that is run by hand finds the files beside it first.
     beside = "" if is_run or "__main__" not in source.text else source.name.rpartition(".")[0]

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.finding import Finding, Guess
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import Import, PythonSource
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 _Home = tuple[str, str]  # the module, empty for a name that is one, and the name in it
@@ -24,12 +24,23 @@ def misspelt_packages(source: PythonSource, own: Collection[str]) -> Iterator[Fi
         top = imported.target.partition(".")[0]
         if imported.is_guarded or top in own:
             continue
-        if wanted := interfaces.meant(top) or _own_package(top, (*own, "setuptools")):
+        wanted = interfaces.meant(top)
+        wanted = (
+            wanted if wanted and _may_be_of(imported, wanted) else _own_package(top, (*own, "setuptools"))
+        )
+        if wanted:
             line = source.text.splitlines()[imported.line - 1].strip()
             new = re.sub(rf"\b{top}\b", wanted, line, count=1)
             fix = f"write `{new}`" if top in line and "(" not in line else f"write {wanted} instead of {top}"
             cause = f"There is no Python package {top}. Did you mean {wanted}?"
             yield Finding("module-missing", cause, source.at(imported.line), fix)
+
+
+def _may_be_of(imported: Import, package: str) -> bool:
+    """Return whether a name, perhaps misspelt, can be imported from another package than the file does, as far as is known."""
+    module, _, name = f"{package}.{imported.target.partition('.')[2]}".rpartition(".")
+    names = interfaces.importable_names(module) if imported.is_from else None
+    return names is None or name in ("*", *names) or any(is_near_miss(name, other) for other in names)
 
 
 def _own_package(name: str, own_modules: Collection[str]) -> str | None:

@@ -21,7 +21,8 @@ from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
-from ros2lab.diagnose.launching.plain_values import plain_value_faults, takers
+from ros2lab.diagnose.launching.plain_values import may_be_parameter, plain_value_faults, takers
+from ros2lab.diagnose.launching.unlisted import unlisted
 from ros2lab.diagnose.sources.calls import as_list
 from ros2lab.diagnose.sources.commented_out import comments_in
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
@@ -50,6 +51,7 @@ class Launched:
         values: the parameters that it is given directly, without those of files.
         given: its parameters in order: dicts of values by name, and paths of files.
         is_wrapped: whether launch starts another program, such as a terminal of its own, which then starts it.
+        is_listed: whether launch is given it, as far as the text tells.
     """
 
     package: Any
@@ -64,6 +66,7 @@ class Launched:
     values: Mapping[str, Any] = field(default_factory=dict)
     given: tuple[Mapping[str, Any] | str, ...] = ()
     is_wrapped: bool = False
+    is_listed: bool = True
 
     @property
     def remapped(self) -> tuple[str, ...]:
@@ -93,12 +96,12 @@ class LaunchFile:
     choices: tuple[tuple[tuple[str | None, ...], ...], ...] = ()
 
 
-def read_launch_file(path: Path, shown: str) -> LaunchFile:
-    """Read a launch file, in Python, XML or YAML."""
-    return (_read_python if path.suffix == ".py" else _read_entities)(path, shown)
+def read_launch_file(path: Path, shown: str, own: Collection[str] = ()) -> LaunchFile:
+    """Read a launch file, in Python, XML or YAML; `own` are the packages and the modules of the workspace."""
+    return _read_python(path, shown, own) if path.suffix == ".py" else _read_entities(path, shown)
 
 
-def _read_python(path: Path, shown: str) -> LaunchFile:
+def _read_python(path: Path, shown: str, own: Collection[str]) -> LaunchFile:
     source = read_source(path, "launch_file", shown)
     if source.tree is not None and source.fault:
         return LaunchFile(shown, (), (syntax_finding("launch-syntax", source),))
@@ -113,7 +116,7 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
         faults.append(Finding("launch-function", cause, source.at(place), fix))
     faults += _without_return(source)
     faults += [*used_too_early(source), *declared_late(source)]
-    faults += [*kind_faults(source), *plain_value_faults(source), *_of_ros_nodes(source)]
+    faults += [*kind_faults(source), *plain_value_faults(source), *_of_ros_nodes(source, own)]
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
 
 
@@ -137,7 +140,7 @@ def _without_return(source: PythonSource) -> Iterator[Finding]:
             yield Finding("launch-function", cause, source.at(last), fix)
 
 
-def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
+def _of_ros_nodes(source: PythonSource, own: Collection[str]) -> Iterator[Finding]:
     """Yield imports meant for nodes, wrong arguments, and actions that a comma turns into a tuple."""
     for imported in source.imports:
         module, _, name = imported.target.rpartition(".")
@@ -148,7 +151,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             cause = f"{imported.local} here is {imported.target}, but the {imported.local} for launch files is in {homes[0]}."
             fix = f"write `from {homes[0]} import {imported.local}`"
             yield Finding("import-wrong", cause, source.at(imported.line), fix)
-    yield from misspelt_packages(source, ())
+    yield from misspelt_packages(source, own)
     yield from wrong_imports(source, {})
     for name, node in undefined_names(source):
         cause, fix = meant(source, name, node)
@@ -224,6 +227,7 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
         if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
             name = node.targets[0].id
             names[name] = UNKNOWN if name in names else evaluate(node.value, names, calls)
+    idle = {id(call) for action in unlisted(source) for call in action.made}
     for node in source.nodes:
         if not isinstance(node, ast.Call):
             continue
@@ -246,6 +250,7 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             given.get("output"),
             _words(given.get("arguments")),
             is_wrapped=bool(given.get("prefix")),
+            is_listed=id(node) not in idle,
         )
 
 

@@ -17,12 +17,14 @@ class Beyond:
         is_made: whether a module without a file is there once the package is built.
         written: the last parts of the names of the modules that the build is seen to write.
         is_cmake: whether the build can make modules of messages, once it is told to.
+        packages: the names of all packages of the workspace, of which some bring only messages.
     """
 
     modules: Mapping[str, PythonSource] = field(default_factory=dict)
     is_made: Callable[[str], bool] = lambda _: False
     written: Callable[[], Collection[str]] = frozenset
     is_cmake: bool = False
+    packages: Collection[str] = ()
 
 
 NOTHING = Beyond()

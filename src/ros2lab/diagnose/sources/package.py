@@ -152,6 +152,11 @@ class SourcePackage:
         return (self.setup.entry_points if self.setup else None) or ()
 
     @property
+    def mains(self) -> list[str] | None:
+        """The full names of the functions that its entry points call; None if none is known."""
+        return [f"{point.module}.{point.function}" for point in self.points if point.module] or None
+
+    @property
     def copied(self) -> list[str] | None:
         """The files that setup.py copies to where `ros2 run` looks for executables; None if not known."""
         setup = self.setup
