@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import re
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -303,3 +305,36 @@ def test_words_one_by_one_and_files_of_the_kind_are_right(tmp_path: Path, line: 
     made = Files.right(NAMES[1]).put("launch/robot.launch.py", INCLUDE.replace("LINE", line))
     found = told(made, tmp_path, "launch-argument")
     assert not [finding for finding in found if "one word" in finding.cause or " reads " in finding.cause]
+
+
+PATHS = "from launch.substitutions import PathJoinSubstitution, PathSubstitution\nfrom launch_ros.substitutions import FindPackageShare\n"
+
+
+@pytest.mark.parametrize(
+    ("value", "is_early"),
+    [
+        ("PathSubstitution(FindPackageShare('p')) / 'a' / 'b'", False),
+        ("FindPackageShare('p') / 'config' / music", False),
+        ("PathJoinSubstitution(['p', 'q']) / 'x'", False),
+        ("(PathSubstitution('p') / 'a') / 'b'", False),
+        ("music + '/x'", True),
+        ("music / 'x'", True),
+        ("PathSubstitution('p') + 'x'", True),
+        ("'x' / PathSubstitution('p')", True),
+        ("os.path.join(PathSubstitution('p'), 'x')", True),
+        ("open(PathSubstitution('p') / 'x').read()", True),
+        ("str(PathSubstitution('p') / 'x')", True),
+        ('f\'{FindPackageShare("p") / "x"}\'', True),
+    ],
+)
+def test_an_operator_of_a_substitution_makes_a_substitution(
+    tmp_path: Path, value: str, is_early: bool
+) -> None:
+    made = files("arguments=[path]", before=f"path = {value}")
+    made.change("launch/robot.launch.py", "from launch_ros", f"{PATHS}from launch_ros")
+    found = [f for f in told(made, tmp_path, "launch-argument") if "only when launch runs" in f.cause]
+    assert len(found) == is_early, found
+    for one in found:
+        for text in re.findall(r"\(context\):\n(.*?)\n  Then", one.fix, re.DOTALL):
+            ast.parse(textwrap.dedent(text.replace("return", "x =")))
+            assert "'.perform" not in text

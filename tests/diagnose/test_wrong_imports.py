@@ -35,6 +35,8 @@ def found(text: str, *, is_sure: bool = False, **own: set[str]) -> list[Finding]
         (f"{LAUNCH}from launch_ros import Node\n", "write `from launch_ros.actions import Node`"),
         (f"{LAUNCH}from launch.substitutions import Node\n", "write `from launch_ros.actions import Node`"),
         (f"{LAUNCH}from launch_ros.action import Node\n", "write `from launch_ros.actions import Node`"),
+        (f"{LAUNCH}from launch.event_handlers.on_process_started import OnProcessStart\n", "write `from launch.event_handlers import OnProcessStart`"),
+        (f"{LAUNCH}from launch.substitution import LaunchConfiguration\n", "write `from launch.substitutions import LaunchConfiguration`"),
     ],
 )  # fmt: skip
 def test_the_fix_imports_what_was_meant(text: str, fix: str) -> None:
@@ -71,6 +73,9 @@ def test_a_misspelt_module_of_python_is_told_only_if_the_import_failed() -> None
         "from std_msgs.msg import *\nfrom rclpy.executors import ExternalShutdownException\n",
         f"{LAUNCH}from launch.actions import DeclareLaunchArgument, ExecuteProcess, GroupAction, OpaqueFunction\n",
         "from launch_ros.parameter_descriptions import ParameterValue\nfrom launch.event_handlers import OnProcessExit\n",
+        f"{LAUNCH}from launch.event_handlers.on_process_start import OnProcessStart\n",
+        f"{LAUNCH}from launch.actions.execute_process import ExecuteProcess\nimport launch.events.matchers\n",
+        f"{LAUNCH}from launch_ros.actions.node import Node\nfrom launch.substitutions.launch_configuration import LaunchConfiguration\n",
         "from collections import abc, OrderedDict\nfrom concurrent import futures\nfrom importlib import resources\n",
         "from setuptools import Command, find_namespace_packages, setup\n",
         "from rclpy.parameter import Parameter, parameter_value_to_python\nfrom rclpy import logging\n",

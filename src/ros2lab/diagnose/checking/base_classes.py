@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Iterator
 
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.class_trees import classes_below
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
@@ -98,7 +99,7 @@ def _names(node: ast.AST) -> Iterator[str]:
 
 
 def _library_below(kind: str) -> list[str]:
-    return interfaces.classes_below(kind, "rclpy") if interfaces.inner_homes_of(kind) else []
+    return classes_below(kind, "rclpy") if interfaces.inner_homes_of(kind) else []
 
 
 def _is_given_in_library(spot: Spot, kind: str, name: str) -> bool:

@@ -22,7 +22,8 @@ from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.launching.own_modules import own_module
 from ros2lab.diagnose.launching.unlisted import unlisted
 from ros2lab.diagnose.nodes.parameter_faults import unread_file
-from ros2lab.diagnose.sources.interfaces import PACKAGES, install_of, launch_classes_below, package_of
+from ros2lab.diagnose.sources.class_trees import launch_classes_below
+from ros2lab.diagnose.sources.interfaces import PACKAGES, install_of, package_of
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, is_other_yaml, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text

@@ -11,6 +11,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_choices import choice_when_it_runs
 from ros2lab.diagnose.launching.opaque_functions import as_opaque_function, needed_at_once, runs_at_once
+from ros2lab.diagnose.sources.class_trees import launch_classes_with
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 
 
@@ -24,7 +25,7 @@ def used_too_early(source: PythonSource) -> Iterator[Finding]:
     for node in source.nodes:
         used = _given_to_python(source, node)
         early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
-        if early:
+        if early and not (isinstance(node, ast.BinOp) and _is_substitution(source, node)):
             text = ast.unparse(early[0])
             cause = f"{text} gets its value only when launch runs; here, while the file is being read, it is not a string yet."
             if needed_at_once(source, node):
@@ -145,6 +146,20 @@ def _counts(node: ast.AST) -> bool:
     return has_number or not isinstance(node.op, (ast.Add, ast.Div))
 
 
+# The methods with which a class defines an operator.
+_DEFINED_BY = {ast.Div: "__truediv__", ast.Add: "__add__"}
+
+
 def _is_substitution(source: PythonSource, value: ast.expr) -> bool:
+    return bool(_class_of(source, value))
+
+
+def _class_of(source: PythonSource, value: ast.expr) -> str:
+    """Return the class of the substitution that an expression makes, also by an operator of it; empty if it makes none."""
+    if isinstance(value, ast.BinOp):
+        made = _class_of(source, source.written(value.left))
+        method = _DEFINED_BY.get(type(value.op), "")
+        return made if method and made in launch_classes_with(method) else ""
     target = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
-    return target.startswith(("launch.substitutions.", "launch_ros.substitutions."))
+    module, _, name = target.rpartition(".")
+    return name if f"{module}.".startswith(("launch.substitutions.", "launch_ros.substitutions.")) else ""

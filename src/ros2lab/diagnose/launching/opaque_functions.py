@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ros2lab.diagnose.finding import lines_in_words
@@ -92,7 +92,7 @@ class _Moved:
 
 def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> str:
     """Return a fix that moves the lines that need a value into a function that launch calls when it runs."""
-    texts = {ast.unparse(expression) for expression in early}
+    texts = {ast.unparse(expression): _called(expression) for expression in early}
     body = _body(source, node)
     made = {
         ast.unparse(statement.targets[0]): statement.value
@@ -104,9 +104,13 @@ def as_opaque_function(source: PythonSource, node: ast.AST, early: Sequence[ast.
         is_source = isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) in made
         if not is_source and (node in ast.walk(statement) or names_read(ast.walk(statement)) & moved.names):
             moved.take(statement)
-    rows = [f"{name} = {ast.unparse(value)}.perform(context)" for name, value in made.items()]
+    rows = [f"{name} = {_called(value)}" for name, value in made.items()]
     rows += [
-        row for statement in moved.statements for row in _performed(statement, texts - {*made}).splitlines()
+        row
+        for statement in moved.statements
+        for row in _performed(
+            statement, {text: new for text, new in texts.items() if text not in made}
+        ).splitlines()
     ]
     rows.append(f"return [{', '.join(map(ast.unparse, moved.actions))}]")
     function = textwrap.indent(
@@ -140,11 +144,17 @@ def _plain_instead(source: PythonSource, made: dict[str, ast.expr], node: ast.AS
     return ""
 
 
-def _performed(statement: ast.stmt, texts: Iterable[str]) -> str:
-    """Return a statement in which `.perform(context)` follows each of the launch values."""
+def _called(expression: ast.expr) -> str:
+    """Return the call that gives the text of a launch value."""
+    text = ast.unparse(expression)
+    return f"{f'({text})' if isinstance(expression, ast.BinOp) else text}.perform(context)"
+
+
+def _performed(statement: ast.stmt, texts: Mapping[str, str]) -> str:
+    """Return a statement in which other texts stand for those of some expressions."""
     text = ast.unparse(statement)
-    for expression in texts:
-        text = text.replace(expression, f"{expression}.perform(context)")
+    for expression, new in texts.items():
+        text = text.replace(expression, new)
     return text
 
 

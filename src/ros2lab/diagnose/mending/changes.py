@@ -21,7 +21,8 @@ from ros2lab.diagnose.checking.members import members
 from ros2lab.diagnose.checking.operands import held_in
 from ros2lab.diagnose.checking.trials import Trial
 from ros2lab.diagnose.sources.calls import as_list, whole_call
-from ros2lab.diagnose.sources.interfaces import fields_of, homes_of, launch_classes_below, launch_homes_of
+from ros2lab.diagnose.sources.class_trees import launch_classes_below
+from ros2lab.diagnose.sources.interfaces import fields_of, homes_of, launch_homes_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, assigned_to
 from ros2lab.diagnose.sources.signatures import LISTS, Signature, heads_of, signature_by_name, signature_of

@@ -97,7 +97,16 @@ def is_module(name: str) -> bool:
     if path is None:
         return False
     files = (path.with_suffix(".py"), path / "__init__.py", *path.parent.glob(f"{path.name}.*.so"))
-    return any(file.is_file() for file in files)
+    return any(file.is_file() for file in files) or _is_in_portable_launch(name)
+
+
+def _is_in_portable_launch(name: str) -> bool:
+    """Return whether the portable launch finds a module for which it has no file, as it does for each of its classes."""
+    homes = [
+        folder.parent for folder in (folder_of(name.partition(".")[0]), folder_of("portable_ros2")) if folder
+    ]
+    has_paths = len(homes) == 2 and homes[0] == homes[1] and (homes[0] / "launch" / "paths.py").is_file()
+    return has_paths and is_installed(name)
 
 
 def _place_of(module: str) -> Path | None:
@@ -337,28 +346,6 @@ def launch_homes_of(name: str) -> list[str]:
         for module in LAUNCH_MODULES
         if any(pattern.search(read_text(file)) for file in _files_of(module))
     ]
-
-
-@lru_cache(maxsize=8)
-def _bases_in(*packages: str) -> Mapping[str, frozenset[str]]:
-    """Return the names of the base classes of each class of some packages."""
-    folders = [folder for folder in map(folder_of, packages) if folder]
-    texts = (read_text(path) for folder in folders for path in folder.rglob("*.py"))
-    found = (re.findall(r"^class (\w+)\(([\w., ]+)", text, re.MULTILINE) for text in texts)
-    return {name: frozenset(re.findall(r"\w+(?=,|$)", above)) for rows in found for name, above in rows}
-
-
-def classes_below(name: str, *packages: str) -> list[str]:
-    """Return the classes of some packages that are derived from a class, itself included."""
-    known, found = _bases_in(*packages), {name}
-    while more := {class_name for class_name, above in known.items() if above & found} - found:
-        found |= more
-    return sorted(found)
-
-
-def launch_classes_below(name: str) -> list[str]:
-    """Return the classes for launch files that are derived from a class of launch, itself included."""
-    return [below for below in classes_below(name, "launch", "launch_ros") if launch_homes_of(below)]
 
 
 def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:
