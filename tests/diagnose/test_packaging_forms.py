@@ -194,6 +194,7 @@ def test_a_tag_declares_one_package(tmp_path: Path, written: str) -> None:
         ("rclpy.sensor_msgs", ["sensor_msgs"]),
         ("sensor_msgs>=1.0", ["sensor_msgs"]),
         ("rclpy python3-numpy", ["python3-numpy"]),
+        ("rclpy, libgstreamer1.0-dev", ["libgstreamer1.0-dev"]),
     ],
 )
 def test_what_is_imported_of_a_package_is_declared_as_the_package(
@@ -241,3 +242,12 @@ def test_a_dependency_under_a_condition_is_declared(tmp_path: Path) -> None:
         files.change("package.xml", depend, "<depend>std_msgs</depend>")
     files.change("package.xml", "<depend>std_msgs</depend>", "")
     assert "dependency-undeclared" in [f.code for f in of_workspace(files.write(tmp_path), None)]
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["libgstreamer1.0-dev", "gstreamer1.0-plugins-bad", "python3.11-dev", "liblua5.3-dev", "libgtk-3-dev", "libstdc++6", "qtbase5-dev"],
+)  # fmt: skip
+def test_a_key_of_rosdep_may_have_dots(tmp_path: Path, key: str) -> None:
+    files = Files.right(NAMES[1]).change("package.xml", RCLPY, f"{RCLPY}\n  <depend>{key}</depend>")
+    assert of_workspace(files.write(tmp_path)) == []

@@ -8,7 +8,7 @@ import keyword
 import re
 import sys
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -284,19 +284,26 @@ def _dependency_faults(
             yield Finding("dependency-unknown", cause, place, fix, (name,))
 
 
+_KEY = re.compile(r"[\w.+-]+")  # a name as rosdep has it, such as libgstreamer1.0-dev or libstdc++6
+
+
 def _named_in(word: str, known: Collection[str]) -> list[str]:
     """Return the packages that a word of a tag names: as a whole, `rcl.py` for rclpy, or by the parts of a path."""
     path = re.split(r"[./:]+", word)
     whole = [name for name in sorted(known) if same_letters(name, word)]
-    return whole[:1] or [part for part in path if part in known] or path[:1]
+    return (
+        whole[:1] or [part for part in path if part in known] or [word if _KEY.fullmatch(word) else path[0]]
+    )
 
 
 def _joined(
-    package: SourcePackage, written: str, place: str, declared: Collection[str], known: Collection[str]
+    package: SourcePackage, written: str, place: str, declared: Collection[str], known: Set[str]
 ) -> Iterator[Finding]:
     """Yield how to declare the packages that are written in one tag, as a list or as what Python imports of them."""
-    words = re.findall(r"[^\W\d][\w./:-]*", written)
+    words = re.findall(r"[^\W\d][\w./:+-]*", written)
     parts = [part for word in words for part in _named_in(word, known)]
+    if _KEY.fullmatch(written) and known.isdisjoint(parts):
+        return  # it may be a key of rosdep
     names = [*dict.fromkeys(part for part in parts if not keyword.iskeyword(part))]
     new = [name for name in names if name not in declared]
     text = read_text(package.folder / "package.xml")
