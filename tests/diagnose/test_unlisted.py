@@ -98,3 +98,26 @@ def test_what_launch_prints_of_it_names_the_object_at_hand(tmp_path: Path) -> No
     (printed,) = of_text(said, tmp_path)
     assert (printed.fix, printed.place) == (silent.fix, silent.place)
     assert printed.fix == "write `pace,` as the first item in the list on line 10"
+
+
+STRAY = "Node(package='my_bot', executable='strays')"
+
+
+@pytest.mark.parametrize(
+    ("body", "is_started"),
+    [
+        (f"stray = {STRAY}\nreturn LaunchDescription([{PLAIN},\n    # stray\n])", False),
+        (f"ld = LaunchDescription([{PLAIN}])\nstray = {STRAY}\n# ld.add_action(stray)\nreturn ld", False),
+        (f"strays = [{STRAY}]\nreturn LaunchDescription([{PLAIN}])", False),
+        (f"stray = {STRAY}\nreturn LaunchDescription([stray])", True),
+        (f"ld = LaunchDescription()\nstray = {STRAY}\nld.add_action(stray)\nreturn ld", True),
+        (f"talk = {PLAIN}\nstray = {STRAY}\nreturn LaunchDescription([talk, RegisterEventHandler(OnProcessExit(target_action=talk, on_exit=[stray]))])", True),
+        (f"items = [{PLAIN}]\nstray = {STRAY}\nif items:\n    items.append(stray)\nreturn LaunchDescription(items)", True),
+    ],
+)  # fmt: skip
+def test_what_launch_is_not_given_is_not_started(tmp_path: Path, body: str, is_started: bool) -> None:
+    """Also where launch cannot load the file, so that only its text tells."""
+    text = f"import cartographer_tools\n{HEAD}{textwrap.indent(body, '    ')}\n"
+    root = Files.right(NAME).put("launch/a.launch.py", text).write(tmp_path)
+    found = [finding for finding in of_workspace(root) if finding.code == "launch-executable"]
+    assert len(found) == is_started, found

@@ -28,7 +28,7 @@ def launch_faults(
     """
     yield from launch_file.faults
     declared = {name for package in packages.values() for name in package.declared}
-    for node in launch_file.nodes:
+    for node in (node for node in launch_file.nodes if node.is_listed):
         if isinstance(node.package, str) and node.package not in packages:
             yield from _package_fault(node, node.package, packages, executables, declared)
         elif isinstance(node.package, str) and isinstance(node.executable, str):
