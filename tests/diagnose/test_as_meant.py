@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import sys
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from ros2lab.diagnose.explaining.commands import corrected
 from ros2lab.diagnose.explaining.usage import accepted_form
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.calls import meant_call
+from ros2lab.diagnose.sources.checker import newer_syntax
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 IMPORTS = """\
@@ -341,3 +343,52 @@ def test_a_constant_switch_and_a_saved_value_are_no_alarm(tmp_path: Path) -> Non
         "        if self.is_loud:\n            self.get_logger().info(f'{self.first}')\n        self.count += 1",
     )
     assert of_workspace(files.write(tmp_path)) == []
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 12), reason="this Python reads it")
+@pytest.mark.parametrize(
+    ("line", "said", "fix"),
+    [
+        ('text = f"{msg["a"]} is here"', "outer quote character", "write `text = f'{msg[\"a\"]} is here'`"),
+        ("text = f\"{', '.join(msg[\"a\"])}\"", "outer quote character", "write it without that, or use Python 3.12"),
+        ("text = f\"{'\\n'.join(msg)}\"", "backslash", "write it without that, or use Python 3.12"),
+        ("type Pace = float", "type` alias", "write it without that, or use Python 3.12"),
+        ("def first[T](all: list[T]) -> T: return all[0]", "type parameter", "write it without that, or use Python 3.12"),
+    ],
+)  # fmt: skip
+def test_what_only_a_later_python_reads_is_told_as_that(line: str, said: str, fix: str) -> None:
+    source = PythonSource("talk", "talk.py", f"{NODE}        {line}\n        self.done = True\n")
+    assert source.tree
+    finding = syntax_finding("node-syntax", source)
+    here = (
+        f"Python {sys.version_info[0]}.{sys.version_info[1]}, which runs here, cannot read talk.py: it cannot"
+    )
+    assert finding.cause.startswith(here)
+    assert said in finding.cause
+    assert finding.cause.endswith("That is valid from Python 3.12 on.")
+    assert (finding.place, finding.fix) == ("talk.py:6", fix)
+
+
+@pytest.mark.parametrize(
+    "line", ['text = f"{msg["', 'text = f"{msg[0}"', "print 'a'", "match msg {", "text = f'{msg.data'"]
+)
+def test_what_no_python_reads_is_the_file_s_fault(line: str) -> None:
+    source = PythonSource("talk", "talk.py", f"{NODE}        {line}\n        self.done = True\n")
+    assert source.tree
+    assert "which runs here" not in syntax_finding("node-syntax", source).cause
+
+
+@pytest.mark.parametrize(
+    ("text", "version"),
+    [
+        ("match data:\n    case 1:\n        pass\n", (3, 10)),
+        ("try:\n    pass\nexcept* ValueError:\n    pass\n", (3, 11)),
+        ("if (n := 3):\n    pass\n", (3, 8)),
+        ("with (open('a') as a, open('b') as b):\n    pass\n", (3, 9)),
+        ("x = 1\n", None),
+        ("x = (\n", None),
+    ],
+)
+def test_the_version_that_reads_it_is_asked_for(text: str, version: tuple[int, int] | None) -> None:
+    newer = newer_syntax(text, (3, 7))
+    assert (newer.version if newer else None) == version

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import ast
-import contextlib
 import os
 import re
-import shutil
-import subprocess
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,10 +12,10 @@ from pathlib import Path
 
 from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.stubs import write_stubs
+from ros2lab.diagnose.sources.checker import type_checker_says
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.scratch import scratch_folder
 
-_LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of a second
 _ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
 # The rules that are used, with patterns for their messages.
 RULES = {
@@ -43,19 +40,15 @@ def said_of(
 
     Empty if it is not installed or fails.
     """
-    checker = shutil.which(
-        "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
-    )
-    if checker is None or not files:
+    if not files:
         return []
     with scratch_folder() as folder:
-        # It names modules from its own folder on, and finds none below a folder whose name is no identifier.
-        (folder / "ty.toml").touch()
+        # It finds no modules below a folder whose name is no identifier.
         linked = {f"package_{number}": str(package) for number, package in enumerate(packages)}
         for name, package in linked.items():
             (folder / name).symlink_to(package)
         seen = [_linked(path, linked) for path in files]
-        said = _said(checker, seen, homes, folder)
+        said = type_checker_says(folder, _options(seen, homes))
     places = {alias.lstrip("/"): path.lstrip("/") for alias, path in zip(seen, files, strict=True)}
     told = [row for line in said.splitlines() if (row := _ROW.match(line)) is not None]
     placed = [(places.get(row["file"].lstrip("/"), row["file"]), row) for row in told]
@@ -71,20 +64,12 @@ def _linked(path: str, packages: Mapping[str, str]) -> str:
     return f"{home}/{Path(path).relative_to(packages[home])}" if home else path
 
 
-def _said(checker: str, files: Sequence[str], homes: Iterable[str], folder: Path) -> str:
-    """Return what the type checker prints in a folder; empty if it fails."""
+def _options(files: Sequence[str], homes: Iterable[str]) -> list[str]:
+    """Return the files and the folders with modules, as the type checker is given them."""
     # It runs in another folder, so relative paths are made absolute.
     search = [Path(home).absolute() for home in os.environ.get("PYTHONPATH", "").split(os.pathsep) if home]
-    environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
-    for home in [*homes, *filter(Path.is_dir, search)]:
-        command += ["--extra-search-path", str(home)]
-    with contextlib.suppress(OSError, subprocess.SubprocessError):
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd=folder, env=environ
-        )
-        return done.stdout
-    return ""
+    places = [*homes, *filter(Path.is_dir, search)]
+    return ["--python", sys.prefix, *files, *(f"--extra-search-path={home}" for home in places)]
 
 
 def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:

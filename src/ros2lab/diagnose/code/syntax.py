@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import re
+import sys
+from collections.abc import Sequence
 
 from ros2lab.diagnose.code.block_edits import depth_of, in_words, level_of
 from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.syntax_repairs import repairs_of
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.sources.checker import Newer, newer_syntax
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
 
 _SHOWN = 100  # characters of a line
+_OF_ROS = (3, 12)  # the Python of ROS 2 Jazzy
 
 
 def syntax_finding(code: str, source: PythonSource) -> Finding:
@@ -28,15 +32,39 @@ def explained(
 ) -> Finding:
     """Explain a syntax error in a cause that begins with `what`; the source is None if only the error's text is known."""
     repairs = repairs_of(source.text, fault) if source else []
+    newer = newer_syntax(source.text) if source else None
+    if source and newer and (newer.version <= _OF_ROS or not repairs):
+        at_line = f"{place.rpartition(':')[0]}:{newer.line}"
+        cause, fix = _of_later(what, newer, source, repairs)
+        return Finding(code, cause, at_line, fix)
     if not repairs:
         return Finding(code, f"{what}: {_said(fault)}.", place, _fix(fault, source))
-    first, *more = repairs
-    steps = [
-        _step(first),
-        *(_step(repair, "" if repair.is_move else f"on line {repair.line} ") for repair in more),
-    ]
+    first = repairs[0]
     cause = f"{what}: {first.why}."
-    return Finding(code, cause, f"{place.rpartition(':')[0]}:{first.line}", "; ".join(steps))
+    return Finding(code, cause, f"{place.rpartition(':')[0]}:{first.line}", _steps(repairs))
+
+
+def _of_later(what: str, newer: Newer, source: PythonSource, repairs: Sequence[Repair]) -> tuple[str, str]:
+    """Return cause and fix of what a later Python reads; where other quotes are enough, this one reads it, too."""
+    here, later = (".".join(map(str, version)) for version in (sys.version_info[:2], newer.version))
+    by = what.replace("Python", f"Python {here}, which runs here,", 1)
+    said = re.sub("^Cannot", "it cannot", newer.what)
+    cause = f"{by}: {said[:1].lower()}{said[1:]}. That is valid from Python {later} on."
+    lines = source.text.split("\n")
+    for repair in repairs:
+        lines = repair.applied(lines)
+    is_same = _without_quotes("\n".join(lines)) == _without_quotes(source.text)
+    return cause, _steps(repairs) if repairs and is_same else f"write it without that, or use Python {later}"
+
+
+def _without_quotes(text: str) -> str:
+    return re.sub("['\"]", "", text)
+
+
+def _steps(repairs: Sequence[Repair]) -> str:
+    first, *more = repairs
+    others = (_step(repair, "" if repair.is_move else f"on line {repair.line} ") for repair in more)
+    return "; ".join((_step(first), *others))
 
 
 def _step(repair: Repair, where: str = "") -> str:
