@@ -145,3 +145,84 @@ def test_what_is_too_large_to_be_read_is_not_given_to_it(
     of_workspace(root)
     assert given
     assert not [path for path in given if "big" in path]
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("curses.initscr().keypad(0)", ""),
+        ("curses.initscr().nodelay(1)", ""),
+        ("self.names = sorted(['b', 'a'], reverse=1)", ""),
+        ("Bool().data = 0", "write Bool().data = False"),
+        ("self.on = Bool(data=0)", "write False"),
+        ("self.on = Bool(data=1)", "write True"),
+        ("self.on = Bool(data='false')", "write False"),
+        ("self.on = Bool(data='off')", "write False"),
+        ("self.on = Bool(data='yes')", "write True"),
+    ],
+)
+def test_a_number_is_a_truth_but_not_in_a_message(tmp_path: Path, line: str, fix: str) -> None:
+    files = Files.right(NAMES[1]).change("node", TALK, f"{TALK}        {line}\n")
+    head = "import curses\n\nimport rclpy\nfrom std_msgs.msg import Bool\n"
+    files.change("node", "import rclpy\n", head)
+    codes = ("argument-type", "field-type")
+    assert [f.fix for f in of_workspace(files.write(tmp_path)) if f.code in codes] == [fix] * bool(fix)
+
+
+ON_THE_CLASS = [
+    ("CLASS.destroy_node()", "its instance here is node.", "write `node.destroy_node()`"),
+    ("camera.stop()", "its instance here is eye.", "write `eye.stop()`"),
+    ("kind.stop()", "kind is the class camera itself", "write `kind = camera()` instead of `kind = camera`"),
+    ("lamp.glow()", "lamp is the class itself, not an instance: the parentheses", "write lamp() where the"),
+    ("camera.stop(eye)", "", ""),
+    ("camera.made()", "", ""),
+    ("camera.twice(2)", "", ""),
+]
+
+
+@pytest.mark.parametrize(("line", "cause", "fix"), ON_THE_CLASS)
+def test_a_method_that_is_called_on_its_class(tmp_path: Path, line: str, cause: str, fix: str) -> None:
+    classes = """\
+class camera:
+    def stop(self):
+        pass
+
+    @classmethod
+    def made(cls):
+        return cls()
+
+    @staticmethod
+    def twice(x):
+        return 2 * x
+
+
+class lamp:
+    def glow(self):
+        pass
+
+
+def main("""
+    files = Files.right(NAMES[1]).change("node", "def main(", classes)
+    init = "    rclpy.init(args=args)\n"
+    files.change("node", init, f"{init}    eye = camera()\n    kind = camera\n    print(eye, kind)\n")
+    files.change("node", "node.destroy_node()", line)
+    found = [f for f in of_workspace(files.write(tmp_path)) if f.code == "argument-missing"]
+    assert [(cause in f.cause, f.fix.startswith(fix)) for f in found] == [(True, True)] * bool(fix), found
+
+
+@pytest.mark.parametrize(
+    ("made", "cause", "fix"),
+    [
+        ("self.eye = Camera()", "its instance here is self.eye.", "write `self.eye.stop()`"),
+        ("print(Camera())", "not an instance; line", "write the instance that line"),
+    ],
+)
+def test_an_instance_is_looked_for_in_the_class_and_the_file(
+    tmp_path: Path, made: str, cause: str, fix: str
+) -> None:
+    files = Files.right(NAMES[1]).change("node", "self.count = 0", f"self.count = 0\n        {made}")
+    files.change("node", TALK, f"{TALK}        Camera.stop()\n")
+    files.change("node", "class CLASS", "class Camera:\n    def stop(self):\n        pass\n\n\nclass CLASS")
+    (found,) = [f for f in of_workspace(files.write(tmp_path)) if f.code == "argument-missing"]
+    assert cause in found.cause
+    assert found.fix.startswith(fix)

@@ -167,6 +167,8 @@ def _is_sure(said: dict[str, str]) -> bool:
     if owner.startswith("bound method "):
         return True
     kinds = [said.get(name, "") for name in ("wanted", "given", "both")]
+    if kinds[0] == "bool" and re.fullmatch(r"int|Literal\[\d+\]", kinds[1]):
+        return False  # Python takes any number for a truth; the fields of messages, which do not, have their own rule
     if not all(_PLAIN.fullmatch(kind) for kind in kinds):
         return False
     # What a type variable stands for is open, as is the class that a mixin is used with; functions may have attributes.

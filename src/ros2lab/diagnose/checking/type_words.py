@@ -8,7 +8,7 @@ import re
 from ros2lab.diagnose.code.bound_names import bound_in
 from ros2lab.diagnose.code.unknown_names import written_with
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.python_source import assigned_to, assignments, own_nodes, walk
 from ros2lab.diagnose.sources.signatures import heads_of
 from ros2lab.diagnose.sources.spelling import same_letters, with_article
 from ros2lab.diagnose.sources.syntax_parts import calls_in
@@ -19,46 +19,60 @@ _NODE = "rclpy.node.Node"
 def of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
     """Return cause, place and fix of a class that is used where an instance is needed."""
     assert spot.source is not None
-    name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
-    cause = (
-        f"{name or 'The class'} is the class itself, not an instance: the parentheses after it are missing."
-    )
+    given = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
     place = spot.source.at(spot.line)
-    used = _class_used(name, spot)
+    used = _class_used(given, said["owner"].rpartition(".")[2], spot)
     if used is not None and (made := made_of(used.id, spot)):
         cause = f"{used.id} is the class itself; its instance here is {made}."
         return cause, place, written_with(spot.source, used, made)
+    name = given or (used.id if used else "")
+    kept = _kept_class(name, spot)
+    kind = f"the class {kept}" if kept else "the class"
+    cause = f"{name or 'The class'} is {kind} itself, not an instance"
+    if lines := [call.lineno for call in spot.file.calls if getattr(call.func, "id", "") == name]:
+        fix = f"write the instance that line {lines[0]} makes instead of {name}"
+        return f"{cause}; line {lines[0]} makes one.", place, fix
+    cause += ": the parentheses after it are missing."
+    if kept:
+        return cause, place, f"write `{name} = {kept}()` instead of `{name} = {kept}`"
     where = f", as in node = {name}()" if name else ""
     new = f"{name}()" if name else "() after the name of the class"
     return cause, place, f"write {new} where the instance is made{where}"
 
 
-def _class_used(name: str, spot: Spot) -> ast.Name | None:
-    """Return where a line uses a class; if its name is not known, the only class that it uses without calling it."""
-    called = {id(node.func) for node in calls_in(spot.nodes)}
-    known = spot.source.names if spot.source else {}
-    names = [n for n in spot.nodes if isinstance(n, ast.Name) and n.id in known and id(n) not in called]
-    found = [n for n in names if n.id == name or (not name and n.id[:1].isupper())]
+def _class_used(name: str, method: str, spot: Spot) -> ast.Name | None:
+    """Return where a line uses a class; if its name is not known, that of which it calls a method."""
+    calls = calls_in(spot.nodes)
+    owners = [
+        call.func.value for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == method
+    ]
+    called = {id(call.func) for call in calls}
+    names = [n for n in spot.nodes if isinstance(n, ast.Name) and n.id == name and id(n) not in called]
+    found = names if name else [owner for owner in owners if isinstance(owner, ast.Name)]
     return found[0] if len(found) == 1 else None
 
 
+def _kept_class(name: str, spot: Spot) -> str:
+    """Return the class of the file that a variable is given; empty if there is none."""
+    scope = spot.function or spot.file.tree
+    kept = {getattr(value, "id", "") for value in assigned_to(own_nodes(scope), name)}
+    return kept.pop() if len(kept) == 1 and kept <= {*spot.file.classes} else ""
+
+
 def made_of(name: str, spot: Spot) -> str:
-    """Return the variable that holds an instance of a class or has its name in small letters; empty if none."""
-    scope = spot.function or (spot.source.tree if spot.source else None)
-    alike = (
-        [known for known in bound_in(scope) if known != name and same_letters(known, name)] if scope else []
-    )
-    source = spot.source
-    if source is None:
-        return ""
+    """Return what holds an instance of a class, a variable or an attribute of self, or has its name in small letters."""
+    source, scope = spot.file, spot.function or spot.file.tree
+    alike = [known for known in bound_in(scope) if known != name and same_letters(known, name)]
     nodes = {
         name for name, n in source.classes.items() if any(source.resolve(base) == _NODE for base in n.bases)
     }
-    for node in own_nodes(scope) if scope else ():
-        match node:
-            case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))):
-                if called == name or (source.names.get(name) == _NODE and called in nodes):
-                    return made
+    around = source.class_at(spot.line) if spot.function else None
+    for place, prefix in ((scope, ""), (around, "self."), (source.tree, "")):
+        for target, value in assignments(walk(place) if prefix else own_nodes(place)) if place else ():
+            made, called = ast.unparse(target), getattr(getattr(value, "func", None), "id", "")
+            is_held = made.startswith(prefix) if prefix else isinstance(target, ast.Name)
+            if is_held and (called == name or (source.names.get(name) == _NODE and called in nodes)):
+                return made
     return alike[0] if alike else ""
 
 

@@ -298,6 +298,9 @@ def _home_of(value: ast.expr, free: Sequence[Parameter]) -> Parameter | None:
     return next((parameter for parameter in free if is_number and "float" in heads_of(parameter.type)), None)
 
 
+_UNTRUE = frozenset(("", "0", "0.0", "false", "no", "off"))
+
+
 def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     """Return a value written for a type, as an annotation, a message or the type checker names it; empty if it cannot be converted."""
     if getattr(value, "is_function", False):
@@ -324,7 +327,11 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     if heads & {"int", "QoSProfile"}:
         return number.partition(".")[0] if is_number else f"int({text})" * (kind is None)
     if "bool" in heads:
-        return "True"
+        return (
+            str(literal not in (0, None) and str(literal).lower() not in _UNTRUE)
+            if literal is not None
+            else "True"
+        )
     return _as_text(value, kind) if heads & TAKES["str"] else ""
 
 
