@@ -15,8 +15,10 @@ TOP = """\
 import signal
 from dataclasses import dataclass
 
+import msvcrt
 import numpy as np
 from PIL import Image
+from rclpy.qos import QoSHistoryPolicy, QoSReliabilityPolicy
 from std_msgs.msg import Header
 
 
@@ -69,6 +71,13 @@ def counted(call):
         return call(self)
     return wrapper
 
+def trusted(self):
+    kept = QoSHistoryPolicy.RMW_QOS_POLICY_HISTORY_KEEP_LAST
+    return kept, QoSHistoryPolicy.KEEP_ALL, QoSReliabilityPolicy.RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT
+
+def pressed(self):
+    return msvcrt.getch(), msvcrt.kbhit
+
 @counted
 def smaller(self):
     return Image.new('L', (9, 9)).resize((3, 3), Image.BILINEAR), np.float_(3), np.trapz([1.0])
@@ -94,8 +103,10 @@ def test_what_runs_in_spite_of_its_annotations_is_no_alarm(tmp_path: Path) -> No
         ("message-field", "def told(self, thing: String):\n    return thing.header"),
         ("not-callable", "def told(self):\n    number = 3\n    return number(2)"),
         ("attribute-missing", "def told(self):\n    return signal.signl"),
+        ("attribute-missing", "def told(self):\n    return QoSReliabilityPolicy.RMW_QOS_POLICY_RELIABILITY_BEST"),
+        ("attribute-missing", "def told(self):\n    return QoSReliabilityPolicy.BEST_EFORT"),
     ],
 )  # fmt: skip
 def test_what_fails_is_told(tmp_path: Path, code: str, body: str) -> None:
-    top = "import signal\n\n\ndef scaled(value: int):\n    return value + 1\n\n\n"
+    top = "import signal\n\nfrom rclpy.qos import QoSReliabilityPolicy\n\n\ndef scaled(value: int):\n    return value + 1\n\n\n"
     assert told(f"\n{body}\n", tmp_path, top) == [code]

@@ -233,11 +233,8 @@ def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
 
 def _object(name: str) -> Any:
     """Return the object of a dotted name in Python's own library; None if there is none."""
-    try:
-        return interfaces.own_module(name)
-    except ImportError:
-        module, _, last = name.rpartition(".")
-        return getattr(_object(module), last, None) if module else None
+    module, _, last = name.rpartition(".")
+    return interfaces.own_module(name) or (getattr(_object(module), last, None) if module else None)
 
 
 def _kind_of_object(imported: Import, name: str) -> str:

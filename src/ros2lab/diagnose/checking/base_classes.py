@@ -128,10 +128,7 @@ def _of_python(spot: Spot, kind: str) -> Iterator[type[object]]:
     for imported in spot.source.imports if spot.source else ():
         for module in (imported.target, imported.target.rpartition(".")[0]):
             if module and module.partition(".")[0] in sys.stdlib_module_names:
-                try:
-                    found = getattr(interfaces.own_module(module), kind, None)
-                except ImportError:
-                    continue
+                found = getattr(interfaces.own_module(module), kind, None)
                 if isinstance(found, type):
                     yield found
 

@@ -29,6 +29,10 @@ def is_doubtful(row: re.Match[str], said: re.Match[str], source: PythonSource, o
     match row["rule"]:
         case "missing-attribute" if said[0].startswith("Module"):
             return _is_of_others(said["owner"], own)
+        case "missing-attribute" if said[0].startswith("Class") and _is_decorated_with(
+            said["owner"], said["name"]
+        ):
+            return True
         case "not-callable":
             calls = [n for n in source.calls if n.lineno == line]
             called = [call.func for call in calls if call.col_offset == column]
@@ -68,9 +72,21 @@ def _is_of_several(kind: str) -> bool:
 
 
 def _is_of_others(module: str, own: NodeSources) -> bool:
-    """Return whether a module's members differ from version to version, or are only known when it runs."""
+    """Return whether a module's members differ from version to version, or are only known when it runs.
+
+    So they are of a module that Python has on other systems only.
+    """
     top = module.partition(".")[0]
-    return top not in interfaces.PACKAGES | sys.stdlib_module_names and module not in own.sources
+    if top in sys.stdlib_module_names:
+        return interfaces.importable_names(module) is None
+    return top not in interfaces.PACKAGES and module not in own.sources
+
+
+def _is_decorated_with(kind: str, name: str) -> bool:
+    """Return whether a decorator of a class of rclpy gets a name as a text, and may give it to the class."""
+    found = (interfaces.class_in(home, kind) for home in interfaces.inner_homes_of(kind))
+    decorators = (decorator for known in found if known for decorator in known.decorator_list)
+    return any(getattr(node, "value", None) == name for above in decorators for node in ast.walk(above))
 
 
 def _uses_unnamed_self(source: PythonSource, line: int) -> bool:

@@ -21,7 +21,7 @@ from ros2lab.diagnose.sources.syntax_parts import calls_in
 def members(owner: str, look: Look | None) -> set[str]:
     """Return the public members of a module or a class, including the workspace's own classes."""
     if owner in sys.stdlib_module_names:
-        return {name for name in dir(interfaces.own_module(owner)) if not name.startswith("_")}
+        return {name for name in interfaces.importable_names(owner) or () if not name.startswith("_")}
     found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
     for home in _homes(owner):
         found |= interfaces.members_of(home, owner) or set(interfaces.fields_of(f"{home}.{owner}") or ())
@@ -36,7 +36,7 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
     """Return what to write instead of a member that does not exist; empty if that is not known.
 
     It may be a field with a matching type name, the member with the most similar name, one with which an older name
-    ends, as `RELIABLE` in `RMW_QOS_POLICY_RELIABILITY_RELIABLE`, or a method with an option, as
+    ends, as `RELIABLE` in `RELIABILITY_RELIABLE`, or a method with an option, as
     `info(..., throttle_duration_sec=2.0)` for `info_throttle(2.0, ...)`.
 
     Args:

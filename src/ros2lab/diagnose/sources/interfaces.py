@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import importlib
 import importlib.util
 import re
@@ -157,23 +158,20 @@ PROGRAMS = frozenset(("antigravity", "idlelib", "test", "this"))
 
 
 def own_module(name: str) -> ModuleType | None:
-    """Return a module of the standard library; None for any other module, and for a program.
-
-    Raises:
-        ImportError: if Python has no module of this name.
-    """
+    """Return a module of the standard library; None for any other module, a program, and one of other systems."""
     first, *inner = name.split(".")
     is_harmless = first in sys.stdlib_module_names - PROGRAMS and "__main__" not in inner
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), contextlib.suppress(ImportError):
         warnings.simplefilter("ignore")  # that a module is old is no news about the code that is looked at
         return importlib.import_module(name) if is_harmless else None
+    return None
 
 
 def has_name(module: str, name: str) -> bool:
     """Return whether a name can be imported from an installed module or one of the standard library."""
     names = names_in(module)
     if names is None and module in sys.stdlib_module_names:
-        names = frozenset(dir(own_module(module)))
+        names = importable_names(module)
     return name in (names or ())
 
 
@@ -181,10 +179,7 @@ def importable_names(module: str) -> frozenset[str] | None:
     """Return the names that can be imported from an installed module or one of Python's own; None if not known."""
     if module.partition(".")[0] not in sys.stdlib_module_names:
         return names_in(module) or _names_looked_up(module)
-    try:
-        own = own_module(module)
-    except ImportError:
-        return None
+    own = own_module(module)
     return frozenset(dir(own)) | _submodules(module) if own else None
 
 
@@ -369,7 +364,7 @@ _MOST_METHODS = 12
 
 def methods_of(class_name: str, *, with_properties: bool = True) -> str:
     """Return the public methods of an installed class, perhaps with its properties, joined by commas; empty if none."""
-    found = next((_class(home, class_name) for home in homes_of(class_name)), None)
+    found = next((class_in(home, class_name) for home in homes_of(class_name)), None)
     methods = [node for node in found.body if isinstance(node, ast.FunctionDef)] if found else []
     defined = [
         m.name for m in methods if with_properties or "property" not in map(ast.unparse, m.decorator_list)
@@ -386,7 +381,8 @@ def inner_homes_of(name: str) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=32)
-def _class(module: str, class_name: str) -> ast.ClassDef | None:
+def class_in(module: str, class_name: str) -> ast.ClassDef | None:
+    """Return the definition of a class in an installed module or package; None if there is none."""
     texts = (text for text in map(read_text, _files_of(module)) if f"class {class_name}" in text)
     classes = (node for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
     return next((node for node in classes if node.name == class_name), None)
@@ -394,7 +390,7 @@ def _class(module: str, class_name: str) -> ast.ClassDef | None:
 
 def method_of(module: str, class_name: str, name: str) -> ast.FunctionDef | None:
     """Return the definition of a method of an installed class; None if it is missing or decorated."""
-    found = _class(module, class_name)
+    found = class_in(module, class_name)
     defined = [node for node in (found.body if found else ()) if isinstance(node, ast.FunctionDef)]
     return next((method for method in defined if method.name == name and not method.decorator_list), None)
 
@@ -407,7 +403,7 @@ def node_members() -> frozenset[str]:
 @lru_cache(maxsize=16)
 def members_of(module: str, class_name: str) -> frozenset[str]:
     """Return the members of an installed class."""
-    found = _class(module, class_name)
+    found = class_in(module, class_name)
     nodes = [*walk(found)] if found else []
     members = {node.name for node in nodes if isinstance(node, Function)}
     members |= {n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)}
@@ -426,7 +422,7 @@ def node_properties() -> frozenset[str]:
 @lru_cache(maxsize=1)
 def fixed_node_properties() -> frozenset[str]:
     """Return the properties of rclpy's Node that cannot be set."""
-    found = _class("rclpy.node", "Node")
+    found = class_in("rclpy.node", "Node")
     fixed: set[str] = set()
     settable: set[str] = set()
     for method in (node for node in (walk(found) if found else ()) if isinstance(node, Function)):
