@@ -202,9 +202,11 @@ def test_a_server_that_is_meant(
     assert bool(told(tmp_path, package("pk", modules, more))) == is_told
 
 
+BUILD_TYPE = "<build_type>ament_python</build_type>"
 CMAKE = "cmake_minimum_required(VERSION 3.8)\nproject(a)\n{}ament_package()\n"
 
 
+@pytest.mark.parametrize("kind", ["ament_cmake", ""])
 @pytest.mark.parametrize(
     ("installs", "codes"),
     [
@@ -214,10 +216,15 @@ CMAKE = "cmake_minimum_required(VERSION 3.8)\nproject(a)\n{}ament_package()\n"
         ("install(DIRECTORY launch DESTINATION share/a)\n", ["build-type-cmake"]),
     ],
 )
-def test_a_setup_script_that_cmake_does_not_read(tmp_path: Path, installs: str, codes: list[str]) -> None:
+def test_a_setup_script_that_cmake_does_not_read(
+    tmp_path: Path, installs: str, codes: list[str], kind: str
+) -> None:
+    """Without a build type, colcon takes a package for one of catkin, and so builds it with CMake as well."""
     files = package("a", {"talk": pub(SECOND, "x")}, {"CMakeLists.txt": CMAKE.format(installs)})
     files["src/a/setup.py"] = files["src/a/setup.py"].replace("talk:main',", "talk:main'\n 'b = a.b:main'")
-    files["src/a/package.xml"] = files["src/a/package.xml"].replace("ament_python", "ament_cmake")
+    written = f"<build_type>{kind}</build_type>" if kind else "<rviz/>"
+    files["src/a/package.xml"] = files["src/a/package.xml"].replace(BUILD_TYPE, written)
+    del files["src/a/setup.cfg"]
     kinds = ("build-", "entry-", "marker-", "not-in", "package-", "setup-")
     found = [finding for finding in found_in(tmp_path, files) if finding.code.startswith(kinds)]
     assert [finding.code for finding in found] == codes

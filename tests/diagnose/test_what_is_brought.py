@@ -277,6 +277,71 @@ def test_a_package_of_cmake_that_installs_files_installs_its_programs_too(
     assert all(found.startswith(fix) for found in fixes)
 
 
+NOT_RUN = "class Gain:\n    pass\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "is_program"),
+    [
+        (NOT_RUN, False),
+        ('"""Sizes."""\nimport math\nSIZE = math.pi\n', False),
+        (f"#!/usr/bin/env python3\n{NOT_RUN}", True),
+        (f"{NOT_RUN}\n\nif __name__ == '__main__':\n    Gain()\n", True),
+        (f"{NOT_RUN}\n\ndef main():\n    Gain()\n", True),
+    ],
+)
+def test_a_module_that_cmake_does_not_install_is_no_program(
+    tmp_path: Path, text: str, is_program: bool
+) -> None:
+    line = "install(DIRECTORY launch DESTINATION share/my_bot)\n"
+    files = right().change("package.xml", "ament_python", "ament_cmake")
+    files.put("CMakeLists.txt", CMAKE.format(line))
+    for name in ("setup.py", "setup.cfg", "node", "listener", "driver"):
+        files.remove(name)
+    fixes = proposed(files.put("scripts/one.py", text), tmp_path, "build-type-cmake")
+    assert len(fixes) == is_program
+
+
+@pytest.mark.parametrize(
+    ("takes", "given", "is_told"),
+    [("kind", "Node", False), ("args", "", True), ("args=None", "[]", True), ("", "", True)],
+)
+def test_a_main_that_its_file_gives_what_it_needs_is_no_entry_point(
+    tmp_path: Path, takes: str, given: str, is_told: bool
+) -> None:
+    files = right()
+    for line in files.texts["src/my_bot/setup.py"].splitlines():
+        if ":main'" in line:
+            files.change("setup.py", f"{line}\n", "")
+    for name in ("listener", "driver", "launch/robot.launch.py"):
+        files.remove(name)
+    files.change("node", "main(args=None)", f"main({takes})").change(
+        "node", "    main()", f"    main({given})"
+    )
+    files.change("node", "init(args=args)", "init()")
+    assert len(proposed(files, tmp_path, "entry-points-missing")) == is_told
+
+
+@pytest.mark.parametrize(
+    ("keywords", "is_told"),
+    [
+        ("package_data={'my_bot': ['plug/*']},", False),
+        ("package_data={'': ['*/*.py']},", False),
+        ("package_data={'my_bot': ['**/*.py']},", False),
+        ("include_package_data=True,", False),
+        ("package_data={'my_bot': ['plug/*.yaml']},", True),
+        ("", True),
+    ],
+)
+def test_modules_may_be_installed_as_the_data_of_a_package(
+    tmp_path: Path, keywords: str, is_told: bool
+) -> None:
+    files = importing("from my_bot.plug.gain import GAIN").put("my_bot/plug/gain.py", "GAIN = 2\n")
+    files.put("my_bot/plug/a.yaml", "").put("MANIFEST.in", "recursive-include my_bot *\n")
+    files.change("setup.py", "    zip_safe=True,", f"    zip_safe=True,\n    {keywords}")
+    assert len(proposed(files, tmp_path, "init-file-missing")) == is_told
+
+
 def hyphenated(folder: str, file: str) -> Files:
     """Return a package with one program that no entry point names, and hyphens in its names."""
     files = right()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import glob
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -14,7 +15,7 @@ from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import alike
-from ros2lab.diagnose.sources.static_value import UNKNOWN
+from ros2lab.diagnose.sources.static_value import UNKNOWN, is_known
 
 
 def not_built(package: SourcePackage, module: str) -> Finding | None:
@@ -32,7 +33,8 @@ def not_built(package: SourcePackage, module: str) -> Finding | None:
     else:
         return None
     if home:
-        return None if home in names else not_listed(package, setup, home)
+        is_installed = home in names or _is_package_data(package, home)
+        return None if is_installed else not_listed(package, setup, home)
     return _beside_setup(setup, module)
 
 
@@ -148,7 +150,11 @@ def needed_packages(package: SourcePackage) -> Iterator[str]:
             # What is imported from a module may be a module, too.
             named = [imported.target, *([imported.target.rpartition(".")[0]] if imported.is_from else [])]
             homes = (home for name in named for home in _homes_of(package, name))
-            waiting += [home for home in homes if not (is_elsewhere and _is_data(package, home))]
+            waiting += [
+                home
+                for home in homes
+                if not (is_elsewhere and _is_data(package, home)) and not _is_package_data(package, home)
+            ]
 
 
 def _homes_of(package: SourcePackage, named: str) -> Iterator[str]:
@@ -167,6 +173,21 @@ def _is_data(package: SourcePackage, name: str) -> bool:
     files = (file for _, files in setup.data_files for file in files) if setup else ()
     is_open = setup is not None and not setup.are_data_files_known
     return is_open or any(file.startswith(f"{folder}/") for file in files)
+
+
+def _is_package_data(package: SourcePackage, name: str) -> bool:
+    """Return whether setup.py installs modules of a folder as files of the packages that it lists, or may do so."""
+    keywords = package.setup.keywords if package.setup else {}
+    given = keywords.get("package_data") or {}
+    if (keywords.get("include_package_data") and package.has("MANIFEST.in")) or not is_known(given):
+        return True
+    inner = {*map(str, folder_of(package, name).glob("*.py"))}
+    for home in package.packages or ():
+        patterns = [*given.get("", ()), *given.get("*", ()), *given.get(home, ())]
+        for found in (folder_of(package, home) / pattern for pattern in patterns):
+            if not inner.isdisjoint(glob.glob(str(found), recursive=True)):  # noqa: PTH207 -- a pattern may be one that Path refuses
+                return True
+    return False
 
 
 def _has_code(path: Path) -> bool:

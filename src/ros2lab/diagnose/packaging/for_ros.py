@@ -8,7 +8,7 @@ from collections.abc import Collection
 
 from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to, read_text
 
 _OF_THE_INDEX = re.compile(r"\bament_index\b|(?:^|/)package\.xml$")
 
@@ -52,6 +52,19 @@ def _installs_for_ros(package: SourcePackage) -> bool:
 
 
 def first_program(package: SourcePackage) -> str:
-    """Return the first module that is a program with a node, as it uses rclpy and has a main(); empty if none is."""
+    """Return the first module that is a program with a node, as it uses rclpy and has a main(); empty if none is.
+
+    A main() to which its file gives what it needs is called there alone.
+    """
     users = ((name, source) for name, source in package.sources.items() if "rclpy" in source.names)
-    return next((name for name, source in users if f"{name}.main" == source.names.get("main")), "")
+    mains = (
+        name for name, source in users if f"{name}.main" == source.names.get("main") and not _given(source)
+    )
+    return next(mains, "")
+
+
+def _given(source: PythonSource) -> bool:
+    """Return whether a file calls its own main() with arguments that it needs."""
+    main = source.functions.get("main")
+    calls = (call for call in source.calls if getattr(call.func, "id", "") == "main")
+    return main is not None and len(main.args.args) > len(main.args.defaults) and any(map(given_to, calls))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import difflib
 import itertools
 import keyword
@@ -23,7 +24,7 @@ from ros2lab.diagnose.packaging.setup_shapes import manifest_line
 from ros2lab.diagnose.sources.commented_out import without_comments, without_texts
 from ros2lab.diagnose.sources.interfaces import PACKAGES, meant, package_of
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
 from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss, nearest, same_letters
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
@@ -158,8 +159,8 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         cause = f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but {'this is a Python package' if is_python else 'there is none'}."
         found = _with_build_type("build-type-cmake", cause, package, "ament_python")
         yield found if is_python else replace(found, fix=create)
-    elif kind == "ament_cmake" and (files := _python_alone(package)):
-        yield _not_installed_by_cmake(package, shown, files)
+    elif kind in (None, "ament_cmake") and (files := _python_alone(package)):
+        yield from _not_installed_by_cmake(package, shown, files)
 
 
 def _several_build_types(package: SourcePackage, shown: str, several: Sequence[str]) -> Finding:
@@ -186,18 +187,23 @@ def _with_build_type(code: str, cause: str, package: SourcePackage, kind: str) -
     return Finding(code, cause, at(package.shown("package.xml"), line), fix)
 
 
-def _not_installed_by_cmake(package: SourcePackage, shown: str, files: Sequence[str]) -> Finding:
-    """Return a finding that a package is built by CMake, which does not install its Python files."""
+def _not_installed_by_cmake(package: SourcePackage, shown: str, files: Sequence[str]) -> Iterator[Finding]:
+    """Yield that a package is built by CMake, which does not install its Python files; modules are none to be run."""
     name, place, file = package.name, at(shown, manifest_line(package, "build_type")), files[0]
     if package.has("setup.py"):
-        cause = f"package.xml has the build type ament_cmake, so colcon builds {name} with CMakeLists.txt, which does not install {file}, and does not read setup.py."
-        return _with_build_type("build-type-cmake", cause, package, "ament_python")
+        has = "the build type ament_cmake" if package.build_type else "no <build_type>"
+        cause = f"package.xml has {has}, so colcon builds {name} with CMakeLists.txt, which does not install {file}, and does not read setup.py."
+        yield _with_build_type("build-type-cmake", cause, package, "ament_python")
+        return
     text = read_text(package.folder / "CMakeLists.txt")
     if re.search(r"^\s*install\s*\(", text, re.MULTILINE):
+        files = [path for path in files if _is_program(package.folder / path)]
         line = line_with(text, "ament_package")
         cause = f"CMakeLists.txt does not install {', '.join(files)}, so `ros2 run` and `ros2 launch` do not find {'it' if len(files) == 1 else 'them'}."
         fix = f"write `install(PROGRAMS {' '.join(files)} DESTINATION lib/${{PROJECT_NAME}})` above ament_package(), and build again; the first line of a program must be #!/usr/bin/env python3"
-        return Finding("build-type-cmake", cause, at(package.shown("CMakeLists.txt"), line), fix)
+        if files:
+            yield Finding("build-type-cmake", cause, at(package.shown("CMakeLists.txt"), line), fix)
+        return
     manifest = package.manifest
     needs = dict.fromkeys(dependency.name for dependency in manifest.exec_depends) if manifest else {}
     create = f"ros2 pkg create {name} --build-type ament_python"
@@ -205,7 +211,21 @@ def _not_installed_by_cmake(package: SourcePackage, shown: str, files: Sequence[
     folder = package.shown("").rstrip("/")
     cause = f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python."
     fix = f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(folder.rpartition('/')[0] or '.')} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}"
-    return Finding("build-type-cmake", cause, place, fix)
+    yield Finding("build-type-cmake", cause, place, fix)
+
+
+def _is_program(path: Path) -> bool:
+    """Return whether a file is meant to be run: it says by what, has a main(), or does more than define and import."""
+    text = read_text(path)
+    try:
+        body = ast.parse(text).body
+    except (SyntaxError, ValueError):
+        return True
+    defining = (ast.Import, ast.ImportFrom, ast.ClassDef, ast.Assign, ast.AnnAssign)
+    acts = (node for node in body if not isinstance(getattr(node, "value", None), ast.Constant))
+    return text.startswith("#!") or any(
+        node.name == "main" if isinstance(node, Function) else not isinstance(node, defining) for node in acts
+    )
 
 
 def _python_alone(package: SourcePackage) -> list[str]:

@@ -132,8 +132,12 @@ class SourcePackage:
 
     @property
     def is_built_by_cmake(self) -> bool:
-        """Whether colcon builds it with its CMakeLists.txt alone, also if there is a setup.py."""
-        return self.build_type in ("ament_cmake", "cmake", "catkin") and self.has("CMakeLists.txt")
+        """Whether colcon builds it with its CMakeLists.txt alone, also if there is a setup.py.
+
+        A package.xml without a build type is one of catkin for colcon, whatever tool it names.
+        """
+        kind = self.build_type or ("catkin" if self.manifest else "")
+        return kind in ("ament_cmake", "cmake", "catkin") and self.has("CMakeLists.txt")
 
     @property
     def is_of_ros_1(self) -> bool:
