@@ -99,6 +99,21 @@ def test_a_value_has_the_type_that_rcl_gives_it(tmp_path: Path, written: str) ->
     assert str(Parameter("p", value=ours).value) == str(theirs["p"].value)
 
 
+@pytest.mark.parametrize(
+    "written",
+    ["p: 1\t# one", "p: 1\t", "p:\t1", "p\t: 1", "p: 'a\tb'", "p: a\tb", "p: [1,\t2]\t", "p: 'a'\t\t# a"],
+)
+def test_a_tab_is_right_where_rcl_takes_it(tmp_path: Path, written: str) -> None:
+    file = tmp_path / "some.yaml"
+    file.write_text(f"/**:\t# all\n  ros__parameters:\t\n    {written}\n    q: 2\n")
+    theirs = given_by_rcl(file)
+    assert theirs is not None
+    ours = read_parameter_file(file.read_text())["/**"]["ros__parameters"]
+    assert ours == {
+        name: list(one.value) if "[" in str(one.value) else one.value for name, one in theirs.items()
+    }
+
+
 @pytest.mark.parametrize(("text", "line", "fix"), REFUSED.values(), ids=REFUSED.keys())
 def test_what_rcl_refuses_is_told_where_it_stands(tmp_path: Path, text: str, line: int, fix: str) -> None:
     file = tmp_path / "some.yaml"
@@ -228,6 +243,7 @@ REPLACED = {
     "the node again, with a slash": (f"{SOME}    p: 3\n/{SOME}    p: 4\n", "3", "4"),
     "a pattern after the node": (f"{SOME}    p: 3\n{HEAD}    p: 4\n", "3", "4"),
     "lists": (f"{SOME}    p:\n      - 1\n      - 2\n    q: 1\n    p: [3,\n      4]\n", "- 1 - 2", "[3, 4]"),
+    "another type": (f"{SOME}    p: 'true'\n    q: 5\n    p: true\n", "'true'", "true"),
     "braces": (f"{SOME}    p: 1\n    q: 5\n    p: 2  # now\n", "1", "2"),
 }
 
@@ -268,6 +284,10 @@ def test_a_value_that_a_later_line_replaces(tmp_path: Path, text: str, lost: str
         f"{SOME}    x:\n      p: 1\n    y:\n      p: 2\n    p: 3\n",
         f"{SOME}    p: 1\n{SOME}    q: 2\n",
         f"{SOME}    p: 1\n    p: 1\n",
+        f"{SOME}    p: False\n    p: false\n",
+        f"{SOME}    p: 1.0\n    p: 1.00\n",
+        f"{SOME}    p: 'a'\n    p: a\n",
+        f"{SOME}    p: [1, 2]\n    p:\n      - 1\n      - 2\n",
     ],
 )
 def test_values_that_all_count_are_right(text: str) -> None:

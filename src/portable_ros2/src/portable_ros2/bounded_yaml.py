@@ -30,7 +30,7 @@ def load(text: str, loader: type[Any], *, has_aliases: bool = True, longest: int
     if len(text) > longest:
         raise TooLargeError(problem=f"it has more than {longest} characters")
     depth = 0
-    for event in yaml.parse(text, yaml.BaseLoader):
+    for event in yaml.parse(text, loader):
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
         elif isinstance(event, yaml.CollectionEndEvent):

@@ -13,7 +13,7 @@ def replaced_values(shown: str, text: str) -> Iterator[Finding]:
     written = written_values(text)
     for index, lost in enumerate(written):
         later = [new for new in written[index + 1 :] if new.name == lost.name and _covers(new, lost)]
-        if not later or later[-1].text == lost.text:
+        if not later or later[-1].value == lost.value:
             continue
         last = later[-1]
         cause = f"{shown} sets {lost.name} to {_short(lost)} on line {lost.line}, but line {last.line} sets it to {_short(last)} for the same node, and the last value counts."

@@ -15,9 +15,12 @@ import yaml
 from portable_ros2 import bounded_yaml
 from ros2lab.diagnose.sources.slips import Slip, Vocabulary
 from ros2lab.diagnose.sources.yaml_slips import yaml_repair
+from ros2lab.located_yaml import QUICK
 
 BELOW = "ros__parameters"
 _WORDS = Vocabulary((BELOW, "/**"))
+# rcl reads with libyaml, which takes tabs after a value; PyYAML's own reader takes none, and is for where libyaml is not.
+_Yaml: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
 _TRUE = frozenset(["y", "Y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"])
 _FALSE = frozenset(["n", "N", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"])
 _INTEGER = re.compile(r"[-+]?(?:0[xX][\da-fA-F]+|0[0-7]*|[1-9]\d*)")
@@ -120,7 +123,7 @@ def _check(node: yaml.Node) -> None:
 def is_other_yaml(text: str) -> bool:
     """Return whether a text is YAML for something else: with aliases, merged keys or tags, which rcl does not read."""
     try:
-        bounded_yaml.load(text, yaml.SafeLoader)
+        bounded_yaml.load(text, QUICK)
     except (yaml.YAMLError, ValueError):
         return False
     return True
@@ -143,7 +146,14 @@ def _value(written: str) -> bool | int | float | str:
     return written
 
 
-class _Loader(yaml.BaseLoader):
+def _read(node: yaml.Node) -> Any:
+    """Return the value of a node, or those of its items."""
+    if isinstance(node, yaml.ScalarNode):
+        return node.value if node.style else _value(node.value)
+    return [*map(_read, node.value)] if isinstance(node, yaml.SequenceNode) else None
+
+
+class _Loader(_Yaml):
     def get_single_data(self) -> Any:
         """Return the contents of all documents of a file, merged: rcl reads one after the other."""
         documents = []
@@ -158,7 +168,7 @@ class _Loader(yaml.BaseLoader):
         return super().construct_document(node)
 
     def construct_scalar(self, node: Any) -> Any:
-        return _value(node.value) if isinstance(node, yaml.ScalarNode) and not node.style else node.value
+        return _read(node)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:  # noqa: ARG002 -- PyYAML's
         return _merged(
@@ -368,12 +378,14 @@ class Written:
     Attributes:
         section: the full name of the node, or the pattern, that it is for.
         name: the parameter, with the groups that it is in, as in `gains.p`.
+        value: what ROS reads there, as Python writes it; the same for `False` and `false`, and another for 1 and 1.0.
         lines: what goes with it: the first and the last line to remove, with the heads that would have nothing left.
     """
 
     section: str
     name: str
     text: str
+    value: str
     line: int
     lines: tuple[int, int]
 
@@ -383,7 +395,7 @@ def written_values(text: str) -> list[Written]:
 
     Of a file of several documents, which hardly anybody writes, none is returned.
     """
-    documents = [*yaml.compose_all(text, yaml.BaseLoader)]
+    documents = [*yaml.compose_all(text, _Yaml)]
     return [*_written(documents[0], (), "", None, text)] if len(documents) == 1 else []
 
 
@@ -401,7 +413,8 @@ def _written(
         elif section:
             said = text[value.start_mark.index : value.end_mark.index].strip()
             last = int(value.start_mark.line) + 1 + said.count("\n")
-            yield Written(section, ".".join((*above, key.value)), said, _line(key), (head, last))
+            name = ".".join((*above, key.value))
+            yield Written(section, name, said, repr(_read(value)), _line(key), (head, last))
 
 
 def is_for(key: str, full_name: str) -> bool:
