@@ -19,8 +19,8 @@ from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, TimerAction
 from launch.conditions import IfCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals, UnlessCondition
-from launch.substitutions import (AndSubstitution, EqualsSubstitution, LaunchConfiguration, NotSubstitution,
-                                  OrSubstitution, PythonExpression)
+from launch.substitutions import (AndSubstitution, EqualsSubstitution, IfElseSubstitution, LaunchConfiguration,
+                                  NotSubstitution, OrSubstitution, PythonExpression)
 from launch_ros.actions import Node
 
 
@@ -78,6 +78,7 @@ READ = "parameters=[{'period': LaunchConfiguration('speed')}]"
         ("condition=music", "IfCondition(music) instead of music"),
         ("condition=EqualsSubstitution(music, 'x')", "IfCondition(EqualsSubstitution(music, 'x')) instead of"),
         ("condition=[IfCondition(music), UnlessCondition(music)]", "IfCondition(AndSubstitution(music, NotSubstitution(music))) instead of"),
+        ("name=IfElseSubstitution(IfCondition(music), 'a', 'b')", "music instead of IfCondition(music)"),
         ("condition=IfCondition('music')", "LaunchConfiguration('music') instead of 'music'"),
         ("condition=IfCondition('$(var music)')", "LaunchConfiguration('music') instead of '$(var music)'"),
         ("condition='music'", "IfCondition(LaunchConfiguration('music')) instead of 'music'"),
@@ -107,6 +108,8 @@ def test_the_name_of_an_argument_that_nothing_reads_is_not_its_value(tmp_path: P
     [
         "condition=IfCondition(music)",
         "condition=IfCondition('true')",
+        "name=IfElseSubstitution(EqualsSubstitution(music, 'x'), 'a', 'b')",
+        "name=IfElseSubstitution(condition=AndSubstitution(music, music), if_value='a', else_value='b')",
         "condition=LaunchConfigurationEquals('music', 'x')",
         "condition=IfCondition(AndSubstitution(music, NotSubstitution(music)))",
         "condition=IfCondition(PythonExpression([\"'\", music, \"' == 'x'\"]))",

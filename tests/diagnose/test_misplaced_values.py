@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ros2lab.diagnose.launching.misplaced_values import misplaced_values
+from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 
@@ -55,3 +55,21 @@ def test_the_form_of_a_value_says_where_it_belongs(keywords: str, fix: str) -> N
 )
 def test_values_where_they_belong_are_left_alone(keywords: str) -> None:
     assert told(keywords) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("['--ros-args', '-r a:=b']", "'-r', 'a:=b'"),
+        ("['x', '-d a.rviz']", "'-d', 'a.rviz'"),
+        ("['--param-file', path, '-r a:=b']", "'-r', 'a:=b'"),
+        ("['--controller-ros-args', '-r a:=b -p c:=1']", ""),
+        ("['x', '--param-file', path, '--controller-ros-args', '-r a:=b']", ""),
+        ("['-c', '-x -y']", ""),
+    ],
+)
+def test_words_in_one_item_are_taken_apart_unless_they_may_be_an_options_value(words: str, said: str) -> None:
+    text = f"from launch_ros.actions import Node\n\nNode(package='a', executable='b', arguments={words})\n"
+    found = [*joined_words(PythonSource("launch_file", "a.launch.py", text))]
+    assert len(found) == bool(said)
+    assert all(one.fix.startswith(f"write {said} instead of") for one in found)

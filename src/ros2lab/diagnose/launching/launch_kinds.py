@@ -81,13 +81,21 @@ def named_arguments(source: PythonSource, call: ast.Call) -> list[tuple[str, ast
 
 def _given(source: PythonSource, call: ast.Call) -> Iterator[tuple[str, ast.expr]]:
     """Yield the arguments of a call, each with the kind that is wanted there, where that is only one kind."""
-    signature = signature_of(source, call)
-    parameters = signature.parameters if signature else ()
-    types = {parameter.name: parameter.type for parameter in parameters} | {"condition": "Condition"}
     for name, value in named_arguments(source, call):
-        kinds = {_WANTED.get(head, "") for head in heads_of(types.get(name, ""))}
-        if len(kinds) == 1 and (kind := kinds.pop()):
+        if kind := _wanted(source, call, name):
             yield kind, value
+
+
+def _wanted(source: PythonSource, call: ast.Call, name: str) -> str:
+    """Return the kind that a parameter wants; empty if it takes several, or others.
+
+    Actions hand their `condition` on; a substitution may have a parameter of that name for something else.
+    """
+    signature = signature_of(source, call)
+    named = signature.named(name) if signature else None
+    wanted = named.type if named else "Condition" if name == "condition" else ""
+    kinds = {_WANTED.get(head, "") for head in heads_of(wanted)}
+    return kinds.pop() if len(kinds) == 1 else ""
 
 
 def _class(source: PythonSource, value: ast.expr) -> tuple[str, str]:
@@ -172,7 +180,8 @@ def _words(source: PythonSource, call: ast.Call) -> Iterator[tuple[ast.Constant,
     given = [(keyword.arg or "", keyword.value) for keyword in call.keywords]
     given += [("", value) for value in call.args] if is_condition or callee == "PythonExpression" else []
     for name, value in given:
-        form = "IfCondition({})" if name == "condition" else "{}" if is_condition else ""
+        is_wanted = name == "condition" and _wanted(source, call, name) == _CONDITION
+        form = "IfCondition({})" if is_wanted else "{}" if is_condition else ""
         for node in _values(value) if name not in _IS_NAMED else ():
             if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value not in _TRUTHS:
                 yield node, form

@@ -56,9 +56,10 @@ def joined_words(source: PythonSource) -> Iterator[Finding]:
         has_shell = any(keyword.arg == "shell" for keyword in call.keywords)
         for keyword in call.keywords:
             items = keyword.value.elts if isinstance(keyword.value, ast.List) else []
-            for item in items if keyword.arg in _WORDS and not has_shell else ():
+            pairs = zip([None, *items], items, strict=False)
+            for before, item in pairs if keyword.arg in _WORDS and not has_shell else ():
                 words = _words(item, is_program=keyword.arg == "cmd" and item is items[0])
-                if len(words) > 1:
+                if len(words) > 1 and not _may_be_value(before):
                     text = ast.literal_eval(item)
                     cause = f"Each item of {keyword.arg} is one word, so the program is given {text!r} as a single one."
                     fix = f"write {', '.join(map(repr, words))} instead of {text!r}"
@@ -97,6 +98,14 @@ def _words(item: ast.expr, *, is_program: bool) -> list[str]:
     with contextlib.suppress(ValueError):
         return shlex.split(text)
     return []
+
+
+def _may_be_value(before: ast.expr | None) -> bool:
+    """Return whether what comes after an item may be the value of an option, such as words for another program."""
+    text = before.value if isinstance(before, ast.Constant) else None
+    return (
+        isinstance(text, str) and text != "--ros-args" and re.fullmatch(r"--?[a-z][\w-]*", text) is not None
+    )
 
 
 def _form(value: ast.expr) -> tuple[str, str]:
