@@ -131,8 +131,8 @@ def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
 
 
 def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) -> Iterator[Finding]:
-    for before, after in itertools.pairwise(block):
-        if isinstance(before, _LEAVES) and not isinstance(after, ast.Pass):
+    for before, after in itertools.pairwise(n for n in block if not _is_idle(n)):
+        if isinstance(before, _LEAVES):
             # An unreachable yield is how an empty generator is written.
             if any(isinstance(n, YIELDS) for n in ast.walk(after)):
                 continue
@@ -150,6 +150,14 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
             elif any(isinstance(n, _LEAVES) for n in rest) or (is_bare and is_whole):
                 fix = f"remove line {before.lineno}, or what comes after it; or write the {kind} below the condition it belongs to"
             yield Finding("unreachable", cause, source.at(after), fix)
+
+
+def _is_idle(statement: ast.stmt) -> bool:
+    """Return whether a statement is `pass`, or only a value such as a text or `...`."""
+    match statement:
+        case ast.Pass() | ast.Expr(value=ast.Constant()):
+            return True
+    return False
 
 
 def _never_true(source: PythonSource) -> Iterator[Finding]:

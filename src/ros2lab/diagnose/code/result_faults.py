@@ -94,7 +94,7 @@ def _never_sent(
         if not is_interface(kind):
             continue
         fills = [n for n in stores_in(walk(function)) if (dotted(n) or "").startswith(f"{name}.")]
-        if not fills or _is_used(function, name) or is_shared(function, name):
+        if not fills or _is_used(function, name) or not _is_alone(source, function, name):
             continue
         calls = [
             n
@@ -119,6 +119,15 @@ def _never_sent(
                 where = f"above line {last.lineno}"
             fix = f"write `{publisher}.publish({name})` {where}"
             yield Finding("never-sent", f"{cause}.", source.at(fills[-1]), fix)
+
+
+def _is_alone(source: PythonSource, function: Function, name: str) -> bool:
+    """Return whether a variable only ever holds new messages or copies, for which no other name stands."""
+    values = values_in(function)
+    bound = [n for n in stores_in(walk(function)) if isinstance(n, ast.Name) and n.id == name]
+    made = [getattr(values.get(id(node)), "func", None) for node in bound]
+    kinds = [source.resolve(called) or "" if called else "" for called in made]
+    return not is_shared(function, name) and all(is_interface(k) or k.startswith("copy.") for k in kinds)
 
 
 def _is_used(function: Function, name: str) -> bool:

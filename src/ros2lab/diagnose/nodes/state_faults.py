@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-from collections import Counter
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
@@ -232,7 +231,8 @@ def _changed_alone(state: State, method: Function) -> str:
     is_idle = bool(own) and all(map(_only_logs, own))
     for text, stores in state.stores.items():
         readers = [reader.name for reader, _ in state.loads.get(text, ()) if id(reader) in callbacks]
-        is_alone = {m.name for m, *_ in stores} == {"__init__", method.name} and text.count(".") == 1
+        changing = {m.name for m, *_ in stores} | {m.name for m in state.changing_in_place(text)}
+        is_alone = changing == {"__init__", method.name} and text.count(".") == 1
         if is_alone and (readers or is_idle):
             return f"{text}, {f'which {readers[0]}() reads' if readers else 'and the callbacks only log'}"
     return ""
@@ -358,7 +358,6 @@ def _overwritten(state: State) -> Iterator[Finding]:
 def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
     """Yield counters that a callback resets each time before it adds to them."""
     begun: dict[str, ast.stmt] = {}
-    added = Counter(ast.unparse(n.target) for n in own_nodes(method) if isinstance(n, ast.AugAssign))
     for statement in method.body:
         match statement:
             case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=ast.Constant()) if (
@@ -366,10 +365,12 @@ def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
             ):
                 begun.setdefault(name, statement)
             case ast.AugAssign(target=ast.Attribute(attr=name) as target, value=ast.Constant()) if (
-                is_self_attribute(target) and name in begun and added[f"self.{name}"] == 1
+                is_self_attribute(target) and name in begun
             ):
-                users = {reader.name for reader, _ in state.loads.get(f"self.{name}", ())} - {method.name}
-                if not users - {"__init__"}:
+                stores, loads = state.stores[f"self.{name}"], state.loads.get(f"self.{name}", ())
+                others = {user.name for user, *_ in (*stores, *loads)} - {"__init__", method.name}
+                # One that is set to something else in between does not count.
+                if not others and sum(user is method for user, *_ in stores) == 2:
                     cause = f"{method.name}() resets self.{name} with `{ast.unparse(begun[name])}` each time, so it never grows."
                     fix = f"remove the line `{ast.unparse(begun[name])}` here; it belongs in __init__"
                     yield Finding("begun-anew", cause, state.at(begun[name]), fix)

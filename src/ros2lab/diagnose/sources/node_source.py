@@ -18,6 +18,7 @@ from ros2lab.diagnose.sources.python_source import (
     argument,
     children,
     given_to,
+    names_bound,
     own_nodes,
     walk,
 )
@@ -98,15 +99,15 @@ class NodeClass:
     @cached_property
     def attributes(self) -> frozenset[str]:
         """The names of the attributes that it assigns to itself or its class, or defines in its body."""
-        found = set(self.methods)
+        found = set[str]()
         holders = {"self", "cls", "type(self)", "self.__class__", self.definition.name}
         for node in walk(self.definition):
             if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
                 found |= {node.attr} if ast.unparse(node.value) in holders else set()
         # Only names in the body of the class; a name that a method binds is local.
-        names = [node for node in own_nodes(self.definition) if isinstance(node, ast.Name)]
-        found |= {node.id for node in names if isinstance(node.ctx, ast.Store)}
-        return frozenset(found)
+        inner = own_nodes(self.definition)
+        defined = {node.name for node in inner if isinstance(node, (Function, ast.ClassDef))}
+        return frozenset(found | names_bound(inner) | defined)
 
 
 def is_self_attribute(node: ast.AST | None) -> TypeGuard[ast.Attribute]:

@@ -9,7 +9,14 @@ from collections.abc import Iterator
 from functools import cached_property, lru_cache
 
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, assignments, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assignments,
+    given_to,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import dotted
 
 LONGEST_NAME = 200  # characters of a string that may name something
@@ -117,6 +124,12 @@ class State:
         """Return the place of a syntax node in the class, its bases or the classes derived from it."""
         return self._sources.get(id(node), self.source).at(node)
 
+    def changing_in_place(self, text: str) -> Iterator[Function]:
+        """Yield the methods that may change what an attribute holds: an item, a field, or by a call only made for that."""
+        for method in {id(method): method for method, _ in self.loads.get(text, ())}.values():
+            if any(text in map(dotted, _changed_by(node)) for node in walk(method)):
+                yield method
+
     def first(self, text: str) -> ast.expr | None:
         """Return what `__init__` assigns to an attribute; None if code outside the class may assign it."""
         values = [value for method, _, value in self.stores.get(text, ()) if method.name == "__init__"]
@@ -138,6 +151,18 @@ class State:
         return next(
             (method.name for method, *_ in self.stores.get(text, ()) if id(method) in self.uses.callbacks), ""
         )
+
+
+def _changed_by(node: ast.AST) -> list[ast.expr]:
+    """Return the expressions whose objects a syntax node may change."""
+    match node:
+        case ast.Attribute(value=value) | ast.Subscript(value=value) if not isinstance(node.ctx, ast.Load):
+            return [value]
+        case ast.Expr(value=ast.Call(func=ast.Attribute(value=value, attr=how)) as call) if not is_log(call):
+            return [value, *(given_to(call) if how != "publish" else ())]
+        case ast.Expr(value=ast.Call() as call) if not is_log(call):
+            return given_to(call)
+    return []
 
 
 def own_stores(scope: ast.AST) -> set[str]:
