@@ -21,7 +21,7 @@ from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
-from ros2lab.diagnose.launching.plain_values import may_be_parameter, plain_value_faults, takers
+from ros2lab.diagnose.launching.plain_values import plain_value_faults, takers
 from ros2lab.diagnose.launching.unlisted import unlisted
 from ros2lab.diagnose.sources.calls import as_list
 from ros2lab.diagnose.sources.commented_out import comments_in
