@@ -146,7 +146,7 @@ def with_use(made: str, use: str) -> Files:
         ("self.counter = []", "self.counters.append(1)", "write self.counter, or define self.counters in __init__"),
         ("self.publisher_out = self.create_publisher(String, 'o', 10)", "self.publsher_out.publish(String())", "write self.publisher_out, or define self.publsher_out in __init__"),
         ("self.names = {}", "self.nmaes['a'] = 1", "write self.names, or define self.nmaes in __init__"),
-        ("# self.voice = self.create_publisher(String, 'o', 10)", "self.voice.publish(String())", "remove the # from line 13, or remove this line"),
+        ("# self.voice = self.create_publisher(String, 'o', 10)", "self.voice.publish(String())", "remove the # from line 13"),
     ],
 )  # fmt: skip
 def test_a_near_name_that_cannot_do_it_is_not_offered(tmp_path: Path, made: str, use: str, fix: str) -> None:
@@ -217,7 +217,7 @@ START = "def begin():\n    pass\n\n\ndef start():\n    begin()\n\n\nif __name__ 
         ({"wheels_2d": "def begin(): ...\n\n\ndef main(): ...\n"}, "write 'more = PACKAGE.core.wheels_2d:main', and build again"),
         ({"wheels_2d": START}, "write 'more = PACKAGE.core.wheels_2d:start', and build again"),
         ({"wheels_2d": "def start(): ...\n"}, "write 'more = PACKAGE.core.wheels_2d:start', and build again"),
-        ({"wheels_2d": "print('on')\n"}, "write 'more = PACKAGE.core.wheels_2d:main', and build again, with a function main() there that runs its code"),
+        ({"wheels_2d": "print('on')\n"}, "create src/PACKAGE/PACKAGE/wheels_1d.py with the function main, or remove this entry point"),
         ({"wheels_2d": "print('on')\n", "wheels_3d": "def begin(): ...\n\n\ndef main(): ...\n"}, "write 'more = PACKAGE.core.wheels_3d:main', and build again"),
     ],
 )  # fmt: skip

@@ -47,22 +47,14 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     meant = f" Did you mean {close}?" if close else ""
     cause = f"{owner.definition.name} has no {what} {name}.{meant}"
     guess = Guess(f"self.{name}", f"self.{close}", f"define self.{name} in __init__") if close else None
-    if line := _commented_out(owner, name):
-        cause = f"{owner.definition.name} has no {what} {name}: line {line}, which sets it, is a comment."
-        fix, guess = f"remove the # from line {line}, or remove this line", None
-    elif (told := unset(owner.source, owner.definition, name)) and (not close or "==" in told[0]):
+    is_disabled = _disabled(owner.source, owner.definition, name) is not None
+    told = unset(owner.source, owner.definition, name)
+    if told and (is_disabled or not close or "==" in told[0]):
         cause, fix = told
+        guess = None if is_disabled else guess
     elif close:
         fix = f"write self.{close}, or define self.{name} in __init__"
     return Finding("attribute-missing", cause, owner.source.at(node), fix, guess=guess)
-
-
-def _commented_out(owner: NodeClass, name: str) -> int | None:
-    """Return the line of a comment in a class that would set an attribute of self; None if there is none."""
-    setting = re.compile(rf"\s*self\.{re.escape(name)}\s*=[^=]")
-    inside = range(owner.definition.lineno, (owner.definition.end_lineno or 0) + 1)
-    found = (line for line, said in comments_in(owner.source.text) if setting.match(said))
-    return next((line for line in found if line in inside), None)
 
 
 def _nearest_member(owner: NodeClass, name: str, members: Collection[str]) -> str | None:
@@ -111,11 +103,11 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
     return cause, f"write `self.{name} = {value}` {where}"
 
 
-def _disabled(source: PythonSource, definition: ast.ClassDef, name: str) -> int:
-    """Return the line of a class that sets an attribute of self, but is a comment; 0 if there is none."""
-    lines = enumerate(source.text.splitlines()[: definition.end_lineno], 1)
-    sets = re.compile(rf"\s*#\s*self\.{name}\s*=[^=]")
-    return next((n for n, line in lines if n > definition.lineno and sets.match(line)), 0)
+def _disabled(source: PythonSource, definition: ast.ClassDef, name: str) -> int | None:
+    """Return the line of a comment in a class that would set an attribute of self; None if there is none."""
+    setting = re.compile(rf"\s*self\.{re.escape(name)}\s*=[^=]")
+    found = (line for line, said in comments_in(source.text) if setting.match(said))
+    return next((line for line in found if definition.lineno < line <= (definition.end_lineno or 0)), None)
 
 
 def _constructed(definition: ast.ClassDef) -> Iterator[int]:
