@@ -84,6 +84,25 @@ def test_what_ends_or_begins_each_answer_is_no_sign_of_it(log: evidences.Reactio
     assert _told(_graded(log)) == []
 
 
+@pytest.mark.parametrize("is_told", [True, False])
+def test_a_warning_before_the_answer_is_one_too(is_told: bool) -> None:
+    """As where the last `else` warns, and then the state is logged: each command's own line comes after it."""
+    part, states = load().assignment.commanded, {"start": "RUNNING", "stop": "STOPPED", "reset": "IDLE"}
+    assert part is not None
+    run, state, commands = evidences.command_run(), "OFF", []
+    for seen in run.commands:
+        state = states.get(seen.text, state)
+        is_warned = seen.text != "reset" if is_told else seen.text not in states
+        warning = [["WARN", f"Unknown command {seen.text}"]] if is_warned else []
+        log = [*warning, ["INFO", f"State is now {state}"]] if len(seen.text) < 10 else []
+        commands.append(CommandSeen(seen.text, log, {}, {}, True))
+    run = replace(run, commands=commands)
+    assert [*taken_for_unknown(part, run)] == (["start", "stop"] if is_told else [])
+    grade = verdict(evidences.runs(run)(evidences.right()), load())
+    assert grade.components["command_subscriber"].points == 20
+    assert len(_told(grade)) == is_told
+
+
 def test_a_warning_after_every_command_is_one() -> None:
     """As where a dictionary's answer is logged, and then the fallback in each case."""
     part = load().assignment.commanded

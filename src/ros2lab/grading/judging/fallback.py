@@ -11,8 +11,8 @@ from ros2lab.grading.senses import steady
 def taken_for_unknown(part: Part, run: Run) -> dict[str, str]:
     """Return by command the last line after it that also follows every unknown word; `{}` stands for the word.
 
-    It comes after a line of the command's own. A line that follows each command as well is no sign of it, unless it is
-    a warning: a node may end each answer in the same way.
+    There is a line of the command's own, too: before it, or anywhere if it is a warning. A line that follows each command
+    as well is no sign of it, unless it is a warning: a node may end each answer in the same way.
     """
     first = {command.text: command for command in reversed(run.commands)}
     unknown = [command for command in run.commands if command.text and command.text in part.unknown]
@@ -20,18 +20,19 @@ def taken_for_unknown(part: Part, run: Run) -> dict[str, str]:
     common = set[str].intersection(*said) - said_by_itself(run) if said else set()
     if not common:
         return {}
-    found = dict[str, str]()
-    for word in part.commands:
-        lines = _lines(first[word]) if word in first else []
-        places = [number for number, line in enumerate(lines) if line in common]
-        if common <= {*lines} and min(places) > 0 and places == [*range(min(places), len(lines))]:
-            found[word] = lines[-1]
     is_warned = all(
         level in WARNINGS
         for command in unknown
         for level, text in command.log
         if template(steady(text), command.text) in common
     )
+    found = dict[str, str]()
+    for word in part.commands:
+        lines = _lines(first[word]) if word in first else []
+        places = [number for number, line in enumerate(lines) if line in common]
+        is_below = bool(places) and min(places) > 0 and places == [*range(min(places), len(lines))]
+        if common < {*lines} and (is_below or is_warned):
+            found[word] = lines[places[-1]]
     return found if is_warned or len(found) < len(part.commands) else {}
 
 

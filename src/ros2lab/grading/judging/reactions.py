@@ -6,7 +6,7 @@ import functools
 import itertools
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from ros2lab.assignments import Part
@@ -73,13 +73,17 @@ def effects_of(
 
 
 def _control(part: Part, run: Run) -> set[str]:
-    """Return the log lines that follow an unknown word each time.
+    """Return the log lines that follow an unknown word each time, with `{}` instead of the word."""
+    return _each_time(part, run, templates)
+
+
+def _each_time(part: Part, run: Run, lines: Callable[[Run, CommandSeen], set[str]]) -> set[str]:
+    """Return the lines that follow an unknown word each time.
 
     The word is sent while the robot stands and while it moves: a line that comes only once tells of that
     state.
     """
-    unknown = (command for command in run.commands if command.text in part.unknown)
-    said = _by_unknown(part, ((command.text, templates(run, command)) for command in unknown))
+    said = _by_unknown(part, ((command.text, lines(run, command)) for command in run.commands))
     return set[str]().union(
         *(
             set.intersection(*filter(None, times))
@@ -130,11 +134,8 @@ def lines_of(run: Run, command: CommandSeen) -> set[str]:
 
 
 def lines_of_unknown(part: Part, run: Run) -> set[str]:
-    """Return the lines after the first unknown word at any time, and after another one each time."""
-    seen = ((command.text, lines_of(run, command)) for command in run.commands)
-    times_by_word = _by_unknown(part, seen)
-    ever = set[str]().union(*times_by_word.pop(unknown_word(part), ()))
-    return ever.union(*(set.intersection(*times) for times in times_by_word.values() if len(times) > 1))
+    """Return the log lines that follow an unknown word each time."""
+    return _each_time(part, run, lines_of)
 
 
 def telling_lines(part: Part, run: Run) -> dict[str, set[str]]:
