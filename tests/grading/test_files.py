@@ -835,6 +835,29 @@ def test_what_everybody_knows_needs_no_description(
     assert found.sources["functions"] == functions
 
 
+@pytest.mark.parametrize(
+    ("body", "described"),
+    [
+        ("{about}{method}", (1, 0)),  # as a comment that stands in for a docstring
+        ("{about}\n{method}", (1, 0)),
+        ("\n{about}{method}", (0, 1)),
+        ("\n{about}\n{method}", (1, 0)),
+        ("{about}    @property\n{method}", (1, 0)),
+        ("{about}\n{about}{method}", (1, 1)),
+        ('    """Tell what the robot does now."""\n{about}{method}', (1, 1)),
+        ("    state = 1  # what the robot does now\n\n{method}", (1, 0)),
+    ],
+)
+def test_a_comment_describes_a_class_or_its_first_method(
+    look: Callable[[Texts], Files], body: str, described: tuple[int, int]
+) -> None:
+    method = "    def tell(self):\n        print(1)\n        print(2)\n"
+    text = _used("class Robot:\n" + body.format(about="    # Tells how the robot is.\n", method=method))
+    text += "\nUSED.append(Robot().tell)\n"
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert (found.sources["classes"], found.sources["functions"]) == ([described[0], 1], [described[1], 1])
+
+
 def _used(text: str) -> str:
     """Return a module of which something uses all functions and classes."""
     names = re.findall(r"^(?:def|class) (?!main)(\w+)", text, re.MULTILINE)

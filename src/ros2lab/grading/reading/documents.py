@@ -311,6 +311,10 @@ def _describable(source: PythonSource, running: Collection[ast.AST]) -> Iterator
         yield _Describable("modules", [], _docstring(source.tree), above)
     lines = source.text.splitlines()
     named = [n for n in source.nodes if isinstance(n, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))]
+    of_classes: dict[ast.AST, list[int]] = {
+        node: _of_class(node, comments, lines) for node in named if isinstance(node, ast.ClassDef)
+    }
+    left = {line: token for line, token in comments.items() if line not in set().union(*of_classes.values())}
     for node in named:
         is_class = isinstance(node, ast.ClassDef)
         given = [] if isinstance(node, ast.ClassDef) else [*ast.walk(node.args)]
@@ -318,19 +322,42 @@ def _describable(source: PythonSource, running: Collection[ast.AST]) -> Iterator
             "classes" if is_class else "functions",
             [node.name, *(parameter.arg for parameter in given if isinstance(parameter, ast.arg))],
             _docstring(node),
-            _own_comments(node, comments, lines),
+            [
+                *(comments[line].string for line in of_classes.get(node, ())),
+                *_own_comments(node, left, lines),
+            ],
             _says_itself(node, named),
             _does_nothing(node) or bool(running and node not in running),
         )
 
 
+def _of_class(node: ast.ClassDef, comments: Collection[int], lines: Sequence[str]) -> list[int]:
+    """Return the lines of the comments between the head of a class and its first definition that are about the class.
+
+    Those right above the definition are about that one if a blank line is above them.
+    """
+    first = node.body[0]
+    if not isinstance(first, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+        return [line for line in comments if node.lineno <= line <= first.lineno]
+    start = above = _start(first)
+    while above - 1 in comments and above - 1 > node.lineno:
+        above -= 1
+    end = start if lines[above - 2].strip() else above
+    return [line for line in comments if node.lineno <= line < end]
+
+
+def _start(node: ast.ClassDef | Function) -> int:
+    """Return the first line of a definition, with its decorators."""
+    return min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+
+
 def _own_comments(
     node: ast.ClassDef | Function, comments: Mapping[int, tokenize.TokenInfo], lines: Sequence[str]
 ) -> list[str]:
-    """Return the comments in a definition, and the one right above it."""
-    start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+    """Return the comments in a function, and the one right above a definition, of those that are about no class above."""
+    start = _start(node)
     # Comments in its methods do not describe a class.
-    end = node.body[0].lineno if isinstance(node, ast.ClassDef) else node.end_lineno or node.lineno
+    end = start if isinstance(node, ast.ClassDef) else node.end_lineno or node.lineno
     above = start - 1
     while above > 0 and not lines[above - 1].strip():
         above -= 1
