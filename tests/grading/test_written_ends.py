@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from ros2lab.diagnose.look import text_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.reading.corrected import corrected
 from ros2lab.grading.reading.hidden_ends import hidden_ends
 from ros2lab.grading.reading.written_ends import ends_elsewhere, written_ends
 
@@ -74,6 +76,35 @@ def test_whether_a_publisher_is_told_to_publish_is_read(right: str, other: str, 
     ends = written_ends([PythonSource("status", "status.py", text)])[0]
     does = [end.does for end in ends if end.topic == "/robot/status"]
     assert does == [["publishes"] if publishes else []]
+
+
+@pytest.mark.parametrize(
+    ("right", "slip", "is_undone"),
+    [
+        ("create_timer(PERIOD, self.tick)", "create_timer(2.0.self.tick)", True),
+        ("create_timer(PERIOD", "creat_timer(PERIOD", True),
+        ("self.status.publish(", "self.statu.publish(", True),
+        ("self.status.publish(", "self.status.publsh(", True),
+        ("super().__init__(", "super().__init(", True),
+        ("import String", "import Strng", True),
+        (
+            "create_timer(PERIOD, self.tick)",
+            "create_timer(1.0, self.tick)",
+            False,
+        ),  # what was meant is not known
+        ('"/robot/status"', '"/robot/statsu"', False),
+    ],
+)
+def test_what_was_meant_is_read_where_a_slip_ends_the_node(right: str, slip: str, is_undone: bool) -> None:
+    """As `diagnose` says to write it: names, dots and commas, and no other number or text."""
+    whole = PythonSource("status", "status.py", SOURCE)
+    source = PythonSource("status", "status.py", SOURCE.replace(right, slip, 1))
+    found = [[one.code, one.cause, one.place, one.fix] for one in text_faults(source)]
+
+    def told(one: PythonSource) -> list[tuple[str, str, list[float]]]:
+        return [(end.topic, end.type_name, end.periods) for end in written_ends([one], words=WORDS)[0]]
+
+    assert (told(corrected(source, found)) == told(whole)) is is_undone
 
 
 def test_a_publisher_of_the_same_name_in_another_node_is_another_one() -> None:

@@ -101,6 +101,7 @@ class Files:
         idle: for each file, the lines of functions that never run and of assignments that no running code
             reads.
         ends: the publishers and subscriptions that the code creates.
+        ends_meant: the same where its slips of typing are corrected as the findings say; empty if there are none.
         ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not
             known.
         declared: the parameters that the code declares, with their defaults; None for an unknown default.
@@ -134,6 +135,7 @@ class Files:
     depended_on: list[str] = field(default_factory=list)
     idle: dict[str, list[int]] = field(default_factory=dict)
     ends: list[WrittenEnd] = field(default_factory=list)
+    ends_meant: list[WrittenEnd] = field(default_factory=list)
     ends_elsewhere: list[WrittenEnd] | None = None
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)

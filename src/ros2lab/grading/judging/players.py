@@ -259,7 +259,8 @@ class Case:
 
         It has the right topic or a similar one, or the type that no other part has.
         """
-        ends = [end for end in self.evidence.files.ends if end.is_publisher is part.is_publisher]
+        files = self.evidence.files
+        ends = [end for end in files.ends_meant or files.ends if end.is_publisher is part.is_publisher]
         right = [end for end in ends if end.topic == part.topic]
         near = [end for end in ends if is_near_topic(end.topic, part.topic)]
         alike = [end for end in ends if end.type_name == part.type_name and self.assignment.is_only(part)]

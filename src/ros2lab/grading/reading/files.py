@@ -32,6 +32,7 @@ from ros2lab.grading.code.own_messages import Messages, own_messages
 from ros2lab.grading.code.running import Code, idle, running
 from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
+from ros2lab.grading.reading.corrected import corrected
 from ros2lab.grading.reading.documents import described, foreign_names, named_in, readmes, recordings
 from ros2lab.grading.reading.graded_package import Package, has_code
 from ros2lab.grading.reading.launch_files import (
@@ -166,7 +167,8 @@ class _PackageReader:
             "declared": lambda: {
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
-            "findings": lambda: _findings(root, self.submission, graded),
+            "findings": lambda: self.findings,
+            "ends_meant": lambda: self._ends_in(_corrected(self.mended, self.findings))[0],
         }
 
     @cached_property
@@ -203,10 +205,15 @@ class _PackageReader:
 
     @cached_property
     def ends(self) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+        return self._ends_in(self.mended)
+
+    @cached_property
+    def findings(self) -> list[list[str]]:
+        return _findings(self.root, self.submission, self.graded)
+
+    def _ends_in(self, sources: Sequence[PythonSource]) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
         commanded = self.assignment.commanded
-        return written_ends(
-            self.mended, self.entrances, commanded.commands if commanded else (), self.messages
-        )
+        return written_ends(sources, self.entrances, commanded.commands if commanded else (), self.messages)
 
     @cached_property
     def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
@@ -226,6 +233,7 @@ def _loose(
     """Return the facts in files outside a package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     whole = cache(lambda: [*map(mended, loose)])
+    findings = cache(lambda: diagnosed(lambda: [found for source in loose for found in text_faults(source)]))
     readers: dict[str, Callable[[], Any]] = {
         "sources": lambda: described(loose, [*running(loose)], texts),
         "readme_names": lambda: named_in(texts, loose),
@@ -237,9 +245,8 @@ def _loose(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
         "clock_readers": lambda: clock_readers(loose, ()),
-        "findings": lambda: diagnosed(
-            lambda: [finding for source in loose for finding in text_faults(source)]
-        ),
+        "findings": findings,
+        "ends_meant": lambda: written_ends(_corrected(whole(), findings()), words=words)[0],
     }
     facts, unread = read_all(readers)
     unread |= dict.fromkeys(OF_CODE, " ".join(beyond)) if (beyond := submission.left_unread) else {}
@@ -389,6 +396,12 @@ def _declared(package: Package) -> dict[str, bool | float | str | None]:
         name: value if isinstance(value, (bool, int, float, str)) else None for name, value in found.items()
     }
     return dict(itertools.islice(plain.items(), MOST_DECLARED))
+
+
+def _corrected(sources: Sequence[PythonSource], findings: list[list[str]]) -> list[PythonSource]:
+    """Return the sources with slips of typing corrected as some findings say; empty if there are none."""
+    found = [corrected(source, findings) for source in sources]
+    return found if found != [*sources] else []
 
 
 def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[list[str]]:

@@ -17,10 +17,11 @@ from ros2lab.grading.evidence import Evidence, Files
 OF_CODE = (
     *("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded", "tests", "handlers"),
     *("clock_readers", "compared", "depended_on", "idle", "ends", "ends_elsewhere", "declared", "findings"),
+    "ends_meant",
 )
 # Of these, what only helps to find a node, or to believe it: what a node does is seen all the same.
 _SEEN_RUNNING = frozenset(
-    ("ends", "ends_elsewhere", "findings", "compared", "declared", "idle", "clock_readers")
+    ("ends", "ends_meant", "ends_elsewhere", "findings", "compared", "declared", "idle", "clock_readers")
 )
 Tell = Callable[[str, Any], None]
 FACT = "fact "  # before the name of one that is told before all are known

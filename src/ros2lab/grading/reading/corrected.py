@@ -1,0 +1,63 @@
+"""A file as it was meant: with what `diagnose` says to write instead of its slips of typing."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from difflib import SequenceMatcher
+
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+LIKE = 0.8  # how similar what is to be written is to what stands there, at least
+_WRITE = re.compile(r"write `?(.+?)`?(?:, or (?:define|import) .*)?")
+
+
+def corrected(source: PythonSource, findings: Iterable[Sequence[str]]) -> PythonSource:
+    """Return a file with the fixes of the findings about its lines; itself if none of them is a slip of typing.
+
+    A slip is one of names, dots and commas: a fix that brings another text or number changes what is meant.
+
+    Args:
+        source: a file that Python can read.
+        findings: what `diagnose` found in it, as in `Files.findings`.
+    """
+    text = source.text
+    for _, _, place, fix, *_ in findings:
+        file, _, line = place.rpartition(":")
+        told = _WRITE.fullmatch(fix)
+        if file == source.shown and line.isdigit() and told:
+            text = _written(text, int(line), told[1]) or text
+    return source if text == source.text else replace(source, text=text)
+
+
+def _written(text: str, line: int, new: str) -> str:
+    """Return a text with an expression in place of the one on a line that is nearly the same; empty if none is."""
+    try:
+        wanted, tree = ast.parse(new), ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return ""
+    lines = text.split("\n")
+    row, best = lines[line - 1].encode(), (LIKE, 0, 0)
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, ast.expr | ast.ImportFrom | ast.Import)
+            and node.lineno == node.end_lineno == line
+        ):
+            begin, end = node.col_offset, node.end_col_offset or 0
+            old = row[begin:end].decode()
+            if old != new and _constants(wanted) <= _constants(node):
+                best = max(best, (SequenceMatcher(None, old, new).ratio(), begin, end))
+    _, begin, end = best
+    lines[line - 1] = (row[:begin] + new.encode() + row[end:]).decode()
+    mended = "\n".join(lines)
+    try:
+        ast.parse(mended)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return ""
+    return mended if end else ""
+
+
+def _constants(tree: ast.AST) -> set[str]:
+    return {repr(node.value) for node in ast.walk(tree) if isinstance(node, ast.Constant)}
