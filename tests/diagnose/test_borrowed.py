@@ -54,6 +54,8 @@ FAILS = {
     # What somebody else owns, or holds.
     "an attribute of rclpy's": ("self._clock = 3\n        self.create_timer(1.0, self.drive)", "write self.clock or another name"),
     "the class of another node": ("super(JointState, self).__init__('again')", "write super() instead of super(JointState, self)"),
+    "a method by a name that is made up": ("getattr(self, 'do_' + 'dance'.upper())()", "write `getattr(self, 'do_' + 'dance'.upper(), None)`"),
+    "one that another object is to have": ("getattr(\n            rclpy, 'spin_' + self.get_name(),\n        )()", "write `getattr(rclpy, 'spin_' + self.get_name(), None)`"),
     "a message for what it holds": ("from std_msgs.msg import Float64\n        level = Float64(data=2.0)\n        round(level)", "level.data"),
 }  # fmt: skip
 

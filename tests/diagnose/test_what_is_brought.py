@@ -373,6 +373,16 @@ def test_what_has_a_hyphen_is_renamed_and_nothing_else(
     assert found == f"{fix} to 'console_scripts' in entry_points"
 
 
+@pytest.mark.parametrize("slip", ["", "import os\nprint('a'\n"])
+def test_every_program_is_to_have_an_entry_point(tmp_path: Path, slip: str) -> None:
+    """Also one that Python cannot read yet."""
+    files = hyphenated("my_pkg", "node")
+    files.texts["src/my_pkg/my_pkg/other.py"] = slip + files.texts["src/my_pkg/my_pkg/node.py"]
+    (fix,) = proposed(files, tmp_path, "entry-points-missing")
+    rows = "'node = my_pkg.node:main', 'other = my_pkg.other:main'"
+    assert fix == f"add {rows} to 'console_scripts' in entry_points"
+
+
 @pytest.mark.parametrize(("other", "is_taken"), [("my_pkg", True), ("my_pkg2", False)])
 def test_a_name_that_another_package_has_is_not_proposed(tmp_path: Path, other: str, is_taken: bool) -> None:
     files = hyphenated("my-pkg", "node")

@@ -130,6 +130,18 @@ def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
     return ""
 
 
+def _made_up(owner: str, place: str, spot: Spot) -> Finding | None:
+    """Explain that `getattr` finds nothing by a name that the line computes; None if the line does not do that."""
+    for call in (node for node in spot.whole if isinstance(node, ast.Call)):
+        match call:
+            case ast.Call(func=ast.Name("getattr"), args=[asked, name]) if not isinstance(name, ast.Constant):
+                cause = f"getattr looks in {owner} for what `{ast.unparse(name)}` names, and {owner} has nothing of that name."
+                new = f"getattr({ast.unparse(asked)}, {ast.unparse(name)}, None)"
+                fix = f"write `{new}`, and go on only if that is not None"
+                return Finding("attribute-unknown", cause, place, fix)
+    return None
+
+
 def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look) -> Finding:
     name, owner = groups["name"], groups.get("owner") or groups.get("module") or "the object before the dot"
     homes = homes_of(name) if groups.get("module") else ()
@@ -152,7 +164,8 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look) 
     spot = spot_at(place, look)
     if spot.source and not re.search(rf"\b{name}\b", spot.source.text):
         fix = "compare what this line passes with what the function that it calls takes"
-        return Finding("attribute-unknown", f"What this line calls asks {owner} for {name}.", place, fix)
+        told = Finding("attribute-unknown", f"What this line calls asks {owner} for {name}.", place, fix)
+        return _made_up(owner, place, spot) or told
     near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot, look)
     known = members(owner, look) - {*dir(object), name}
     offered = methods_of(owner) or ", ".join(

@@ -22,7 +22,7 @@ from ros2lab.diagnose.packaging.entry_point_forms import (
     put_in_order,
     wrong_form,
 )
-from ros2lab.diagnose.packaging.for_ros import first_program
+from ros2lab.diagnose.packaging.for_ros import programs
 from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.made_modules import is_made
@@ -57,13 +57,14 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
     elif (
         points == []
         and not _has_scripts(package, setup)
-        and (main := first_program(package))
-        and not any(f"{main}:" in read_text(path) for path in package.beside.rglob("setup.py"))
+        and (mains := programs(package))
+        and not any(f"{mains[0]}:" in read_text(path) for path in package.beside.rglob("setup.py"))
     ):
-        named = re.sub(r"[^\w.]+", "_", main)
-        before = "".join(f"{move}, and " for move in _moves(package, main))
-        cause = f"setup.py has no entry point, so {main} cannot be run with `ros2 run`."
-        fix = f"{before}add '{named.rpartition('.')[2]} = {named}:main' to 'console_scripts' in entry_points"
+        moves = dict.fromkeys(move for main in mains for move in _moves(package, main))
+        named = [re.sub(r"[^\w.]+", "_", main) for main in mains]
+        added = ", ".join(f"'{name.rpartition('.')[2]} = {name}:main'" for name in named)
+        cause = f"setup.py has no entry point, so {', '.join(mains)} cannot be run with `ros2 run`."
+        fix = f"{''.join(f'{move}, and ' for move in moves)}add {added} to 'console_scripts' in entry_points"
         yield Finding("entry-points-missing", cause, place, fix)
     yield from _of_another(setup, package.sources)
     seen: dict[str, EntryPoint] = {}

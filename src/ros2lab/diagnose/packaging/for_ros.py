@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Collection
 
+from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to, read_text
@@ -24,9 +25,7 @@ def is_for_ros(package: SourcePackage, started: Collection[str] = ()) -> bool:
     if package.kind == "cmake":
         return False
     has_marker = package.has(f"resource/{package.name}")
-    return (
-        has_marker or bool(package.launch_files) or _installs_for_ros(package) or bool(first_program(package))
-    )
+    return has_marker or bool(package.launch_files) or _installs_for_ros(package) or bool(programs(package))
 
 
 def renamed_manifest(package: SourcePackage) -> str:
@@ -51,16 +50,14 @@ def _installs_for_ros(package: SourcePackage) -> bool:
     return any(isinstance(text, str) and _OF_THE_INDEX.search(text) for text in texts)
 
 
-def first_program(package: SourcePackage) -> str:
-    """Return the first module that is a program with a node, as it uses rclpy and has a main(); empty if none is.
+def programs(package: SourcePackage) -> list[str]:
+    """Return the modules that are programs with a node, as they use rclpy and have a main().
 
     A main() to which its file gives what it needs is called there alone.
     """
-    users = ((name, source) for name, source in package.sources.items() if "rclpy" in source.names)
-    mains = (
-        name for name, source in users if f"{name}.main" == source.names.get("main") and not _given(source)
-    )
-    return next(mains, "")
+    files = {name: mended(source) for name, source in package.sources.items()}
+    with_main = [name for name, file in files.items() if file.names.get("main") == f"{name}.main"]
+    return [name for name in with_main if "rclpy" in files[name].names and not _given(files[name])]
 
 
 def _given(source: PythonSource) -> bool:
