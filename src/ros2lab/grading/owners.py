@@ -30,6 +30,8 @@ def is_about(case: Case, finding: Finding, criterion: Judgement, lost: Collectio
         return criterion.component in owners or is_free
     if named := _with_topic(case, finding, parts):
         return criterion.component in named
+    if _goes_on(case, finding):
+        return False
     # Nothing says whose it is: take the node that lost most, and only for faults that can end a program.
     candidates = _with_type(case, finding, parts) or [*parts]
     losses = {
@@ -45,12 +47,24 @@ def owners_of(case: Case, finding: Finding) -> list[str]:
     If it makes none, return the parts whose program it is, else those whose program imports it. Of several
     parts, prefer those whose topic, else those whose message type, the finding is about.
     """
-    stem = PurePosixPath(re.sub(r":\d+$", "", finding.place)).stem
+    stem = _stem(finding)
     for modules_of in (_makers, _programs, _imported):
         owners = [name for name in case.assignment.parts if stem and stem in modules_of(case, name)]
         if owners:
             return _with_topic(case, finding, owners) or _with_type(case, finding, owners) or owners
     return []
+
+
+def _stem(finding: Finding) -> str:
+    return PurePosixPath(re.sub(r":\d+$", "", finding.place)).stem
+
+
+def _goes_on(case: Case, finding: Finding) -> bool:
+    """Return whether the programs with the module of a finding were all seen to go on, and play no part all the same."""
+    programs = [program for program in case.executables.values() if _stem(finding) in program.modules]
+    names = {program.name for program in programs}
+    alone = [run for run in case.evidence.runs if run.setting == "alone" and run.programs[0] in names]
+    return bool(alone) and all(run.nodes and not run.ended for run in alone)
 
 
 def _makers(case: Case, name: str) -> set[str]:

@@ -15,7 +15,7 @@ from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.spelling import is_near_miss
-from ros2lab.grading.evidence import NO_WORD, Run
+from ros2lab.grading.evidence import NO_WORD, Executable, Run
 from ros2lab.grading.judging.player import lacked
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -36,6 +36,7 @@ def _codes(facts: dict[str, frozenset[str]], *names: str) -> frozenset[str]:
 
 
 _MANIFEST, _SETUP = dict(MANIFEST_FINDINGS), dict(SETUP_FINDINGS)
+_POINT_CODES = _codes(_SETUP, "entry_points_lead_to_functions")
 
 
 @question("right invalid wrong_type missing", "", _codes(_MANIFEST, "is_valid", "is_ament_python"))
@@ -153,7 +154,7 @@ def package_is_registered(case: Case) -> Answer:
 @question(
     "all unreachable one_lost idle two_lost unread none",
     "lost fault broken",
-    _codes(_SETUP, "has_entry_points", "entry_points_lead_to_functions") | {"executable-missing"},
+    _codes(_SETUP, "has_entry_points") | _POINT_CODES | {"executable-missing"},
 )
 def nodes_are_installed(case: Case) -> Answer:
     """Whether `ros2 run` or `ros2 launch` starts every node that exists; missing nodes count elsewhere."""
@@ -185,7 +186,6 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
         Their names, and what is wrong with them.
     """
     lost, faults = list[str](), list[str]()
-    meant = _meant(case)
     for name, players in case.players.items():
         # If the node's program is not known, it is not known either that nothing starts it.
         alike = [player for player in players if player.match == players[0].match and player.program]
@@ -193,10 +193,11 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
         is_there = any(map(case.is_installed, alike)) or any(map(case.is_installed_program, programs))
         if programs and not is_there:
             program = case.executables.get(programs[0])
-            lost.append(programs[0])
+            point = _point_of(case, program) if program else None
+            lost.append(programs[0].removesuffix(".py") if point else programs[0])
             if program and program.fault:
-                faults.append(meant[program.module].cause if program.module in meant else program.fault)
-    return (lost, faults) if lost else _astray(case, [*meant.values()])
+                faults.append(point.cause if point else program.fault)
+    return (lost, faults) if lost else _astray(case)
 
 
 def _crashed(case: Case, part: Part) -> list[str]:
@@ -265,17 +266,20 @@ def _has_right_points(case: Case, *, is_whole: bool) -> bool:
     return bool(facts.get("has_entry_points") and ((is_own and leads) or is_whole))
 
 
-def _meant(case: Case) -> dict[str, Finding]:
-    """Return by module or file the finding that it lies elsewhere than its entry point says."""
-    astray = (finding for finding in case.evidence.files.told() if finding.code == "entry-point-module")
-    return {finding.about[1]: finding for finding in astray if len(finding.about) > 1}
+def _point_of(case: Case, program: Executable) -> Finding | None:
+    """Return the finding about the entry point that is meant for a program; None if there is none."""
+    names = {program.module, program.name.removesuffix(".py")}
+    findings = (finding for finding in case.evidence.files.told() if finding.code in _POINT_CODES)
+    return next((finding for finding in findings if names & {*finding.about}), None)
 
 
-def _astray(case: Case, meant: list[Finding]) -> tuple[list[str], list[str]]:
+def _astray(case: Case) -> tuple[list[str], list[str]]:
     """Return the executables whose entry points miss an existing module, and the causes.
 
     Their nodes may not run for other reasons, so nothing else would report it.
     """
+    astray = (finding for finding in case.evidence.files.told() if finding.code == "entry-point-module")
+    meant = [finding for finding in astray if len(finding.about) > 1]
     named = [executable.name for executable in case.executables.values() if not executable.command]
     return [name for name in named if any(name in finding.about for finding in meant)], [
         finding.cause for finding in meant

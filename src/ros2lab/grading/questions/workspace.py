@@ -57,6 +57,8 @@ def colcon_finds_package(case: Case) -> Answer:
         level = "no_package" if case.evidence.submission.package is None else "bare"
         is_read = bool(files.manifest)
         seen["why"] = _BARE if is_read else "its files could not be read"
+        if is_read and build and build.error:
+            seen["why"] += f" and ends with {last_word(build.error, LONGEST_ERROR)}"
         return Answer(level, seen, ("build", "files.manifest"), shown(_folder(case)))
     if twins := _twins(case):
         return _of_twins(case, twins, seen)

@@ -22,7 +22,7 @@ from ros2lab.assignments import Assignment
 from ros2lab.grading.watching import ends
 from ros2lab.grading.watching.ear import TEXT, gaps
 from ros2lab.grading.watching.given import Given
-from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, unfollowing
+from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, too_little
 from ros2lab.grading.watching.script import FLOOD, Script
 from ros2lab.grading.watching.service_calls import call_services
 from ros2lab.grading.watching.watch import ANSWER_TIMEOUT, OWN_CLOCK, Gone, NotStepped, Watch
@@ -149,7 +149,7 @@ class Conductor:
         least = 3 if self.plan["is_brief"] or self.plan["programs"] > 1 else math.inf
         unknown = [t for t, count in answered.items() if count < 2 and watch.ears[t].total < least]
         if watch.is_stepped and unknown:
-            raise NotStepped(unfollowing(unknown))
+            raise NotStepped(too_little(unknown))
 
     def _listen(self, watch: Watch) -> None:
         """Record what is published before any command."""

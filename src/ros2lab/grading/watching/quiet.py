@@ -207,6 +207,11 @@ def unfollowing(topics: Iterable[str]) -> str:
     return f"What comes on {min(topics)} does not follow the stepped clock: it was watched on the real one."
 
 
+def too_little(topics: Iterable[str]) -> str:
+    """Say on which topic too few messages came to show that a program follows the stepped clock."""
+    return f"Too little comes on {min(topics)} to tell whether it follows the stepped clock: it was watched on the real one."
+
+
 def _is_doubtful(ear: Ear) -> bool:
     """Return whether a periodic topic may have stopped: it is overdue, or few messages were seen."""
     return max(ear.gaps()[1:]) >= 1.0 if ear.count < 3 else ear.is_overdue()
