@@ -177,3 +177,84 @@ def test_entry_points_that_are_written_are_not_asked_for_again() -> None:
     assert one.points == 0
     none = given(evidences.facts("setup", "has_entry_points"), evidences.misplaced(*evidences.NODES))
     assert judged(none, "package.executables").reason == "`ros2 run` finds no node of this package."
+
+
+@pytest.mark.parametrize(
+    ("never", "points", "said"),
+    [
+        (["repeats"], 2.0, "Nothing came, for the code publishes only once"),
+        (["repeats", "finite"], 0, "There were no numbers"),
+        ([], 0, "There were no numbers"),
+    ],
+)
+def test_what_is_published_only_once_is_charged_where_it_is_to_come_again(
+    never: list[str], points: float, said: str
+) -> None:
+    """Its numbers stand in the code; nobody had the time to receive them."""
+    end = WrittenEnd("/cmd_vel", TWIST, True, [], VELOCITY, ["publishes"], never)
+    evidence = given(evidences.runs(evidences.velocity_run(values=[])), evidences.files(ends=[end]))
+    one = judged(evidence, f"{VELOCITY}.values")
+    assert one.points == pytest.approx(points, abs=0.01)
+    assert one.reason.startswith(said)
+    assert judged(evidence, f"{VELOCITY}.repetition").points == 0
+
+
+def test_a_slip_of_typing_takes_nothing_from_what_the_code_plainly_has() -> None:
+    """Where Python reads the line and the node ends at it, too."""
+    as_is = WrittenEnd("/robot/status", STRING, True, [], STATUS, [])
+    others = [run for run in evidences.right().runs if run.programs == [COMMAND] and run.setting == "alone"]
+    evidence = replace(given(evidences.files(ends=[as_is])), runs=others)
+    assert judged(evidence, f"{STATUS}.period").points == 0
+    evidence = evidences.files(ends_meant=[replace(as_is, periods=[2.0])])(evidence)
+    assert judged(evidence, f"{STATUS}.period").points == 1.75
+
+
+@pytest.mark.parametrize("code", ["entry-point-spec", "entry-point-module", "entry-point-no-function"])
+def test_an_entry_point_that_misses_its_module_is_not_said_to_be_missing(code: str) -> None:
+    cause = "The entry point 'velocity_publisher = a.b.main' has a dot before main where a colon should be."
+    finding = [code, cause, "setup.py:20", "write 'velocity_publisher = a.b:main'", VELOCITY]
+    base = given(evidences.misplaced(VELOCITY), evidences.files(findings=[finding]))
+    assert base.build is not None
+    programs = [
+        replace(one, name=f"{VELOCITY}.py", way="module", fault="No entry point leads to it.")
+        if one.name == VELOCITY
+        else one
+        for one in base.build.executables
+    ]
+    runs = [
+        replace(run, programs=[f"{VELOCITY}.py"]) if run.programs == [VELOCITY] else run for run in base.runs
+    ]
+    alone = [run for run in runs if run.setting == "alone"]
+    evidence = replace(base, build=replace(base.build, executables=programs), runs=alone)
+    one = judged(evidence, "package.executables")
+    assert one.reason == f"`ros2 run` does not start velocity_publisher: {cause}"
+    assert one.hint.startswith("Write an entry point")
+
+
+def test_what_lies_in_a_node_that_goes_on_explains_no_part_that_is_missing() -> None:
+    finding = ["attribute-missing", "Watcher has no method get_type.", "watcher.py:9", "write self.get_types"]
+    watcher = replace(evidences.executable("watcher"), modules=["watcher"])
+    run = Run(
+        ["watcher"], "alone", "stepped", ["/watcher"], {}, {}, {}, {}, {}, [], {}, {"watcher": {"last": {}}}, []
+    )  # fmt: skip
+    base = given(evidences.files(findings=[finding], ends=[], compared=[]))
+    assert base.build is not None
+    base = replace(base, build=replace(base.build, executables=[*base.build.executables, watcher]))
+    others = [run for run in base.runs if run.setting == "alone" and run.programs != [COMMAND]]
+    for seen, told in ((run, 0), (replace(run, ended={"watcher": "AttributeError: get_type"}), 1)):
+        grade = verdict(replace(base, runs=[*others, seen]), load())
+        assert [fault.code for fault in grade.faults].count("attribute-missing") == told
+
+
+@pytest.mark.parametrize(
+    ("readme", "said"),
+    [
+        ("# Robot\n[INFO] [node]: well\n", "the README shows lines as a terminal prints them, and no link"),
+        ("# Robot\nFilm: https://a.example/film\n", "no link was opened, such as https://a.example/film."),
+        ("# Robot\nNothing.\n", "no picture, film or log was handed in, and no link was opened."),
+    ],
+)
+def test_what_shows_that_it_ran_is_left_to_the_instructor(readme: str, said: str) -> None:
+    """An output in a README may be one that is expected."""
+    grade = verdict(given(evidences.files(readme=readme)), load())
+    assert any(said in note for note in grade.notes)

@@ -1129,7 +1129,8 @@ def test_a_subscriber_on_another_topic_has_what_it_does(
         ("/topic", evidences.STRING, 0.5, 8.5),
         ("/robot/status", "std_msgs/msg/Int32", 2.0, 14.5),  # what nobody can take counts half
         ("/robot/status", evidences.STRING, 0.5, 14.75),
-        ("/robot_status", evidences.STRING, 0.5, 12.25),
+        ("/robot_status", evidences.STRING, 0.5, 9.75),  # half of a topic is no more than a word
+        ("/status", evidences.STRING, 2.5, 16.5 - 2.5),  # a period that is close tells of it
     ],
 )
 def test_what_any_node_does_counts_half_where_little_tells_that_it_is_meant(
@@ -1142,10 +1143,28 @@ def test_what_any_node_does_counts_half_where_little_tells_that_it_is_meant(
     grade = verdict(given, rubric)
     life = next(one for one in grade.criteria if one.id == "status_publisher.life")
     assert grade.components["status_publisher"].points == points
-    is_doubted = points in (8.5, 14.5)
+    is_doubted = points in (8.5, 14.5, 9.75)
     assert ("because little tells that this node is meant for /robot/status" in life.reason) == is_doubted
     assert bool(life.hint) == is_doubted
     assert verdict(given, replace(rubric, doubted=1)).components["status_publisher"].points >= points
+
+
+@pytest.mark.parametrize(
+    ("topic", "log", "points"),
+    [
+        ("/command", evidences.echo, 8),  # the words of a tutorial's listener, under half of a name
+        ("/command", evidences.log_by_word, 18),
+        ("/command", lambda text: [f"I go: {text}" if text == "start" else "What?"], 11.5),
+        ("/robot/command", evidences.echo, 14),
+    ],
+)
+def test_an_echo_on_half_of_a_topic_counts_half(
+    rubric: Rubric, topic: str, log: Callable[[str], list[str]], points: float
+) -> None:
+    run = evidences.command_run(topic=topic, log=log)
+    others = [run for run in right().runs if run.setting == "alone" and run.programs != [evidences.COMMAND]]
+    given = evidences.files(compared=[], depended_on=[])(replace(right(), runs=[*others, run]))
+    assert verdict(given, rubric).components["command_subscriber"].points == points
 
 
 def test_who_only_drives_after_a_command_on_another_topic_obeys_it(rubric: Rubric) -> None:

@@ -17,12 +17,14 @@ from ros2lab.grading.overrides import Decision
 from ros2lab.grading.owners import is_about, owners_of
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import ended, is_shut_down, last_word, listed, shown
-from ros2lab.grading.questions.nodes import missing
+from ros2lab.grading.questions.nodes import OF_TYPE, missing
 from ros2lab.grading.reading.unread import FAILED
 from ros2lab.grading.receiving.notes import first_of
 from ros2lab.grading.rubric import BONUS, Rubric
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
+NO_RECORDING = "no picture, film or log was handed in"
+_LINK = re.compile(r"https?://[^\s<>()\[\]\"'`]+")
 _OUTPUT = re.compile(r"\[INFO\] \[|^\s*data: |^\s*average rate: ", re.MULTILINE)
 # Findings that are faults even where they cost nothing.
 ALWAYS_WRONG = frozenset(
@@ -37,7 +39,7 @@ NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
 DOUBTED = "Only {share:.0%} of it counts, because little tells that this node is meant for {wanted}."
 MEANT = "Use the topic {wanted} and the type {wanted_type}."
-OTHER_TOPIC, WRONG_TYPE = "other", "wrong"  # answers about a node's topic, and its type
+OTHER_TOPICS, WRONG_TYPE = ("near", "other"), "wrong"  # answers about a node's topic, and its type
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -128,12 +130,8 @@ def _weighed(
     rubric: Rubric, answers: Mapping[str, Answer], judged: Sequence[Judgement]
 ) -> Iterator[Judgement]:
     """Yield the judgements; what any node does counts less where little tells that the part's node is meant."""
-    telling = {criterion.id for criterion in rubric.criteria if QUESTIONS[criterion.question].tells_node}
-    doubted = {
-        part
-        for part in rubric.assignment.parts
-        if _is_doubted([each for each in judged if each.component == part and each.id in telling], answers)
-    }
+    telling = {criterion.id for criterion in rubric.criteria if QUESTIONS[criterion.question].tells}
+    doubted = {name for name in rubric.assignment.parts if _is_doubted(rubric, name, answers)}
     for judgement in judged:
         is_doubted = judgement.component in doubted and judgement.id not in telling
         if is_doubted and judgement.points and rubric.doubted < 1:
@@ -148,11 +146,21 @@ def _weighed(
             yield judgement
 
 
-def _is_doubted(telling: Sequence[Judgement], answers: Mapping[str, Answer]) -> bool:
-    """Return whether a node has another type, or another topic and less than half of what tells of its part."""
-    levels = {answers[judgement.id].level for judgement in telling}
-    earned, most = sum(judgement.points for judgement in telling), sum(judgement.max for judgement in telling)
-    return WRONG_TYPE in levels or (OTHER_TOPIC in levels and earned < most / 2)
+def _is_doubted(rubric: Rubric, name: str, answers: Mapping[str, Answer]) -> bool:
+    """Return whether a part's node has another type, or another topic and nothing else by which the part is known."""
+    asked = [
+        (question.tells, answers[criterion.id])
+        for criterion in rubric.criteria
+        if criterion.component == name and (question := QUESTIONS[criterion.question]).tells
+    ]
+    levels = {answer.level for _, answer in asked}
+    if WRONG_TYPE in levels or levels.isdisjoint(OTHER_TOPICS):
+        return WRONG_TYPE in levels
+    # A type that several parts have tells none of them.
+    is_only = rubric.assignment.is_only(rubric.assignment.parts[name])
+    own = [(tells, answer) for tells, answer in asked if is_only or tells != OF_TYPE]
+    is_known = any(answer.level in tells or (answer.excuse and not answer.lack) for tells, answer in own)
+    return len(own) > 1 and not is_known
 
 
 def _decided(judgement: Judgement, decision: Decision | None) -> Judgement:
@@ -255,9 +263,10 @@ def _shown_running(evidence: Evidence) -> str:
     """Return what in the submission shows that it has run, as a clause."""
     if evidence.files.recordings:
         return listed(evidence.files.recordings)
-    if _OUTPUT.search(evidence.files.readme):
-        return "the README shows what a terminal has printed, and no link was opened"
-    return "no picture, film or log was handed in, and no link was opened"
+    has_output = _OUTPUT.search(evidence.files.readme)
+    shown_there = "the README shows lines as a terminal prints them" if has_output else NO_RECORDING
+    links = [*dict.fromkeys(_LINK.findall(evidence.files.readme))]
+    return f"{shown_there}, and no link was opened" + (f", such as {listed(links)}" if links else "")
 
 
 def _notes_of_runs(case: Case) -> Iterator[str]:
@@ -319,7 +328,7 @@ def _notes_of(run: Run, brief: Collection[str], part: Part | None) -> Iterator[s
     for name, end in run.ended.items() if run.setting != GIVEN else ():
         by_itself, after = ("by itself ", "")
         if run.setting == "together" and name in run.early and name not in brief:
-            by_itself, after = ("", " before any command, and goes on alone")
+            by_itself, after = ("", " before any command, and was not seen to end alone")
         elif deadly is not None and name not in brief:
             by_itself, after = ("", f" after {_published(deadly.text, part)}")
         how = (

@@ -10,7 +10,7 @@ from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, Player, is_for_want, lacked, of_one_node
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.reading.deeds import CLAUSES, PACED, PUBLISHES, READS
+from ros2lab.grading.reading.deeds import CLAUSES, FINITE, PACED, PUBLISHES, READS, REPEATS
 from ros2lab.rhythm import has_period
 
 # What fails, or does nothing, wherever it runs.
@@ -67,6 +67,15 @@ def unused(case: Case, part: Part) -> str:
     players = of_one_node(case.players[part.name], case.main(part))
     is_heard = any(player.is_heard for player in players)
     return "" if is_heard or not players else _left_out(case, players, _uses(part))
+
+
+def is_sent_once(case: Case, part: Part) -> bool:
+    """Return whether code that runs publishes finite numbers with a part's publisher, and that only once."""
+    players = of_one_node(case.players[part.name], case.main(part))
+    ends = [end for player in players for end in _ends(case, player)]
+    return bool(ends) and all(
+        PUBLISHES in (end.does or ()) and REPEATS in end.never and FINITE not in end.never for end in ends
+    )
 
 
 def _uses(part: Part) -> tuple[str, ...]:
@@ -146,6 +155,14 @@ def _unwatched(case: Case, part: Part) -> str:
 
 def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | None:
     """Return which of the deeds the code that may create a player's end does with it; None if not known."""
+    ends = _ends(case, player)
+    if not ends or any(end.does is None for end in ends):
+        return None
+    return {deed for end in ends for deed in _done_with(case, player, end, needed)}
+
+
+def _ends(case: Case, player: Player) -> list[WrittenEnd]:
+    """Return the ends of the code that may be a player's: those with its topic, else those with one that is not known."""
     program = case.executables.get(player.program)
     modules = {*program.modules, program.stem} - {""} if program else set()
     ends = [
@@ -154,10 +171,7 @@ def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | Non
         if end.is_publisher is player.part.is_publisher
         and (not modules or not end.module or end.module in modules)
     ]
-    ends = [end for end in ends if end.topic == player.topic] or [end for end in ends if not end.topic]
-    if not ends or any(end.does is None for end in ends):
-        return None
-    return {deed for end in ends for deed in _done_with(case, player, end, needed)}
+    return [end for end in ends if end.topic == player.topic] or [end for end in ends if not end.topic]
 
 
 def _done_with(case: Case, player: Player, end: WrittenEnd, needed: Collection[str]) -> set[str]:

@@ -96,7 +96,7 @@ class Question:
         needs: what the assignment must give for such a part, such as `period`; empty if nothing.
         mute: the answers that may only mean that something could not be tried here.
         deeds: what the code must do for there to be anything to try, besides what every end needs.
-        tells_node: whether it asks by what the node of a part is known, and not what any node does.
+        tells: the answers by which the node of a part is known; empty if it asks what any node does.
     """
 
     name: str
@@ -108,7 +108,7 @@ class Question:
     needs: str
     mute: frozenset[str]
     deeds: frozenset[str]
-    tells_node: bool
+    tells: frozenset[str]
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
@@ -176,7 +176,7 @@ def question(
     needs: str = "",
     mute: str = "",
     deeds: str = "",
-    tells_node: bool = False,
+    tells: str = "",
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Register a function of a `Case`, or of a `Case` and a `Part`, as a question that a rubric can ask.
 
@@ -189,7 +189,7 @@ def question(
         mute: the levels that may only mean that something could not be tried here, separated by spaces.
         deeds: what the code must do, or these levels would be the same anywhere, separated by spaces; see
             `deeds`.
-        tells_node: whether it asks by what the node of a part is known, and not what any node does.
+        tells: the levels by which the node of a part is known, separated by spaces.
     """
 
     def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
@@ -206,7 +206,7 @@ def question(
             needs,
             frozenset(mute.split()),
             frozenset(deeds.split()),
-            tells_node,
+            frozenset(tells.split()),
             ask,
         )
         return ask
@@ -264,7 +264,7 @@ def last_word(text: str, longest: int = LONGEST) -> str:
     reports = [line.partition("]: ")[2] for line in text.splitlines() if _REPORT.match(line)]
     mute = f"no error; it said last: {reports[-1]}" if any(reports) else "no word of why"
     word = (telling or lines or [mute])[-1].replace(f"{FILES}/", "")
-    word = shown(_CHANCE.sub("…", word), longest).rstrip(".:")
+    word = shown(_CHANCE.sub("…", word.partition(". Did you mean: ")[0]), longest).rstrip(".:")
     is_unread = finds_no_keyboard(word) and finds_no_keyboard(text)
     return f"{word}, for there is no keyboard where it is graded" if is_unread else word
 

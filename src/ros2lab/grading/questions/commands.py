@@ -40,7 +40,7 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
     nodes.CODES,
     mute="none untried",
     deeds=COMPARES,
-    tells_node=True,
+    tells="all mixed told_apart until_end two one own_words inverted capitals",
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
     """Whether each command has an effect; two of the node's own words count as one command."""

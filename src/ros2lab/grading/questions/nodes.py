@@ -66,13 +66,14 @@ CODES = frozenset(
 )
 TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
+OF_TYPE = frozenset(("right", "stamped", "alike"))  # what tells a part's node if no other part has its type
 
 
 @question(
     "right unused doubled apart near other written missing",
     "topic node why unused",
     CODES | TOPIC_CODES,
-    tells_node=True,
+    tells="right unused doubled apart",
 )
 def has_its_topic(case: Case, part: Part) -> Answer:
     """Whether a node publishes on, or subscribes to, the topic of its part, and plays no other part."""
@@ -106,7 +107,9 @@ def _owned(case: Case, player: Player) -> str:
     return f": that is the topic of {owner.name}{kind}"
 
 
-@question("right stamped alike wrong written missing", "type topic", CODES | TYPE_CODES, tells_node=True)
+@question(
+    "right stamped alike wrong written missing", "type topic", CODES | TYPE_CODES, tells=" ".join(OF_TYPE)
+)
 def has_its_type(case: Case, part: Part) -> Answer:
     """Whether the topic has the type that is asked for, that type with a header, or one of its name elsewhere."""
     player = case.main(part)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.judging.excuses import is_sent_once
 from ros2lab.grading.judging.periods import gaps_of, period_of, quiet_times
 from ros2lab.grading.judging.player import Player, of_one_node
 from ros2lab.grading.judging.players import Case
@@ -30,7 +31,7 @@ TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
     needs="period",
     mute="once silent",
     deeds=f"{REPEATS} {PACED}",
-    tells_node=True,
+    tells="right close",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come with the period that is asked for, by the node itself or as launched."""
@@ -156,7 +157,7 @@ def _is_echo(players: Sequence[Player]) -> bool:
     ("publisher",),
     needs="when",
     mute="silent",
-    tells_node=True,
+    tells="right",
 )
 def comes_when_it_should(case: Case, part: Part) -> Answer:
     """Whether a message comes only once, or only when a request or a command has changed something."""
@@ -181,11 +182,11 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
 
 
 @question(
-    "right not_finite tiny refused no_numbers silent missing",
+    "right sent_once not_finite tiny refused no_numbers silent missing",
     "value field",
     nodes.CODES,
     ("publisher",),
-    mute="no_numbers silent",
+    mute="sent_once no_numbers silent",
     deeds=FINITE,
 )
 def has_finite_numbers(case: Case, part: Part) -> Answer:
@@ -198,7 +199,8 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
     if player is None:
         return Answer("missing", seen, ("runs",))
     if not player.is_heard:
-        return Answer("silent", seen, (player.key,), shown(player.topic))
+        is_sent = not player.run.refused and is_sent_once(case, part)
+        return Answer("sent_once" if is_sent else "silent", seen, (player.key,), shown(player.topic))
     its_own = of_one_node(case.players[part.name], player)
     alike = [candidate for candidate in its_own if candidate.match == player.match]
     numbers = [

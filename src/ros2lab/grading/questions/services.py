@@ -18,7 +18,7 @@ SERVICE: tuple[End, ...] = ("service",)
 NEARLY = 1e-5  # relative error of a number that went through 32 bits
 
 
-@question("right apart near other missing", "service node why", nodes.CODES, SERVICE, tells_node=True)
+@question("right apart near other missing", "service node why", nodes.CODES, SERVICE, tells="right apart")
 def service_is_offered(case: Case, part: Part) -> Answer:
     """Whether a node provides a service by the name that is asked for."""
     player = case.at_once(part)
@@ -31,7 +31,7 @@ def service_is_offered(case: Case, part: Part) -> Answer:
     return Answer(level, seen, (player.key,), seen["service"])
 
 
-@question("right wrong missing", "type service", nodes.CODES | nodes.TYPE_CODES, SERVICE, tells_node=True)
+@question("right wrong missing", "type service", nodes.CODES | nodes.TYPE_CODES, SERVICE, tells="right")
 def service_has_its_type(case: Case, part: Part) -> Answer:
     """Whether the service has the type that is asked for."""
     player = case.main(part)
@@ -42,7 +42,9 @@ def service_has_its_type(case: Case, part: Part) -> Answer:
     return Answer("right" if is_right else "wrong", seen, (player.key,), seen["service"])
 
 
-@question("right some none missing", "service fault", nodes.CODES, SERVICE, needs="requests", tells_node=True)
+@question(
+    "right some none missing", "service fault", nodes.CODES, SERVICE, needs="requests", tells="right some"
+)
 def service_answers(case: Case, part: Part) -> Answer:
     """Whether each request gets its response in time; a request that ends the program counts elsewhere."""
     player = case.whole(part)
