@@ -27,9 +27,7 @@ from ros2lab.diagnose.sources.syntax_parts import by_parameter, is_property
 NODE_CLASSES = frozenset(
     (
         "rclpy.node.Node",
-        "rclpy.lifecycle.Node",
-        "rclpy.lifecycle.LifecycleNode",
-        "rclpy.lifecycle.node.LifecycleNode",
+        *(f"rclpy.lifecycle.{name}" for name in ("Node", "LifecycleNode", "node.LifecycleNode")),
     )
 )
 # The methods with which a node creates something, with their parameters in order.
