@@ -9,7 +9,7 @@ import evidences
 import pytest
 
 from ros2lab.diagnose.sources.python_source import read_source
-from ros2lab.grading.reading.documents import described
+from ros2lab.grading.reading.described import described
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

@@ -33,7 +33,8 @@ from ros2lab.grading.code.running import Code, idle, running
 from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.reading.corrected import corrected
-from ros2lab.grading.reading.documents import described, foreign_names, named_in, readmes, recordings
+from ros2lab.grading.reading.described import described
+from ros2lab.grading.reading.documents import foreign_names, named_in, readmes, recordings
 from ros2lab.grading.reading.graded_package import Package, has_code
 from ros2lab.grading.reading.launch_files import (
     around,
