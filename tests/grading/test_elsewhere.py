@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import contextlib
 import enum
+import inspect
 import sys
 import threading
 from collections.abc import Iterator
@@ -98,6 +99,27 @@ def test_a_class_of_a_library_is_derived_from_with_others(camera: Any) -> None:
     assert camera.parse().args.width * 2 is not None
     assert camera.plugins.register("x") is not None
     assert not isinstance(3, camera.Frame)
+
+
+def test_a_stand_in_has_what_a_module_tells_of_itself(camera: Any) -> None:
+    """Also under names that Python does not give to every module, and in the modules below it."""
+    scope: dict[str, Any] = {}
+    exec("from camera_of_nobody import *", scope)
+    assert "Camera" not in scope
+    import camera_of_nobody.msg as messages  # type: ignore[import-not-found]
+    from camera_of_nobody import (
+        __version__,
+        lens,  # type: ignore[import-not-found]
+    )
+
+    for module in (camera, lens, messages):
+        major, minor, *_ = module.__version__.split(".")
+        assert f"{module.__author__} {module.__version__} {major}{minor}".strip() == ""
+        assert module.__file__ == module.__spec__.origin
+    assert __version__ is camera.__version__
+    assert inspect.getmodule(_graded) is sys.modules[__name__]  # which looks at every module
+    with pytest.raises(AttributeError, match=stand_in.NotInstalledHere.__name__):
+        camera.Camera.__version__  # noqa: B018
 
 
 def test_an_error_of_a_stand_in_names_it(camera: Any) -> None:

@@ -19,7 +19,7 @@ from collections.abc import Iterator, Sequence
 from types import ModuleType
 from typing import Any
 
-_UNPACK = dis.opmap["UNPACK_SEQUENCE"]
+_UNPACKS = {dis.opmap[name] for name in ("UNPACK_SEQUENCE", "UNPACK_EX")}  # the latter for `major, *rest`
 # After this many calls, each takes some time, in s: a loop paced by a microphone or a camera would never
 # rest.
 _UNPACED, _PACE = 10_000, 0.001
@@ -44,7 +44,7 @@ class _Nothing:
         """Yield nothing, or as many values as it is unpacked into, as in `success, image = camera.read()`."""
         caller = sys._getframe(1)
         code, at = caller.f_code.co_code, caller.f_lasti
-        return itertools.repeat(NotInstalledHere(), code[at + 1] if code[at] == _UNPACK else 0)
+        return itertools.repeat(NotInstalledHere(), code[at + 1] if code[at] in _UNPACKS else 0)
 
     def __len__(self) -> int:
         return 0
@@ -146,24 +146,25 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(
         self, name: str, _: Sequence[str] | None, __: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        is_below = name.startswith(f"{self._top}.")
-        return importlib.machinery.ModuleSpec(name, self, is_package=True) if is_below else None
+        if not name.startswith(f"{self._top}."):
+            return None
+        spec = importlib.machinery.ModuleSpec(name, self, origin=__file__, is_package=True)
+        spec.has_location = True  # so that it has all that Python gives to a module
+        return spec
 
     def exec_module(self, module: ModuleType) -> None:
-        module.__dict__["__getattr__"] = lambda name: _named(module.__name__, name)
+        module.__dict__.update(__all__=[], __getattr__=lambda name: _named(module.__name__, name))
 
 
 def _named(module: str, name: str) -> Any:
-    """Return what a module has under a name: an interface type in `msg` and `srv`, else a stand-in."""
-    if name.startswith("__"):
-        raise AttributeError(name)
+    """Return what a module has under a name that it was not given: an interface type in `msg` and `srv`, else a stand-in."""
     kind = module.rpartition(".")[2]
-    if kind == "msg":
+    if kind == "msg" and not name.startswith("__"):
         from std_msgs.msg import Empty  # noqa: PLC0415 -- only where ROS is there
 
         Empty.__getattr__ = _anything  # also for messages that are received
         return _tolerant(name, Empty)
-    if kind == "srv":
+    if kind == "srv" and not name.startswith("__"):
         from std_srvs.srv import Empty as Call  # noqa: PLC0415
 
         Call.Response.__getattr__ = Call.Request.__getattr__ = _anything
@@ -187,6 +188,7 @@ def _anything(_: object, name: str) -> Any:
 if __name__ != "ros2lab.grading.reading.stand_in":
     sys.meta_path.append(_Finder(__name__))
     __path__: list[str] = []
+    __all__: list[str] = []
 
     def __getattr__(name: str) -> Any:
         return _named(__name__, name)
