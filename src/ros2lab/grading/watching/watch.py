@@ -352,14 +352,21 @@ class Watch(ObservedDomain):
         ]
 
     def list_parameters(self) -> None:
-        """Ask the nodes for their parameters' names; the next answers fill `values`."""
-        for name in sorted(set(self.nodes()) - self._silent - self._unanswering)[:NODES]:
-            client = self.node.create_client(ListParameters, f"{name}/list_parameters")
-            if self.until(client.service_is_ready, self.patience):
-                answer = client.call_async(ListParameters.Request())
-                if self.until(answer.done, ANSWER_TIMEOUT) and answer.result() is not None:
-                    names = answer.result().result.names[:ITEMS]
-                    self.parameter_names[name] = [n for n in names if n not in every_node.PARAMETERS]
+        """Ask the nodes for their parameters' names, all at once; the next answers fill `values`."""
+        names = [name for name in self.asked() if name not in self._unanswering]
+        clients = [self.node.create_client(ListParameters, f"{name}/list_parameters") for name in names]
+        self.until(lambda: all(client.service_is_ready() for client in clients), self.patience)
+        answers = {
+            name: client.call_async(ListParameters.Request())
+            for name, client in zip(names, clients, strict=True)
+            if client.service_is_ready()
+        }
+        self.until(lambda: all(answer.done() for answer in answers.values()), ANSWER_TIMEOUT)
+        for name, answer in answers.items():
+            if answer.done() and answer.result() is not None:
+                listed = answer.result().result.names[:ITEMS]
+                self.parameter_names[name] = [n for n in listed if n not in every_node.PARAMETERS]
+        for client in clients:
             self.node.destroy_client(client)
 
     def participants(self) -> int:
@@ -400,8 +407,11 @@ class Watch(ObservedDomain):
         return super().settle(timeout, least)
 
     def asked(self) -> list[str]:
-        """Return the names of the nodes that are asked."""
-        return [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
+        """Return the names of the nodes that are asked: not too many, and first those that have a part's topic."""
+        ends = (nodes for found in (self.publishes, self.subscribes) for nodes in map(found.get, self._asked))
+        first = {name for nodes in ends for name in nodes or ()}
+        names = sorted(self.nodes(), key=lambda name: name not in first)
+        return [name for name in dict.fromkeys(names) if name not in self._silent][:NODES]
 
     @property
     def heard(self) -> int:
