@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
@@ -117,26 +117,31 @@ def shown(text: str) -> str:
 
 
 def _blocks(tokens: Iterable[Token]) -> Iterator[str]:
-    tokens, hidden = [*tokens], list[str]()
-    ended = _ended(token.content for token in tokens if token.type == "html_block")
+    tokens = [*tokens]
+    page = _Page(
+        inner.content for token in tokens for inner in (token, *(token.children or ())) if _is_html(inner)
+    )
     notes = Counter(
         name for token in tokens if token.type == "inline" for name in _FOOTNOTE.findall(token.content)
     )
     for token in tokens:
         if token.type == "html_block":
-            yield _without_tags(_seen(_COMMENT.sub("", token.content), hidden, ended))
-        if hidden:
-            continue
-        match token.type:
-            case "heading_open":
-                yield "# "
-            case "inline":
-                words = _MATH.sub(lambda math: shown_math(math[0]), "".join(_words(token.children or ())))
-                yield "".join(f"{line}\n" for line in words.split("\n") if not _is_unused(line, notes))
-            case "fence" | "code_block":
-                yield _fenced(token.info.split()[:1], token.content)
-            case "paragraph_close" | "heading_close":
-                yield "\n"
+            yield _without_tags(page.seen(_COMMENT.sub("", token.content)))
+        elif token.type == "inline":
+            words = _MATH.sub(lambda math: shown_math(math[0]), "".join(_words(token.children or (), page)))
+            yield "".join(f"{line}\n" for line in words.split("\n") if not _is_unused(line, notes))
+        elif not page.is_hidden:
+            match token.type:
+                case "heading_open":
+                    yield "# "
+                case "fence" | "code_block":
+                    yield _fenced(token.info.split()[:1], token.content)
+                case "paragraph_close" | "heading_close":
+                    yield "\n"
+
+
+def _is_html(token: Token) -> bool:
+    return token.type in ("html_block", "html_inline")
 
 
 def _fenced(info: Sequence[str], content: str) -> str:
@@ -162,22 +167,17 @@ def _is_unused(line: str, notes: Counter[str]) -> bool:
     return name is not None and line[name.end() :].startswith(":") and notes[name[1]] < 2
 
 
-def _ended(texts: Iterable[str]) -> set[str]:
-    """Return the names of elements with an end tag in some HTML; others may not be elements at all."""
-    return {tag[2].lower() for text in texts for tag in _ELEMENT.finditer(text) if tag[1]}
-
-
-def _words(tokens: Iterable[Token]) -> Iterator[str]:
-    tokens, hidden, struck = [*tokens], list[str](), 0
-    ended = _ended(token.content for token in tokens if token.type == "html_inline")
+def _words(tokens: Iterable[Token], page: _Page) -> Iterator[str]:
+    struck = 0
     for token in tokens:
         if token.type == "html_inline":
             tag = _ELEMENT.fullmatch(token.content)
-            # Without an end in its paragraph, it may not be a tag: `--ros-args -r __node:=<title>`.
-            is_tag = tag is not None and tag[2].lower() in ended
-            yield _without_tags(_seen(token.content, hidden, ended) if is_tag else token.content)
+            is_tag = tag is not None and page.is_element(tag)
+            yield _without_tags(
+                page.seen(token.content) if is_tag else "" if page.is_hidden else token.content
+            )
         struck += {"s_open": 1, "s_close": -1}.get(token.type, 0)
-        if hidden or struck:
+        if page.is_hidden or struck:
             continue
         match token.type:
             case "text":
@@ -188,29 +188,46 @@ def _words(tokens: Iterable[Token]) -> Iterator[str]:
                 yield "\n"
 
 
-def _seen(text: str, hidden: list[str], ended: Collection[str]) -> str:
-    """Return what some HTML shows.
+class _Page:
+    """Which of a page's elements are open, wherever they begin and end: a paragraph ends none of them.
 
     Args:
-        text: the next part of the page.
-        hidden: the name of the open element that is not shown, once per nested element of this name;
-            is updated.
-        ended: the names of the elements that have an end tag.
+        texts: all HTML of the page.
     """
-    seen, start = "", 0
-    for tag in _ELEMENT.finditer(text):
-        was_shown = not hidden
-        is_end, name = bool(tag[1]), tag[2].lower()
-        is_other = name not in _SHOWN and name in ended
-        is_never_shown = name in _NEVER_SHOWN or is_other or bool(_HIDDEN.search(tag[3] or ""))
-        if is_end and name in hidden:
-            hidden.pop()
-        elif not is_end and (name in hidden or (was_shown and is_never_shown)):
-            hidden.append(name)
-        if was_shown:
-            seen += text[start : tag.start() if hidden else tag.end()]
-        start = tag.end()
-    return seen if hidden else seen + text[start:]
+
+    def __init__(self, texts: Iterable[str]) -> None:
+        # The name of the open element that is not shown, once per nested element of this name.
+        self._hidden: list[str] = []
+        self._ends = Counter(
+            tag[2].lower() for text in texts for tag in _ELEMENT.finditer(_COMMENT.sub("", text)) if tag[1]
+        )  # that are still to come
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether what comes next is not shown."""
+        return bool(self._hidden)
+
+    def is_element(self, tag: re.Match[str]) -> bool:
+        """Return whether a tag in a text begins or ends an element; else it may be none: `-r __node:=<title>`."""
+        return self._ends[tag[2].lower()] > 0
+
+    def seen(self, text: str) -> str:
+        """Return what is shown of the page's next HTML."""
+        seen, start = "", 0
+        for tag in _ELEMENT.finditer(text):
+            was_shown = not self._hidden
+            is_end, name = bool(tag[1]), tag[2].lower()
+            is_other = name not in _SHOWN and self.is_element(tag)
+            is_never_shown = name in _NEVER_SHOWN or is_other or bool(_HIDDEN.search(tag[3] or ""))
+            self._ends[name] -= is_end
+            if is_end and name in self._hidden:
+                self._hidden.pop()
+            elif not is_end and (name in self._hidden or (was_shown and is_never_shown)):
+                self._hidden.append(name)
+            if was_shown:
+                seen += text[start : tag.start() if self._hidden else tag.end()]
+            start = tag.end()
+        return seen if self._hidden else seen + text[start:]
 
 
 def _without_tags(text: str) -> str:
