@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sysconfig
+import tempfile
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +16,7 @@ from ros2lab import assignments
 from ros2lab.diagnose import of_text
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.reading import documents, files, graded_package, package_facts
-from ros2lab.grading.reading.unread import OF_CODE
+from ros2lab.grading.reading.unread import OF_CODE, OF_EACH_FILE
 from ros2lab.grading.receiving.submission import receive
 
 RECORDED = "[INFO] [1700000000.5] [status_publisher]: Publishing: Robot is OK, message 1\n"
@@ -150,8 +151,9 @@ def look(tmp_path: Path) -> Callable[[Texts | Path], Files]:
     """Look at what is handed in: a folder, or the files of one."""
 
     def look(given: Texts | Path) -> Files:
-        path = given if isinstance(given, Path) else write(tmp_path / "handed_in", given)
-        root = tmp_path / "received"
+        place = Path(tempfile.mkdtemp(dir=tmp_path))
+        path = given if isinstance(given, Path) else write(place / "handed_in", given)
+        root = place / "received"
         root.mkdir()
         return files.look(root, receive(path, root))
 
@@ -610,16 +612,47 @@ def test_a_readme_is_read_in_any_encoding(
 
 
 def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Callable[[Texts], Files]) -> None:
-    """The largest file is left out, and what was not read is neither there nor missing: it may hold anything."""
+    """The largest file is left out: what it may do is neither there nor missing, and of the documentation the others tell."""
     table = "TABLE = [\n" + "    (1, 2, 3),\n" * 80_000 + "]\n"
     found = look(right_package() | {"robot_controller/table.py": table})
     assert found.sources["classes"] == [2, 2]
     assert found.handlers["of an end"]
     why = "Of the Python files the smallest were looked at, 1000000 bytes in all, and not robot_controller/table.py."
-    assert found.unread == dict.fromkeys(OF_CODE, why)
+    assert found.unread == dict.fromkeys({*OF_CODE} - OF_EACH_FILE, why)
     (note,) = found.notes
     assert note.startswith("Not read: ")
     assert f"{why} What rests on it costs nothing" in note
+
+
+def test_where_no_code_at_all_was_read_nothing_is_known_of_its_documentation(
+    look: Callable[[Texts], Files],
+) -> None:
+    table = "TABLE = [\n" + "    (1, 2, 3),\n" * 80_000 + "]\n"
+    files = {
+        name: text + table * name.startswith("robot_controller/") for name, text in right_package().items()
+    }
+    assert {"sources", "readme_names"} <= look(files).unread.keys()
+
+
+NESTED = {
+    "an expression": f"\nCOUNT = {' + '.join(['1'] * 900)}\n",
+    "a lambda": f"\nSIGN = lambda: {'-' * 400}1\n",
+    "branches": "\n" + "".join(f"{'el' * bool(n)}if __name__ == '{n}':\n    pass\n" for n in range(400)),
+    "attributes": f"\nLAST = print{'.a' * 400} if 0 else 0\n",
+}
+
+
+@pytest.mark.parametrize("nested", NESTED.values(), ids=NESTED)
+def test_beside_what_is_nested_too_deeply_the_rest_of_a_file_is_read(
+    look: Callable[[Texts], Files], nested: str
+) -> None:
+    """Each function counts, with a docstring or without one, and each end that is made."""
+    files = right_package()
+    plain = look(files)
+    deep = {name: text + nested * name.endswith("_publisher.py") for name, text in files.items()}
+    found = look(deep)
+    assert found.unread
+    assert (found.sources, found.ends) == (plain.sources, plain.ends)
 
 
 @pytest.mark.parametrize(
@@ -650,6 +683,15 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
         ('<p hidden="">/cmd_vel</p>\n\n<p\nhidden>/cmd_vel</p>\n\nDrive.', "Drive."),
         ("<dialog>\n/cmd_vel\n<pre>\ncolcon build\n</pre>\n</dialog>\n\nDrive.", "Drive."),
         ("<svg><desc>/cmd_vel</desc></svg>\n\n<video>\n\n/cmd_vel\n\n</video>\n\nDrive.", "Drive."),
+        ("<audio>/cmd_vel\n<pre>\ncolcon build\n</pre></audio>\n\nDrive.", "Drive."),
+        ("Drive. <noscript>/cmd_vel\n\n```\ncolcon build\n```\n\nis it</noscript>", "Drive."),
+        ("<math><annotation>/cmd_vel\n\n# colcon\n\n</annotation></math>\n\nDrive.", "Drive."),
+        ("<object data='a'>/cmd_vel\n\n1. colcon build\n\n</object> Drive.", "Drive."),
+        ("Drive <b>on\n\nand on</b>.\n\n- <center>Go\n\non</center>", "Drive <b>on and on. <center>Go on"),
+        (
+            "Run ros2 run a <node>.\n\n```xml\n<node></node>\n```",
+            "Run ros2 run a <node>. ``` <node></node> ```",
+        ),
         ("A <select><option>/cmd_vel</option></select> b <textarea>colcon build</textarea>", "A b"),
         ("```mermaid\nA --> B[/cmd_vel]\n  %% colcon build\n```\n", "A --> B[/cmd_vel]"),
         ("<workspace>\n/src holds the package.", "<workspace> /src holds the package."),

@@ -81,10 +81,10 @@ DEEP = f"COUNT = {' + '.join(['1'] * 900)}\n"
 def test_what_is_nested_too_deeply_for_us_is_not_read_and_that_is_said(
     read: Callable[[Texts | Path], Reading], file: str
 ) -> None:
-    """Python runs it; what was written in it is neither there nor missing."""
+    """Python runs it; what lies so deep is neither there nor missing, and what each of the other lines says is there."""
     found = read({**right_package(), file: f"{DEEP}\ndef test_count():\n    assert COUNT == 900\n"}).files
-    assert {"tests", "handlers", "sources"} <= found.unread.keys()
-    assert not {"manifest", "setup", "readme"} & found.unread.keys()
+    assert {"tests", "handlers", "ends"} <= found.unread.keys()
+    assert not {"manifest", "setup", "readme", "sources", "readme_names"} & found.unread.keys()
     (note,) = [note for note in found.notes if "Not read" in note]
     assert file in note
     assert "nested too deeply" in note

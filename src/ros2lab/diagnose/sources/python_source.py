@@ -64,7 +64,7 @@ class PythonSource:
         try:
             with warnings.catch_warnings(record=True) as warned:
                 warnings.simplefilter("always")
-                tree = ast.parse(self._written)
+                tree = self.parsed()
                 self.is_beyond = _depth(tree) >= DEEPEST
                 if self.is_beyond:
                     return ast.Module([], [])
@@ -80,10 +80,10 @@ class PythonSource:
             self.fault = SyntaxError(str(error) or "too deeply nested", (self.shown, 1, 1, ""))
         return ast.Module([], [])
 
-    @property
-    def _written(self) -> str | bytes:
-        """The text; the bytes of the file where they are not in the encoding that Python expects, so that it says so."""
-        return self.path.read_bytes() if self.path and "\ufffd" in self.text else self.text
+    def parsed(self) -> ast.Module:
+        """Parse the text; the bytes of the file where they are not in the encoding that Python expects, so that it says so."""
+        is_other = self.path is not None and "\ufffd" in self.text
+        return ast.parse(self.path.read_bytes() if self.path and is_other else self.text)
 
     @property
     def readable_to(self) -> float:

@@ -49,7 +49,7 @@ from ros2lab.grading.reading.launch_files import (
 from ros2lab.grading.reading.launch_order import programs_named, programs_of, those_that_start_most_first
 from ros2lab.grading.reading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.reading.tests_handed_in import test_files, tests_of
-from ros2lab.grading.reading.unread import OF_CODE, Tell, read_all, told
+from ros2lab.grading.reading.unread import OF_CODE, OF_EACH_FILE, Tell, legible, read_all, told
 from ros2lab.grading.reading.written_ends import ends_elsewhere, written_ends
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.handlers import Handlers
@@ -90,9 +90,15 @@ def look(
         )
     reader = _PackageReader(root, submission, assignment, paths)
     facts, unread = read_all(reader.readers(texts), tell)
-    unread |= dict.fromkeys(OF_CODE, beyond) if (beyond := _beyond(reader.graded)) else {}
+    unread |= _unread(_beyond(reader.graded), reader.sources)
     notes = [*facts.pop("left_out", {}).values(), *told(unread)]
     return Files(**facts, readme=texts, readme_foreign=foreign, recordings=shown, notes=notes, unread=unread)
+
+
+def _unread(why: str, read: Iterable[PythonSource]) -> dict[str, str]:
+    """Return the facts that code which was not read leaves open, with the reason: not those that other code has told."""
+    is_told = any(map(has_code, read))
+    return {name: why for name in OF_CODE if why and not (is_told and name in OF_EACH_FILE)}
 
 
 def _beyond(packages: Iterable[Package]) -> str:
@@ -129,7 +135,8 @@ class _PackageReader:
             "setup": lambda: setup_facts(self.package),
             "sources": lambda: described(self.sources, self.code, texts),
             "sources_beside": lambda: {
-                package.name: described(package.own_sources, self.code, texts) for package in graded[1:]
+                package.name: described(own, self.code, texts)
+                for package, own in zip(graded[1:], self._sources[1:], strict=True)
             },
             "readme_names": lambda: named_in(texts, self.sources),
             "launch_files": lambda: self._shown(self.launches),
@@ -174,7 +181,12 @@ class _PackageReader:
 
     @cached_property
     def sources(self) -> list[PythonSource]:
-        return [source for package in self.graded for source in package.own_sources]
+        return [source for own in self._sources for source in own]
+
+    @cached_property
+    def _sources(self) -> list[list[PythonSource]]:
+        """The sources of each graded package."""
+        return [legible(package.own_sources) for package in self.graded]
 
     @cached_property
     def launches(self) -> dict[Path, str]:
@@ -232,7 +244,8 @@ def _loose(
     words: Collection[str],
 ) -> Files:
     """Return the facts in files outside a package."""
-    loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
+    paths_of_nodes = ((root / name, PurePosixPath(name).stem, name) for name in submission.node_files)
+    loose = legible([read_source(*named) for named in paths_of_nodes])
     whole = cache(lambda: [*map(mended, loose)])
     findings = cache(lambda: diagnosed(lambda: [found for source in loose for found in text_faults(source)]))
     readers: dict[str, Callable[[], Any]] = {
@@ -250,7 +263,7 @@ def _loose(
         "ends_meant": lambda: written_ends(_corrected(whole(), findings()), words=words)[0],
     }
     facts, unread = read_all(readers)
-    unread |= dict.fromkeys(OF_CODE, " ".join(beyond)) if (beyond := submission.left_unread) else {}
+    unread |= _unread(" ".join(submission.left_unread), loose)
     return Files(**facts, readme=texts, notes=told(unread), unread=unread)
 
 

@@ -5,12 +5,14 @@ In the tests the failure itself is raised, so that our fault is seen.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import ast
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ros2lab.diagnose import net
+from ros2lab.diagnose.sources.python_source import DEEPEST, PythonSource, children
 from ros2lab.grading.evidence import Evidence, Files
 
 # What is read in Python files, by its name in `Files`.
@@ -19,11 +21,14 @@ OF_CODE = (
     *("clock_readers", "compared", "depended_on", "idle", "ends", "ends_elsewhere", "declared", "findings"),
     "ends_meant",
 )
-# Of these, what only helps to find a node, or to believe it: what a node does is seen all the same.
+# Of these, what each file adds its share to: where some of the code was read, its share stands for all.
+OF_EACH_FILE = frozenset(("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded"))
+# What only helps to find a node, or to believe it: what a node does is seen all the same.
 _SEEN_RUNNING = frozenset(
     ("ends", "ends_meant", "ends_elsewhere", "findings", "compared", "declared", "idle", "clock_readers")
 )
 Tell = Callable[[str, Any], None]
+_ROOM = 8  # levels, for what is neither an expression nor a statement
 FACT = "fact "  # before the name of one that is told before all are known
 FAILED = "the grader has not read all that this rests on, which is no fault of the submission"
 
@@ -58,6 +63,43 @@ def told(failed: Mapping[str, str]) -> list[str]:
         "and is left to the instructor."
         for why in dict.fromkeys(failed.values())
     ]
+
+
+@dataclass(eq=False)
+class Legible(PythonSource):
+    """A Python file, without the expressions and statements in it that are nested too deeply for us."""
+
+    def parsed(self) -> ast.Module:
+        """Parse the text, and put something plain in the place of what lies too deep."""
+        tree = super().parsed()
+        level: list[ast.AST] = [tree]
+        for depth in range(DEEPEST):
+            if depth > DEEPEST - _ROOM:
+                for node in level:
+                    vars(node).update({name: _cut(value) for name, value in ast.iter_fields(node)})
+            level = [child for node in level for child in children(node)]
+        return tree
+
+
+def legible(sources: Collection[PythonSource]) -> list[PythonSource]:
+    """Return some files, those that are nested too deeply for us without what is."""
+    return [
+        Legible(source.name, source.shown, source.text, source.is_package, source.path)
+        if source.tree is not None and source.is_beyond
+        else source
+        for source in sources
+    ]
+
+
+def _cut(value: Any) -> Any:
+    match value:
+        case [*values]:
+            return [_cut(inner) for inner in values]
+        case ast.expr():
+            return ast.copy_location(ast.Constant(None), value)
+        case ast.stmt():
+            return ast.copy_location(ast.Pass(), value)
+    return value
 
 
 class Noted(Files):
