@@ -890,7 +890,7 @@ def test_what_is_slow_leaves_time_to_others(tmp_path: Path, monkeypatch: pytest.
     with World(tmp_path, shown=SHOWN) as world, Observer(world, seconds=1.0) as observer:
         slow, mute, quick = observer.watch([Job.alone(program(name)) for name in names])
         assert slow.nodes == ["/command"]
-        assert mute.unfinished
+        assert (mute.unfinished, mute.notes[-1]) == ("", "No node of it was there within 8 s.")
         assert mute.nodes == []
         assert quick.nodes == []
         assert quick.unfinished == "others of the submission took 1 s"

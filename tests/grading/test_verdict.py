@@ -800,7 +800,11 @@ def test_what_is_there_counts_up_to_a_quarter_though_its_node_never_comes(rubric
     } == {0}
 
 
-def test_what_there_was_no_time_to_watch_costs_nothing_where_it_is_plainly_written(rubric: Rubric) -> None:
+@pytest.mark.parametrize(("count", "share"), [(1, 1.0), (2, 0.5)])
+def test_what_there_was_no_time_to_watch_costs_nothing_in_one_node_where_it_is_plainly_written(
+    count: int, share: float, rubric: Rubric
+) -> None:
+    """It is the submission that took the time: in several nodes half of it counts, until the instructor decides."""
     late = [
         replace(run, nodes=[], publishes={}, subscribes={}, quiet={}, commands=[]) for run in right().runs
     ]
@@ -809,11 +813,11 @@ def test_what_there_was_no_time_to_watch_costs_nothing_where_it_is_plainly_writt
         WrittenEnd("/robot/status", evidences.STRING, True, [2.0]),
         WrittenEnd("/robot/command", evidences.STRING, False, []),
     ]
-    found = verdict(replace(evidences.files(ends=ends)(right()), runs=late), rubric)
+    found = verdict(replace(evidences.files(ends=ends[:count])(right()), runs=late), rubric)
     points = {one.id: one.points for one in found.criteria}
-    assert points["status_publisher.topic"] == 5
-    assert points["status_publisher.period"] == 7
-    assert points["command_subscriber.type"] == 2
+    assert points["status_publisher.topic"] == 5 * share
+    assert points["status_publisher.period"] == 7 * share
+    assert points["command_subscriber.type"] == (count - 1) * share * 2
     assert found.components["velocity_publisher"].points == 0  # nothing of it is written
     assert any("300 s" in note for note in found.notes)
 
@@ -843,7 +847,11 @@ def test_a_launch_file_without_an_end_excuses_no_program_that_was_seen_to_its_ow
 def test_what_was_watched_to_no_end_is_lost_only_where_more_was_seen_of_it(rubric: Rubric) -> None:
     given = right()
     mute = [replace(run, quiet={}, commands=[]) for run in given.runs if run.setting == "alone"]
-    late = [replace(run, unfinished="it was not seen to its end within 40 s") for run in mute]
+    late = [
+        replace(run, unfinished="it was not seen to its end within 40 s")
+        for run in mute
+        if "/robot/status" in run.publishes
+    ]
     for runs, points in ((mute, 0), (late, 5), ([*mute, *late], 0)):
         assert judged(replace(given, runs=runs), rubric, "status_publisher.life").points == points
 
@@ -1060,6 +1068,15 @@ def test_a_launch_file_that_gives_a_topic_another_name_is_told_so(rubric: Rubric
         assert one.points == 1
         assert one.reason == "robot.launch.py starts all nodes, but nothing is on /robot/status then."
         assert "remapping" in one.hint
+
+
+def test_a_program_under_anothers_name_is_not_that_one(rubric: Rubric) -> None:
+    alone = [evidences.status_run(), evidences.command_run(), evidences.velocity_run()]
+    again = [evidences.status_run(node) for node in ("/command_subscriber", "/velocity_publisher")]
+    thrice = evidences.launched([alone[0], *again])
+    one = judged(replace(right(), runs=[*alone, thrice]), rubric, "bonus.launch")
+    assert one.points == 1
+    assert one.reason == "robot.launch.py does not start all nodes; not seen: /robot/command and /cmd_vel."
 
 
 def test_a_launch_file_is_judged_by_the_nodes_that_there_are(rubric: Rubric) -> None:

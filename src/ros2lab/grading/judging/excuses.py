@@ -36,12 +36,10 @@ class Excuse(NamedTuple):
         why: why something could not be tried here, in a clause; empty if it could.
         lack: why the code would not do it anywhere, so that the excuse does not count, in a clause; empty if it
             would.
-        is_ours: whether the grader came to no end, and nothing was missing.
     """
 
     why: str = ""
     lack: str = ""
-    is_ours: bool = False
 
 
 def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> Excuse:
@@ -57,7 +55,7 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> Excuse:
     everybody = of_one_node(case.players[part.name], case.main(part))
     players = [player for player in everybody if player.run.setting != GIVEN]
     if not players:
-        return Excuse(_unwatched(case, part), is_ours=True)
+        return Excuse(_unwatched(case, part))
     lack = _left_out(case, players, (*_uses(part), *deeds)) or _broken(case, players)
     return _why(case, part, players)._replace(lack=lack)
 
@@ -115,7 +113,7 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> Excuse:
         return Excuse(need)
     late = [player.run.unfinished for player in players]
     if is_mute and late and all(late):
-        return Excuse(late[0], is_ours=True)
+        return Excuse(late[0])
     given = _given(case, part)
     if part.end == "subscription":  # it takes itself what opens it
         taken = {

@@ -64,7 +64,6 @@ class Answer:
         excuse: why it could not be tried here as intended, in a clause; empty if it could.
         lack: why the code would not do it anywhere, so that the excuse does not count, in a clause; empty if it
             would.
-        is_ours: whether the excuse is the grader's own, and nothing was missing.
     """
 
     level: str
@@ -73,12 +72,11 @@ class Answer:
     place: str = ""
     excuse: str = ""
     lack: str = ""
-    is_ours: bool = True
 
     @property
     def is_for_want(self) -> bool:
-        """Whether it could not be tried for want of what is not where it is graded."""
-        return bool(self.excuse) and not self.is_ours
+        """Whether it could not be tried for want of what is not where it is graded, or of time: not for our fault."""
+        return self.excuse not in ("", FAILED)
 
 
 @dataclass(frozen=True)
@@ -116,7 +114,7 @@ class Question:
         with missing(case.evidence) as unread:
             answer = self._answer(case, part)
         is_open = unread and answer.level != self.answers[0]
-        return replace(answer, excuse=FAILED, lack="", is_ours=True) if is_open else answer
+        return replace(answer, excuse=FAILED, lack="") if is_open else answer
 
     def _answer(self, case: Case, part: Part | None) -> Answer:
         if not self.is_of_part or part is None:
@@ -124,9 +122,9 @@ class Question:
         answer = self._ask(case, part)
         # For what was never seen, the code must plainly do what is asked for.
         is_open = answer.level in ("written", *self.mute)
-        why, lack, is_ours = excuse(case, part, self.deeds) if is_open else Excuse()
+        why, lack = excuse(case, part, self.deeds) if is_open else Excuse()
         seen = {**asked(part), "outside": _outside(case, part), **answer.seen}
-        return replace(answer, seen=seen, excuse=why, lack=lack, is_ours=is_ours)
+        return replace(answer, seen=seen, excuse=why, lack=lack)
 
 
 def _outside(case: Case, part: Part) -> str:

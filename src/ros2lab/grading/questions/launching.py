@@ -224,7 +224,7 @@ def _is_there(case: Case, run: Run, name: str) -> bool:
 
 
 def _nodes_like(case: Case, run: Run, node: str) -> set[str]:
-    """Return which nodes of single programs a launched node may be: those of its name, else those most like it.
+    """Return which nodes of single programs a launched node may be: the one of its name, else those most like it.
 
     A launch file may give it another name, so that its topics tell, or other topics, so that their types do.
     """
@@ -235,8 +235,13 @@ def _nodes_like(case: Case, run: Run, node: str) -> set[str]:
         if own.setting == "alone" and (named is None or own.programs[0] in named)
         for other in own.nodes
     ]
-    if same := {_base(node)} & {_base(other) for _, other in alone}:
-        return same
+    types = {*_shape(run, node, has_topics=False)}
+    # One that has only other types is another program's, to which the launch file gives that name.
+    if any(
+        _base(node) == _base(other) and not (types and types.isdisjoint(_shape(own, other, has_topics=False)))
+        for own, other in alone
+    ):
+        return {_base(node)}
     for has_topics in (True, False):
         launched = _shape(run, node, has_topics=has_topics)
         found = {

@@ -213,6 +213,9 @@ class _Room:
     def _finish(self, job: Job, result: dict[str, Any]) -> None:
         job.result = result
         job.kill()
+        if job.unfinished and not result.get("nodes"):  # on neither clock: there is nothing to come to an end
+            job.unfinished = ""
+            job.notes.append(f"No node of it was there within {job.seconds:.0f} s.")
         self.job = None
 
     def _start(self) -> None:
