@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from ros2lab.classroom.one import _sources, texts_of_code
 
 CODE = "import rclpy\n\n\ndef main():\n    rclpy.init()\n"
+WORDS = f"Words first.\n{CODE}"
 RUNS = "from pathlib import Path\nexec(Path(__file__).with_suffix('{}').read_text())\n"
 
 
@@ -23,6 +25,11 @@ RUNS = "from pathlib import Path\nexec(Path(__file__).with_suffix('{}').read_tex
         ("Drive the robot.\n\n    import rclpy\n", []),
         ('{"linear": 1}\n', []),
         ("rclpy\n", []),
+        (f"# Robot\n\n```python\n{CODE}```\n\nIt drives (fast).\n", [CODE.strip()]),
+        (f"'Words first.' + {CODE!r}", [CODE]),
+        (f"TEXT = {WORDS!r}\n", [CODE]),
+        (json.dumps({"cells": [{"source": CODE.splitlines(keepends=True)}]}, indent=1), [CODE]),
+        ("import a\njunk here\nf(1)\nmore junk\ndef g():\n    f(2)", ["import a\nf(1)\ndef g():\n    f(2)"]),
         ("x" * 1000 + "(" * 1000, []),
         ("\0", []),
     ],

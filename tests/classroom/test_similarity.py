@@ -109,7 +109,12 @@ def test_the_template_is_no_sign_of_anything() -> None:
 
 
 def test_what_most_of_a_class_has_is_nobodys_own() -> None:
-    assert pairs({str(number): {"a.py": OWN} for number in range(8)}) == []
+    """Whose code that is, is told; whoever has little but the lessons, or code of their own besides, is not among them."""
+    common: list[str] = []
+    many = {str(number): {"a.py": OWN} for number in range(6)}
+    others = {"own": {"a.py": OWN, "b.py": OTHER}, "tiny": {"a.py": "x = 1\nprint(x)\n"}}
+    assert pairs({**many, **others}, common=common.append) == []
+    assert common == [*many]
 
 
 def test_little_code_and_none_say_nothing() -> None:

@@ -10,6 +10,7 @@ import ast
 import contextlib
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -130,7 +131,9 @@ def _sources(root: Path, packages: Sequence[str], files: Sequence[str]) -> dict[
         with path.open("rb") as file:
             text = file.read(budgets[is_called_so]).decode(errors="replace")
         budgets[is_called_so] -= len(text)
-        texts = [*texts_of_code(text)] or ([text] if is_called_so else [])
+        texts = [*texts_of_code(text)]
+        if is_called_so and text not in texts:
+            texts = [text]
         for number, code in enumerate(texts):
             shown = name.encode(errors="backslashreplace").decode()
             found[f"{shown}, text {number}" if number else shown] = code
@@ -138,20 +141,51 @@ def _sources(root: Path, packages: Sequence[str], files: Sequence[str]) -> dict[
 
 
 def texts_of_code(text: str) -> Iterator[str]:
-    """Yield a text if it is Python that does something, and then all texts in it that are."""
+    """Yield a text if it is Python that does something, else what of it is, and then all texts in it that are."""
     queue = [text]
     while queue:
         text = queue.pop(0)
-        with warnings.catch_warnings(), contextlib.suppress(*NO_PYTHON):
-            warnings.simplefilter("ignore")
-            nodes = [*ast.walk(ast.parse(text))]
-            if any(isinstance(node, (ast.Call, ast.Import, ast.ImportFrom)) for node in nodes):
-                yield text
-                values = [node.value for node in nodes if isinstance(node, ast.Constant)]
-                texts = [
-                    value.decode(errors="replace") if isinstance(value, bytes) else value for value in values
-                ]
-                queue += [inner for inner in texts if isinstance(inner, str) and "\n" in inner]
+        if (tree := _parsed(text)) is None:
+            # A block begins with a line that is not indented: whatever stands around it does not hide it.
+            blocks = [block for block in re.split(r"\n(?=\S)", text) if "(" in block or "import" in block]
+            text = "\n".join(
+                block for block in blocks if (piece := _parsed(block)) and _does_something(piece)
+            )
+            tree = _parsed(text) or ast.Module([], [])
+        nodes = [*ast.walk(tree)]
+        if _does_something(tree):
+            yield text
+        inner = [_text(node.value) for node in nodes if isinstance(node, ast.Constant)]
+        # As the lines of a notebook's cell are.
+        inner += [
+            "".join(_text(each.value) for each in node.elts if isinstance(each, ast.Constant))
+            for node in nodes
+            if isinstance(node, ast.List)
+        ]
+        queue += [each for each in inner if "\n" in each.strip()]
+
+
+def _parsed(text: str) -> ast.Module | None:
+    """Return a text as Python; None if it is none."""
+    with warnings.catch_warnings(), contextlib.suppress(*NO_PYTHON):
+        warnings.simplefilter("ignore")
+        return ast.parse(text)
+    return None
+
+
+def _does_something(tree: ast.AST) -> bool:
+    return any(isinstance(node, (ast.Call, ast.Import, ast.ImportFrom)) for node in ast.walk(tree))
+
+
+def _text(value: object) -> str:
+    """Return the text that a constant holds; empty if it is none."""
+    return (
+        value.decode(errors="replace")
+        if isinstance(value, bytes)
+        else value
+        if isinstance(value, str)
+        else ""
+    )
 
 
 def graded_apart(

@@ -79,8 +79,12 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
         links[row.handed.key] = f"{REPORTS}/{file_name(row)}.html"
         course.write_whole(path.parent / links[row.handed.key], html(grade, evidence).encode())
     too_long = "Its code takes too long to be read, and was compared with nobody else's."
+    common = list[str]()
     alike = pairs(
-        _sources(book, rows), template_texts(template), lambda student: looks[student].append(too_long)
+        _sources(book, rows),
+        template_texts(template),
+        lambda student: looks[student].append(too_long),
+        common.append,
     )
     text = page(
         rows,
@@ -89,6 +93,7 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
         links=links,
         lost=[*_lost(judging, grades.values())],
         alike=alike,
+        common=common,
     )
     course.write_whole(path, text.encode())
     return path
@@ -116,6 +121,7 @@ def page(
     links: Mapping[str, str],
     lost: Sequence[Lost],
     alike: Sequence[Pair],
+    common: Sequence[str] = (),
 ) -> str:
     """Return the page.
 
@@ -126,6 +132,7 @@ def page(
         links: to the reports, by the same.
         lost: by criterion.
         alike: pairs that are alike.
+        common: the keys of those of whose code too little is left to be compared, without what many have.
     """
     script = resources.files(__package__).joinpath("class.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
@@ -140,6 +147,7 @@ def page(
             links=links,
             lost=sorted(lost, key=lambda loss: -loss.mean),
             pairs=alike,
+            common=common,
             names={row.handed.key: row.handed.name for row in rows},
             script=Markup(script),  # noqa: S704 -- a file of ours
             digest=digest,

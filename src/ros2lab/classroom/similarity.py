@@ -66,6 +66,7 @@ def pairs(
     classes_sources: Mapping[str, Mapping[str, str]],
     template: Iterable[str] = (),
     left_out: Callable[[str], None] = lambda _student: None,
+    common: Callable[[str], None] = lambda _student: None,
 ) -> list[Pair]:
     """Return the pairs of a class that are alike, the most alike first.
 
@@ -73,12 +74,16 @@ def pairs(
         classes_sources: Python files by path, by the key of a student.
         template: texts that all were given; likeness to them, and to the lessons, does not count.
         left_out: told the key of each student whose files take longer to be read than anybody's own do.
+        common: told the key of each student of whose own files too little is left without what many of the class have.
     """
     marks = _marks(classes_sources, left_out)
-    known = {mark for text in (*template, *_lessons()) for mark in _all_marks(text)}
+    given = {mark for text in (*template, *_lessons()) for mark in _all_marks(text)}
     holders = Counter(mark for files in marks.values() for mark in _union(files.values()))
     many = max(COMMON_LEAST, COMMON * len(marks))
-    known |= {mark for mark, count in holders.items() if count > many}
+    known = given | {mark for mark, count in holders.items() if count > many}
+    for student, files in marks.items():
+        if len(_union(files.values()) - known) < FEW <= len(_union(files.values()) - given):
+            common(student)
     for files in marks.values():
         for file in files.values():
             file.hashes = file.hashes - known
