@@ -278,7 +278,8 @@ def _notes_of_runs(case: Case) -> Iterator[str]:
         for topic, types in run.torn.items():
             yield f"Nodes use {shown(topic)} with several types, {listed(types)}: what has one receives nothing from what has another."
         if part and run.commands and run.commanded != part.topic and run.commanded in run.subscribes:
-            yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
+            who = f"{shown(', '.join(run.programs))}, {shown(run.setting)}"
+            yield f"{who}: commands were published on {shown(run.commanded)}, for nothing there subscribes to {part.topic}."
 
 
 def _not_launched(evidence: Evidence) -> Iterator[str]:

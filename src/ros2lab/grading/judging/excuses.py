@@ -144,10 +144,11 @@ def _unwatched(case: Case, part: Part) -> str:
     """Return a clause if there was no time to watch the program that may play a part; else empty."""
     runs = case.evidence.runs
     unseen = [run for run in runs if run.unfinished and not run.nodes]
-    ended = {name for run in runs if run.setting == "alone" for name in run.ended}
+    alone = [run for run in runs if run.setting == "alone"]
+    watched = {name for run in alone for name in (run.ended if run.unfinished else run.programs)}
     # A launch file may start any of them.
     started = (case.executables if run.setting == "launched" else run.programs for run in unseen)
-    names = {name for programs in started for name in programs} - ended
+    names = {name for programs in started for name in programs} - watched
     return unseen[0].unfinished if any(case.may_be(name, part) for name in names) else ""
 
 
