@@ -148,7 +148,9 @@ def package_is_registered(case: Case) -> Answer:
     else:
         level = "partly" if wrong else "right"
     place = "setup.cfg" if wrong and wrong[-1] in ("cfg_has_no_dashes", "scripts_go_to_lib") else "setup.py"
-    return Answer(level, {"fault": faults[wrong[-1]] if wrong else ""}, ("files.setup",), place)
+    told = wrong if level == "partly" else wrong[-1:]
+    fault = ", and ".join(faults[fact] for fact in told)
+    return Answer(level, {"fault": fault}, ("files.setup",), place)
 
 
 @question(
