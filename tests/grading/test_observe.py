@@ -438,6 +438,13 @@ for number in range(2):
 time.sleep(60)
 """,
     "asleep": "time.sleep(60)",
+    "unspun": f"""
+rclpy.init()
+others = [Node(f"a_{{number}}") for number in range(25)]
+{COMMAND}
+node.create_subscription(String, "/robot/command", lambda message: node.get_logger().info("took " + message.data), 10)
+rclpy.spin(node)
+""",
     "tires_out": f"""
 rclpy.init()
 {COMMAND}
@@ -879,6 +886,18 @@ def test_of_what_is_slow_to_take_commands_a_few_are_asked(observer: Observer, na
     assert ["INFO", "took stop"] in after(run, "stop").log
     assert all(command.is_alive for command in run.commands)
     assert (run.unfinished, run.ended) == ("", {})
+
+
+@pytest.mark.thorough
+def test_nodes_that_nobody_spins_leave_time_for_the_commands(
+    observer: Observer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many they are, they are waited for all at once, and after the one that has a part."""
+    monkeypatch.setattr(observe, "RUN_TIMEOUT", 60.0)
+    (run,) = observer.watch([Job.alone(program("unspun"), is_stepped=False)])
+    assert len(run.nodes) == 26
+    assert ["INFO", "took stop"] in after(run, "stop").log
+    assert run.unfinished == ""
 
 
 def test_what_is_slow_leaves_time_to_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
