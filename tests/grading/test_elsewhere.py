@@ -114,6 +114,7 @@ def test_a_stand_in_has_what_a_module_tells_of_itself(camera: Any) -> None:
         major, minor, *_ = module.__version__.split(".")
         assert f"{module.__author__} {module.__version__} {major}{minor}".strip() == ""
         assert module.__file__ == module.__spec__.origin
+    assert "OpenCV " + __version__ == "OpenCV "
     assert __version__ is camera.__version__
     assert inspect.getmodule(_graded) is sys.modules[__name__]  # which looks at every module
     with pytest.raises(AttributeError, match=stand_in.NotInstalledHere.__name__):

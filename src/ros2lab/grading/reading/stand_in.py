@@ -70,6 +70,10 @@ class _Nothing:
     def __add__(self, _: Any) -> Any:
         return self
 
+    def __radd__(self, before: Any) -> Any:
+        """Return a text as it is, for the log takes nothing else."""
+        return before if isinstance(before, str) else self
+
     def __lt__(self, _: Any) -> bool:
         return False
 
@@ -80,9 +84,7 @@ class _Nothing:
 
     __int__ = __index__
     __neg__ = __abs__
-    __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __pow__ = __mod__ = (
-        __add__
-    )
+    __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __pow__ = __mod__ = __add__
     __gt__ = __le__ = __ge__ = __lt__
 
 
