@@ -53,8 +53,7 @@ class Watch(ObservedDomain):
         number: the domain's number.
         is_stepped: whether the programs follow a clock that is stepped here.
         alive: returns how many of the programs have not ended.
-        at_each_turn: called whenever all earlier messages were heard, so that what it does to the programs
-            shows.
+        at_each_turn: called whenever all earlier messages were heard, so that what it then does shows.
     """
 
     def __init__(
@@ -356,16 +355,13 @@ class Watch(ObservedDomain):
         names = [name for name in self.asked() if name not in self._unanswering]
         clients = [self.node.create_client(ListParameters, f"{name}/list_parameters") for name in names]
         self.until(lambda: all(client.service_is_ready() for client in clients), self.patience)
-        answers = {
-            name: client.call_async(ListParameters.Request())
-            for name, client in zip(names, clients, strict=True)
-            if client.service_is_ready()
-        }
+        ready = [pair for pair in zip(names, clients, strict=True) if pair[1].service_is_ready()]
+        answers = {name: client.call_async(ListParameters.Request()) for name, client in ready}
         self.until(lambda: all(answer.done() for answer in answers.values()), ANSWER_TIMEOUT)
         for name, answer in answers.items():
-            if answer.done() and answer.result() is not None:
-                listed = answer.result().result.names[:ITEMS]
-                self.parameter_names[name] = [n for n in listed if n not in every_node.PARAMETERS]
+            if answer.done() and (said := answer.result()) is not None:
+                own = (n for n in said.result.names[:ITEMS] if n not in every_node.PARAMETERS)
+                self.parameter_names[name] = [*own]
         for client in clients:
             self.node.destroy_client(client)
 
