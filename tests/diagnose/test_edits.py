@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ros2lab.diagnose.checking.edits import Edit
+from ros2lab.diagnose.checking.edits import Edit, revealing
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 TEXT = """\
@@ -68,3 +68,17 @@ def test_what_means_the_same_is_idle(line: str, new: str, is_idle: bool) -> None
 def test_a_name_that_is_used_is_kept(line: str, new: str, keeps: bool) -> None:
     edit, source = edited(line, new)
     assert edit.keeps_names(source) is keeps
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("a(b(c()))\n", "reveal_type(a(reveal_type(b(reveal_type(c())))))\n"),
+        ("a(\n    b(\n        1),\n    2)\n", "reveal_type(a(\n    reveal_type(b(\n        1)),\n    2))\n"),
+        ("a()()\n", "reveal_type(reveal_type(a())())\n"),
+        ("ä(b(), c())\n", "reveal_type(ä(reveal_type(b()), reveal_type(c())))\n"),
+    ],
+)
+def test_calls_that_lie_in_each_other_are_asked_for_their_types(text: str, shown: str) -> None:
+    source = PythonSource("arm", "arm.py", text)
+    assert revealing(source, [*source.calls]).decode() == shown

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from ros2lab.diagnose.checking.call_forms import call_with
 from ros2lab.diagnose.checking.checked_copies import Row, checked, first_that_stands
-from ros2lab.diagnose.checking.edits import Edit, all_applied
+from ros2lab.diagnose.checking.edits import Edit, revealing
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.interfaces import is_interface
@@ -113,8 +113,7 @@ def _is_class(sources: NodeSources, source: PythonSource, call: ast.Call) -> boo
 
 
 def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
-    asked = [Edit(argument.call, f"reveal_type({source.segment(argument.call)})") for argument in given]
-    (revealed,) = checked(source, [b"".join(all_applied(source.lines, asked))])
+    (revealed,) = checked(source, [revealing(source, [argument.call for argument in given])])
     void = [g for g in given if g.is_void or _has(revealed, "revealed-type", g.call, _NOTHING)]
     others = [Edit(given_call.call, "object()").of(source) for given_call in void]
     for given_call, rows in zip(void, checked(source, others) if others else (), strict=True):

@@ -11,7 +11,7 @@ import yaml
 
 from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted
-from ros2lab.diagnose.checking.edits import Edit, all_applied, copied
+from ros2lab.diagnose.checking.edits import Edit, all_applied, copied, revealing
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, kinds_in, message_annotations
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
@@ -88,9 +88,7 @@ def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
     """Return the types of the sides as the type checker writes them, in file order; empty if unknown."""
     known = _edited(source, [*message_annotations(source, look), *parameter_casts(source, sources)])
     asked = _comparisons(known)
-    sides = [comparison.side for comparison in asked]
-    revealing = [Edit(side, f"reveal_type({known.segment(side)})") for side in sides]
-    rows: list[Row] = checked(source, [_edited(known, revealing).text.encode()])[0]
+    rows: list[Row] = checked(source, [revealing(known, [comparison.side for comparison in asked])])[0]
     kinds = kinds_in(rows)
     denied = contradicted(known, ((row.line, row.said) for row in rows))
     doubted = [is_contradicted(known, comparison.node.lineno, denied) for comparison in asked]

@@ -68,6 +68,17 @@ def all_applied(lines: Sequence[bytes], edits: Iterable[Edit]) -> list[bytes]:
     return found
 
 
+def revealing(source: PythonSource, asked: Sequence[ast.expr]) -> bytes:
+    """Return the text of a file that asks the type checker for the types of expressions; they may lie in each other."""
+    lines = [*source.lines]
+    begins = ((node.lineno, node.col_offset, b"reveal_type(") for node in asked)
+    ends = ((node.end_lineno or 0, node.end_col_offset or 0, b")") for node in asked)
+    for number, column, text in sorted([*begins, *ends], reverse=True):
+        line = lines[number - 1]
+        lines[number - 1] = line[:column] + text + line[column:]
+    return b"".join(lines)
+
+
 def copied(source: PythonSource, text: bytes) -> PythonSource:
     """Return a file with another text."""
     return PythonSource(source.name, source.shown, text.decode(), source.is_package)
