@@ -84,7 +84,7 @@ def _leaves(
                 yield from _leaves(source, given, function, depth - 1)
 
 
-def _leaves_of_function(source: PythonSource, function: ast.FunctionDef, depth: int) -> Iterator[_Leaf]:
+def _leaves_of_function(source: PythonSource, function: Function, depth: int) -> Iterator[_Leaf]:
     if may_fall_through(function):
         yield _Leaf(None, source, function)
     for node in returned(function):

@@ -11,8 +11,8 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.construction import is_node_class
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
-from ros2lab.diagnose.sources.own_functions import own_function
-from ros2lab.diagnose.sources.python_source import PAUSES, Function, PythonSource
+from ros2lab.diagnose.sources.own_functions import own_function, what_a_call_makes
+from ros2lab.diagnose.sources.python_source import PAUSES, Function, PythonSource, is_generator, own_nodes
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by
@@ -45,6 +45,10 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
         case ast.Attribute() | ast.Name() if text not in source.stored and _is_function(source, value):
             cause = f"`{text}` by itself does nothing: without parentheses {text.rpartition('.')[2]} is not called."
             yield Finding("no-effect", cause, source.at(value), _called(source, value))
+        case ast.Call(func=called) if own := own_function(source, called):
+            if made := what_a_call_makes(own[1]):
+                cause = f"`{text}` only makes a {made}: nothing of {own[1].name}() runs."
+                yield Finding("no-effect", cause, source.at(value), _run(text, own[1]))
         case ast.UnaryOp(
             op=ast.UAdd() | ast.USub() as sign, operand=ast.UnaryOp(op=same, operand=counted)
         ) if type(same) is type(sign) and isinstance(counted, (ast.Name, ast.Attribute, ast.Subscript)):
@@ -58,6 +62,15 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
                 cause = f"`{text}` is computed, but its result is not used."
                 fix = f"assign it to a variable, or {removal(source, value, 'the line')}"
                 yield Finding("no-effect", cause, source.at(value), fix)
+
+
+def _run(text: str, function: Function) -> str:
+    """Say how to run what a call only makes: a function without a pause need not be async."""
+    if is_generator(function):
+        return f"write `for _ in {text}: pass`, or {function.name} without yield"
+    if not any(isinstance(node, PAUSES) for node in own_nodes(function)):
+        return f"write def instead of async def for {function.name}"
+    return f"write await in front of it in an async function that is awaited, or asyncio.run({text}) where no asyncio loop runs"
 
 
 def _is_function(source: PythonSource, value: ast.Name | ast.Attribute) -> bool:

@@ -27,8 +27,9 @@ from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.made_modules import is_made
 from ros2lab.diagnose.sources.other_names import meant_function
+from ros2lab.diagnose.sources.own_functions import what_a_call_makes
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, read_text
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
 from ros2lab.diagnose.sources.spelling import (
     alike,
@@ -169,6 +170,8 @@ def _function_fault(
         cause = f"The executable {point.name} calls the class {point.function}, but it must call a function that makes and runs the node."
         fix = f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin"
         yield Finding("entry-point-function", cause, place, fix)
+    elif made_by := _made_by(source, point.function):
+        yield _only_made(source, point, source.functions[point.function], made_by)
     elif (function := _demanding(source, point.function)) is not None:
         names = [argument.arg for argument in function.args.args]
         required = names[: len(names) - len(function.args.defaults)]
@@ -185,6 +188,23 @@ def _function_fault(
             yield put_in_order(package, point, meant, place)
             return
         yield _missing_function(package, source, point, place)
+
+
+def _made_by(source: PythonSource, name: str) -> str:
+    """Return what a call of a function makes instead of running it; empty if it runs it, or is bound to something else."""
+    own = source.functions.get(name)
+    return what_a_call_makes(own) if own and name not in names_bound(own_nodes(source.tree)) else ""
+
+
+def _only_made(source: PythonSource, point: EntryPoint, function: Function, made: str) -> Finding:
+    """Return a finding about an entry point whose call makes a coroutine or a generator, which nothing runs."""
+    name = function.name
+    runs = f"asyncio.run({name}())" if made == "coroutine" else f"list({name}())"
+    is_known = made == "generator" or "asyncio" in source.names
+    imported = "" if is_known else ", with `import asyncio` at the top"
+    cause = f"The executable {point.name} calls {name}(), and this call only makes a {made}: nothing of {name}() runs."
+    fix = f"write `def run_{name}(): {runs}` below {name}() in {source.shown}{imported}, '{point.name} = {point.module}:run_{name}' in setup.py, and build again"
+    return Finding("entry-point-function", cause, source.at(function), fix)
 
 
 def _is_only_a_node(source: PythonSource, made: ast.ClassDef) -> bool:

@@ -24,12 +24,13 @@ from ros2lab.diagnose.sources.python_source import (
 )
 from ros2lab.diagnose.sources.syntax_parts import needed_by
 
-_Kind = TypeVar("_Kind", ast.FunctionDef, ast.ClassDef)
+_Kind = TypeVar("_Kind", bound=ast.stmt)
+_FUNCTIONS: tuple[type[Function], ...] = (ast.FunctionDef, ast.AsyncFunctionDef)
 # Expressions whose values nothing can call.
 _VALUES = (ast.Constant, ast.JoinedStr, ast.Compare, ast.List, ast.Tuple, ast.Dict, ast.Set)
 
 
-def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, ast.FunctionDef] | None:
+def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, Function] | None:
     """Return the function that a name or `self.name` means, and its file: this one or another of its package.
 
     On an object of a class from these files, it is the method of that class. None if there is none.
@@ -38,10 +39,10 @@ def own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, a
         return method
     name = last_name(called)
     if isinstance(called, ast.Name) or ast.unparse(called) == f"self.{name}":
-        found = [node for node in source.nodes if isinstance(node, ast.FunctionDef) and node.name == name]
+        found = [node for node in source.nodes if isinstance(node, Function) and node.name == name]
         if len(found) == 1:
             return source, found[0]
-    return _at_top(source, called, ast.FunctionDef)
+    return _at_top(source, called, *_FUNCTIONS)
 
 
 def called_function(
@@ -53,7 +54,7 @@ def called_function(
     return sources.functions.get(sources.resolve(source, called) or "", (source, None))[1]
 
 
-def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, ast.FunctionDef] | None:
+def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, Function] | None:
     """Return the method of an object that is made once from a class in these files: `robot = Robot()`."""
     owner = ast.unparse(called.value)
     made = assigned_to(source.nodes, owner)
@@ -62,17 +63,18 @@ def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, 
     own = source.classes.get(ast.unparse(made[0].func))
     home = (source, own) if own else _at_top(source, made[0].func, ast.ClassDef)
     for node in home[1].body if home else ():
-        if home and isinstance(node, ast.FunctionDef) and node.name == called.attr:
+        if home and isinstance(node, Function) and node.name == called.attr:
             return home[0], node
     return None
 
 
-def _at_top(source: PythonSource, named: ast.AST, kind: type[_Kind]) -> tuple[PythonSource, _Kind] | None:
+def _at_top(source: PythonSource, named: ast.AST, *kinds: type[_Kind]) -> tuple[PythonSource, _Kind] | None:
     """Return the definition of a name imported from another file of the package, and that file."""
     module, _, name = (source.resolve(named) or "").rpartition(".")
     home = _file_of(source, module)
     top = home.tree.body if home else ()
-    found = next((node for node in top if isinstance(node, kind) and node.name == name), None)
+    of_kind = (node for node in top if isinstance(node, kinds))
+    found = next((node for node in of_kind if getattr(node, "name", "") == name), None)
     return (home, found) if home and found else None
 
 
@@ -158,6 +160,17 @@ def _is_data(function: Function, value: ast.expr) -> bool:
             is_given = any(parameter.arg == name for parameter in parameters(function))
             return (is_given or bool(made)) and all(_is_data(function, inner) for inner in made)
     return isinstance(value, _VALUES)
+
+
+def what_a_call_makes(function: Function) -> str:
+    """Return what a call of a function makes instead of running it: a coroutine or a generator; empty if it runs it.
+
+    What a decorator makes of a function is not known.
+    """
+    is_async, yields = isinstance(function, ast.AsyncFunctionDef), is_generator(function)
+    if function.decorator_list or is_async == yields:
+        return ""
+    return "coroutine" if is_async else "generator"
 
 
 def lacking(function: Function, call: ast.Call) -> list[str]:
