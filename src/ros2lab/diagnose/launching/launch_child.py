@@ -22,6 +22,7 @@ from typing import Any
 import yaml
 
 from ros2lab.diagnose.confinement import confine
+from ros2lab.diagnose.launching.in_order import InOrder
 
 MEMORY = 2_000_000_000  # bytes
 LONGEST = 20  # s, on a busy machine; files that wait for something are not waited for
@@ -158,6 +159,8 @@ class _Loading:
         self.asked: dict[str, set[str]] = {}  # by tag, the attributes that its action asks for
         self.later: list[dict[str, Any]] = []  # what only actions lack that launch does not run at once
         self.is_later = False
+        self.lines: dict[int, tuple[Any, int | None]] = {}  # of each action, where this file makes it
+        self.order = InOrder(lambda action: self.lines.get(id(action), (None, None))[1])
 
     def result(self, refused: list[str]) -> dict[str, Any]:
         """Return what it would start, why launch refuses it, or what it lacks; empty if unknown."""
@@ -191,6 +194,8 @@ class _Loading:
             "faults": self.faults,
             "error": error,
             "later": self.later,
+            "late": self.order.late,
+            "unknown": self.order.lost,
         }
 
     def _line_of(self, problem: BaseException) -> int | None:
@@ -254,14 +259,19 @@ class _Loading:
         self._reach(entity, ())
         condition = getattr(entity, "condition", None)
         if not isinstance(entity, (ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction)):
-            for child in entity.visit(context) or []:
-                self._visit(child, context)
-        elif condition is not None and not condition.evaluate(context):
+            following = self.order.visit(entity, context)
+            with self.order.within(entity, following, context):
+                for child in following:
+                    self._visit(child, context)
             return
-        elif isinstance(entity, ExecuteProcess):
+        self.order.used()
+        if condition is not None and not condition.evaluate(context):
+            return
+        if isinstance(entity, ExecuteProcess):
             self._start(entity, context)
         else:
             # Timers and event handlers are taken to fire.
+            self.order.waits()
             for child in _inside(entity):
                 self._visit_later(child, context)
 
@@ -293,6 +303,7 @@ class _Loading:
         text = functools.partial(_text, context)
         known = next(((given, line) for node, given, line in self.made if node is action), None)
         given, line = known or ({}, None)  # a process that is not a node may be anything
+        self.order.started(text(given.get("executable")), line)
         parameters = given.get("parameters") or []
         base = context.launch_configurations.get("ros_namespace") or ""
         own = text(given.get("namespace")) or ""
@@ -326,21 +337,31 @@ class _Loading:
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:
         """Note each node that is made, with its line, and each XML or YAML attribute that no action takes."""
+        import launch
         import launch_xml
         import launch_yaml
 
         init = vars(self.node)["__init__"]
+        init_of_all = vars(launch.Action)["__init__"]
         loading = self
+
+        def line_here() -> int | None:
+            frame: Any = sys._getframe(2)
+            while frame is not None and frame.f_code.co_filename != loading.path:
+                frame = frame.f_back
+            return frame.f_lineno if frame else None
 
         def noted(node: Any, **given: Any) -> None:
             init(node, **given)
-            frame: Any = sys._getframe(1)
-            while frame is not None and frame.f_code.co_filename != loading.path:
-                frame = frame.f_back
-            loading.made.append((node, given, frame.f_lineno if frame else None))
+            loading.made.append((node, given, line_here()))
 
-        kept = [(self.node, "__init__", init)]
+        def placed(action: Any, *given: Any, **named: Any) -> None:
+            loading.lines[id(action)] = (action, line_here())
+            init_of_all(action, *given, **named)
+
+        kept = [(self.node, "__init__", init), (launch.Action, "__init__", init_of_all)]
         setattr(self.node, "__init__", noted)  # noqa: B010 -- a class that is only known here
+        setattr(launch.Action, "__init__", placed)  # noqa: B010 -- likewise
         for entity in (launch_xml.Entity, launch_yaml.Entity):
             kept += [
                 (entity, name, getattr(entity, name))

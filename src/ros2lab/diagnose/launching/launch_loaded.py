@@ -17,6 +17,7 @@ from typing import Any
 
 from ros2lab.diagnose.finding import SAID, Finding, at, line_with
 from ros2lab.diagnose.launching import launch_child
+from ros2lab.diagnose.launching.in_vain import set_late, unknown_arguments
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.launching.own_modules import own_module
@@ -152,6 +153,9 @@ def _joined(
     given = [wanted for node in told["nodes"] for wanted in node["files"]]
     faults = (*_never_added(source, told["lost"]), *_torn(source, given, packages))
     faults += (*_from_here(source, given, packages),)
+    paths = [other for package in packages for other in package.launch_files]
+    faults += (*set_late(path, file.shown, told["late"], paths),)
+    faults += (*unknown_arguments(path, file.shown, told["unknown"]),)
     for lacking in told["later"]:
         faults += (*_lacking(path, file, lacking, packages, is_later=True),)
     loaded = LaunchFile(file.shown, nodes, faults, is_loaded=True, arguments=tuple(told["arguments"]))

@@ -1,0 +1,61 @@
+"""What a launch file sets or passes on, and nothing it starts gets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
+from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import nearest
+
+
+def set_late(
+    path: Path, shown: str, late: Sequence[Mapping[str, Any]], files: Sequence[Path]
+) -> Iterator[Finding]:
+    """Yield actions that set something for the programs that are started after them, where none is."""
+    text = read_text(path)
+    is_included = any(path.name in read_text(other) for other in files if other != path)
+    for found in late:
+        if is_included and not found["is_group"]:
+            continue  # what includes it may start more
+        kind, line = _as_written(text, found["kind"]), found["line"]
+        first = found["first"]["executable"] or "the first program"
+        where = f" (line {found['first']['line']})" if found["first"]["line"] else ""
+        whole = "its group" if found["is_group"] else "the launch description"
+        cause = (
+            f"{kind} acts only on what launch starts after it, and nothing is started after it in {whole}."
+        )
+        fix = f"put it before {first}{where} in {whole}, and build again"
+        yield Finding("launch-lost", cause, at(shown, line or line_with(text, kind)), fix)
+
+
+def _as_written(text: str, kind: str) -> str:
+    """Return the name of an action's class as a file has it, which may be another name of the same class, or a tag."""
+    letters = r"[-_]?".join(map(re.escape, kind))
+    found = re.search(rf"\b{letters}\b", text, re.IGNORECASE)
+    return found[0] if found else kind
+
+
+def unknown_arguments(path: Path, shown: str, lost: Sequence[Mapping[str, Any]]) -> Iterator[Finding]:
+    """Yield the arguments that a launch file gives one that it includes, and that this one does not have."""
+    text = read_text(path)
+    for found in lost:
+        name, free = found["name"], found["free"]
+        alike = [other for other in free if {*name.split("_")} & {*other.split("_")}]
+        meant = nearest(name, free) or (alike[0] if len(alike) == 1 else free[0] if len(free) == 1 else "")
+        has = in_a_row(free)
+        cause = f"{found['file']} has no argument {name}, so it is ignored; it has {has}."
+        fix = f"write {meant!r} instead of {name!r}" if meant else f"write one of these instead of {name!r}"
+        place = _line_from(text, found["line"], name)
+        yield Finding("launch-unused", cause, at(shown, place), f"{fix}, and build again")
+
+
+def _line_from(text: str, first: int | None, name: str) -> int | None:
+    """Return the line where a name is quoted, from a line on; that line if it is quoted nowhere below."""
+    lines = text.splitlines()
+    quoted = re.compile(rf"['\"]{re.escape(name)}['\"]|\bname: *{re.escape(name)}\b")
+    numbers = (number for number, line in enumerate(lines, 1) if quoted.search(line))
+    return next((number for number in numbers if number >= (first or 1)), first)

@@ -1,0 +1,141 @@
+"""What a launch file sets for nobody, and passes to a file that does not take it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+
+NAME = NAMES[1]
+CODES = ("launch-lost", "launch-unused")
+FILE = """\
+from launch import LaunchDescription
+from launch.actions import *
+from launch.conditions import IfCondition
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, ThisLaunchFileDir
+from launch_ros.actions import *
+
+
+def talker(**given):
+    return Node(package='my_bot', executable='talker', output='screen', **given)
+
+
+INCLUDEdef generate_launch_description():
+    return LaunchDescription([
+        {}
+    ])
+"""
+INCLUDE = """\
+def include(name, **given):
+    path = PathJoinSubstitution([ThisLaunchFileDir(), name])
+    return IncludeLaunchDescription(PythonLaunchDescriptionSource(path), launch_arguments=given.items())
+
+
+"""
+IMPORTS = (
+    ("from launch.actions import *", "from launch.actions import ACTIONS"),
+    ("from launch_ros.actions import *", "from launch_ros.actions import ROS"),
+)
+ACTIONS = "DeclareLaunchArgument, GroupAction, IncludeLaunchDescription, LogInfo, SetEnvironmentVariable, SetLaunchConfiguration, TimerAction"
+ROS = "Node, PushRosNamespace, SetParameter, SetRemap"
+TAKES = "DeclareLaunchArgument('max_speed', default_value='0.2'), talker(parameters=[{'period': LaunchConfiguration('max_speed')}])"
+
+
+def file(*actions: str) -> str:
+    inside = ",\n        ".join(actions)
+    text = FILE.replace("{}", inside).replace("INCLUDEdef gen", f"{INCLUDE * ('include(' in inside)}def gen")
+    for old, new in IMPORTS:
+        text = text.replace(old, new.replace("ACTIONS", ACTIONS).replace("ROS", ROS))
+    return text
+
+
+def told(root: Path, text: str, name: str = "all.launch.py", **others: str) -> list[str]:
+    files = Files.right(NAME)
+    files.texts[f"src/my_bot/launch/{name}"] = text
+    for other, given in others.items():
+        files.texts[f"src/my_bot/launch/{other}.launch.py"] = given
+    found = of_workspace(files.write(root))
+    return [f"{one.cause} {one.fix}" for one in found if f"/{name}" in one.place and one.code in CODES]
+
+
+@pytest.mark.parametrize(
+    ("actions", "late"),
+    [
+        (("GroupAction([talker(), PushRosNamespace('left')])",), ["PushRosNamespace acts"]),
+        (("talker()", "SetRemap('a', 'b')"), ["SetRemap acts"]),
+        (("talker()", "SetParameter('period', 1.0)"), ["SetParameter acts"]),
+        (("talker()", "SetEnvironmentVariable('ROBOT', 'blue')"), ["SetEnvironmentVariable acts"]),
+        (("include('one.launch.py')", "SetParameter('period', 1.0)"), ["SetParameter acts"]),
+        (("GroupAction([PushRosNamespace('left'), talker()])",), []),
+        (("talker(name='one')", "SetRemap('a', 'b')", "talker(name='two')"), []),
+        (("talker(name='one')", "SetParameter('period', 1.0)", "GroupAction([talker(name='two')])"), []),
+        (("talker()", "SetLaunchConfiguration('a', 'b')", "LogInfo(msg=LaunchConfiguration('a'))"), []),
+        (
+            (
+                "talker(name='one')",
+                "SetRemap('a', 'b')",
+                "talker(name='two', condition=IfCondition('false'))",
+            ),
+            [],
+        ),
+        (("TimerAction(period=1.0, actions=[talker()])", "SetParameter('period', 1.0)"), []),
+        (("SetParameter('period', 1.0)",), []),
+    ],
+)
+def test_what_is_set_after_all_that_starts(tmp_path: Path, actions: tuple[str, ...], late: list[str]) -> None:
+    found = told(tmp_path, file(*actions), one=file("talker()"))
+    assert [said.startswith(one) for said, one in zip(found, late, strict=True)] == [True] * len(late)
+
+
+def test_a_file_that_another_includes_may_set_something_for_it(tmp_path: Path) -> None:
+    around = file("include('all.launch.py')", "talker(name='two')")
+    assert told(tmp_path, file("talker()", "SetParameter('period', 1.0)"), around=around) == []
+
+
+XML = "<launch>\n  <group>\n    {}\n  </group>\n</launch>\n"
+NODE = '<node pkg="my_bot" exec="talker" output="screen"/>'
+PUSH = '<push_ros_namespace namespace="left"/>'
+
+
+@pytest.mark.parametrize(("inside", "count"), [(NODE + PUSH, 1), (PUSH + NODE, 0)])
+def test_a_tag_after_the_node(tmp_path: Path, inside: str, count: int) -> None:
+    found = told(tmp_path, XML.replace("{}", inside), "all.launch.xml")
+    assert [said.startswith("push_ros_namespace acts") for said in found] == [True] * count
+
+
+@pytest.mark.parametrize(
+    ("given", "fix"),
+    [
+        ("speed='0.9'", "write 'max_speed' instead of 'speed'"),
+        ("max_sped='0.9'", "write 'max_speed' instead of 'max_sped'"),
+        ("velocity='0.9'", "write 'max_speed' instead of 'velocity'"),
+        ("max_speed='0.9'", ""),
+        ("max_speed='0.9', use_sim_time='true'", ""),
+    ],
+)
+def test_an_argument_that_the_included_file_does_not_have(tmp_path: Path, given: str, fix: str) -> None:
+    found = told(tmp_path, file(f"include('one.launch.py', {given})"), one=file(TAKES))
+    assert [fix in said for said in found] == [True] * bool(fix)
+
+
+@pytest.mark.parametrize(
+    "one",
+    [
+        "talker(parameters=[{'period': LaunchConfiguration('speed')}])",
+        "include('two.launch.py')",
+    ],
+)
+def test_an_argument_that_the_included_file_reads_or_may_hand_on(tmp_path: Path, one: str) -> None:
+    others = {"one": file(TAKES, one), "two": file(TAKES.replace("max_speed", "speed"))}
+    assert told(tmp_path, file("include('one.launch.py', speed='0.9')"), **others) == []
+
+
+def test_an_argument_in_xml(tmp_path: Path) -> None:
+    inner = '<arg name="speed" value="0.9"/>'
+    text = f'<launch>\n  <include file="$(dirname)/one.launch.py">{inner}</include>\n</launch>\n'
+    (said,) = told(tmp_path, text, "all.launch.xml", one=file(TAKES))
+    assert "write 'max_speed' instead of 'speed'" in said
