@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.nodes.spin_loops import stands_still
+from ros2lab.diagnose.sources.entrance import Entrance
 
 HEAD = """\
 import time
@@ -92,3 +95,30 @@ def test_a_loop_that_stands_still(tmp_path: Path, written: str) -> None:
 )  # fmt: skip
 def test_a_loop_that_goes_on(tmp_path: Path, written: str) -> None:
     assert "callback-waits" not in codes(tmp_path, written)
+
+
+@pytest.mark.parametrize(
+    ("loop", "fix"),
+    [
+        (("rclpy.spin_once(node)", "node.click()"), "write rclpy.spin_once(node, timeout_sec=0.1)"),
+        (("node.click()", "rclpy.spin_once(node)"), "write rclpy.spin_once(node, timeout_sec=0.1)"),
+        (
+            ("rclpy.spin_once(node)", "node.click()", "time.sleep(0.01)"),
+            "write rclpy.spin_once(node, timeout_sec=0)",
+        ),
+        (("rclpy.spin_once(node, timeout_sec=0.1)", "node.click()"), ""),
+        (("rclpy.spin_once(node)",), ""),
+    ],
+)
+def test_a_loop_of_a_program_that_gets_no_message(tmp_path: Path, loop: tuple[str, ...], fix: str) -> None:
+    sources = sources_of(HEAD + of_class(TAKES, *loop), tmp_path)
+    found = [*stands_still(Entrance(sources, "pk.node.main"), gets_nothing=True)]
+    assert [one.fix.startswith(f"{fix} instead") for one in found] == [True] * bool(fix)
+
+
+def test_an_executor_that_waits(tmp_path: Path) -> None:
+    made = "node = Metronome()\n    executor = rclpy.executors.SingleThreadedExecutor()\n    executor.add_node(node)"
+    text = of_class(TAKES, "executor.spin_once()", "node.click()").replace("node = Metronome()", made)
+    sources = sources_of(HEAD + text, tmp_path)
+    (found,) = stands_still(Entrance(sources, "pk.node.main"), gets_nothing=True)
+    assert found.fix.startswith("write executor.spin_once(timeout_sec=0.1) instead")

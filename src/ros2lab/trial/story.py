@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.service_faults import service_ends
+from ros2lab.diagnose.nodes.spin_loops import stands_still
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Heard, Run
@@ -43,7 +44,19 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     parts += [f"uses {topic}, which is not watched here" for topic in seen.unwatched(seen.main(name))]
     parts = [*parts, *_unserved(seen, seen.main(name))] or ["neither published nor subscribed to anything"]
     shown = f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
-    return " ".join([shown, *_unshown(seen, seen.main(name), called)])
+    return " ".join([shown, *_standing(seen, run, called), *_unshown(seen, seen.main(name), called)])
+
+
+def _standing(seen: Seen, run: Run, called: Called) -> list[str]:
+    """Return what is said of a loop that waits for messages, of a program that got none while it ran."""
+    entrance, topics = seen.entrance(run.programs[0]), run.subscribes
+    gets_nothing = bool(topics) and all(_missed(seen, run, topic, called) for topic in topics)
+    if entrance is None or not gets_nothing or run.ended:
+        return []
+    return [
+        f"{one.cause.rstrip('.')} ({one.place}): {one.fix}."
+        for one in stands_still(entrance, gets_nothing=True)
+    ]
 
 
 def _unshown(seen: Seen, file: str, called: Called) -> list[str]:

@@ -18,28 +18,37 @@ _SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its tim
 
 def _turning(entrance: Entrance) -> Iterator[tuple[ast.While, Call]]:
     """Yield the endless loops that spin once in each round, with the first call that does."""
-    turns = {id(turn.call): turn for turn in entrance.calls if turn.name == "rclpy.spin_once"}
+    turns = {id(turn.call): turn for turn in entrance.calls if turn.short == "spin_once"}
     for loop in (node for function in entrance.functions for node in own_nodes(function)):
         inside = [turns[id(node)] for node in walk(loop) if id(node) in turns]
         if isinstance(loop, ast.While) and inside and _is_endless(loop, inside[0].source):
             yield loop, inside[0]
 
 
-def stands_still(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a loop with a rhythm of its own in which each round waits until a message comes, or for ever."""
+def stands_still(entrance: Entrance, *, gets_nothing: bool = False) -> Iterator[Finding]:
+    """Yield a loop in which each round waits until a message comes, or for ever.
+
+    Without a rhythm of its own it may mean to answer each message: then it is told only of a program that gets none.
+    """
     ends = {call.short for call in entrance.calls} & {*CREATORS, *_RARE} - {"create_publisher"}
     takes_messages = entrance.has_callbacks
     is_known = _is_seen_whole(entrance) and ends == ({"create_subscription"} if takes_messages else set())
     for loop, turn in _turning(entrance) if is_known else ():
-        is_limited = bool(turn.call.args[2:]) or any(k.arg == "timeout_sec" for k in turn.call.keywords)
+        places = 2 if turn.name == "rclpy.spin_once" else 0
+        is_limited = bool(turn.call.args[places:]) or any(
+            k.arg in ("timeout_sec", None) for k in turn.call.keywords
+        )
         calls = [n for n in walk(loop) if isinstance(n, ast.Call) and n is not turn.call]
         has_work = any(last_name(call.func) not in ("sleep", "ok") for call in calls)
-        if is_limited or not has_work or (takes_messages and not _is_paced(entrance, turn.source, calls)):
+        is_paced = _is_paced(entrance, turn.source, calls)
+        if is_limited or not has_work or (takes_messages and not is_paced and not gets_nothing):
             continue
-        given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
+        sleeps = any(last_name(call.func) == "sleep" for call in calls)
+        limit = ast.keyword("timeout_sec", ast.Constant(0 if sleeps else 0.1))
+        limited = ast.Call(turn.call.func, turn.call.args, [*turn.call.keywords, limit])
         until = "a message comes" if takes_messages else "there is a callback to call, and this node has none"
         cause = f"spin_once() without timeout_sec waits until {until}, and the loop stands still until then."
-        fix = f"write rclpy.spin_once({given}, timeout_sec=0) instead of {ast.unparse(turn.call)}"
+        fix = f"write {ast.unparse(limited)} instead of {ast.unparse(turn.call)}"
         yield Finding("callback-waits", cause, turn.source.at(turn.call), fix)
 
 
@@ -64,7 +73,7 @@ def _is_short(length: object) -> bool:
 def rests(entrance: Entrance) -> Iterator[Finding]:
     """Yield an endless loop that spins once and sleeps in each round, so that only one callback a round is called."""
     for loop, turn in _turning(entrance):
-        for statement in loop.body:
+        for statement in loop.body if turn.name == "rclpy.spin_once" else ():
             call = statement.value if isinstance(statement, ast.Expr) else None
             if not isinstance(call, ast.Call) or turn.source.resolve(call.func) != "time.sleep":
                 continue
