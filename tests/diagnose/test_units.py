@@ -81,3 +81,36 @@ def test_a_mixture_is_told_with_the_factor(tmp_path: Path, line: str, fix: str) 
 )
 def test_what_is_of_one_unit_is_left_alone(tmp_path: Path, line: str) -> None:
     assert told(line, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("self.get_logger().info('a', throttle_duration_sec=2000)", "write 2.0 instead of 2000 if"),
+        ("self.get_logger().info('a', throttle_duration_sec=500)  # each half a second", "write 0.5 instead of 500"),
+        ("# not more than one line each two seconds\n        self.get_logger().info('a', throttle_duration_sec=2000)", "write 2.0 instead of 2000"),
+        ("rclpy.spin_once(self, timeout_sec=100)  # 100 ms", "write 0.1 instead of 100"),
+        ("wait_ms = 500; self.client.wait_for_service(timeout_sec=wait_ms)", "write wait_ms / 1000 instead of wait_ms"),
+        ("self.create_timer(1000, self.step)", "write 1.0 instead of 1000 if"),
+        ("self.create_timer(500, self.step)  # 0.5 s", "write 0.5 instead of 500"),
+    ],
+)  # fmt: skip
+def test_milliseconds_for_a_parameter_that_counts_seconds(tmp_path: Path, line: str, fix: str) -> None:
+    (found,) = told(line, tmp_path)
+    assert fix in found.fix
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "self.get_logger().info('a', throttle_duration_sec=2.0)  # two seconds",
+        "self.get_logger().info('a', throttle_duration_sec=3600)",
+        "self.client.wait_for_service(timeout_sec=1000)",
+        "self.client.wait_for_service(timeout_sec=5)  # 5 s",
+        "wait_ms = 500; self.client.wait_for_service(timeout_sec=wait_ms / 1000)",
+        "self.create_timer(60, self.step)  # once a minute",
+        "self.create_timer(LIMIT, self.step)",
+    ],
+)
+def test_seconds_for_a_parameter_that_counts_seconds(tmp_path: Path, line: str) -> None:
+    assert told(line, tmp_path) == []

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.commented_out import comments_in
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name
+from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN
+from ros2lab.diagnose.sources.syntax_parts import by_parameter
 
 _NS, _S = 1e-9, 1.0
 # The unit, in seconds, of attributes and functions of rclpy, builtin_interfaces and time.
@@ -20,13 +24,18 @@ _FUNCTIONS = {
 }
 _SAME = frozenset(("abs", "float", "int", "round", "max", "min"))  # these keep the unit of their argument
 _NAMES = {_NS: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", _S: "seconds"}
+_WORDS = dict(
+    zip(("half a", "one", "two", "three", "four", "five", "ten"), (0.5, 1, 2, 3, 4, 5, 10), strict=True)
+)
+_TOO_LONG = 1000  # s
 # No node waits for anything as short as this (s): DDS alone takes longer.
 _TOO_SHORT = 1e-5
 
 
 def unit_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield times that are compared, added or given to a Duration in the wrong unit."""
+    """Yield times that are compared, added, or given to a Duration or a keyword in the wrong unit."""
     for source in sources.sources.values():
+        yield from _for_parameters(sources, source)
         if "nano" not in source.text and "_ns(" not in source.text:
             continue
         times = _Times(sources, source)
@@ -44,6 +53,46 @@ def unit_faults(sources: NodeSources) -> Iterator[Finding]:
                     yield from times.too_short(node)
 
 
+def _for_parameters(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:
+    """Yield milliseconds that are given to a parameter whose name says that it takes seconds.
+
+    A comment, or the name of the value, tells what is meant. Without them a timeout may be of any length, but
+    nothing is repeated only each quarter of an hour or so, unless that is a round time.
+    """
+    times = _Times(sources, source)
+    for call in source.calls if not source.fault else ():
+        known = signature_of(source, call) if call.args else None
+        places = [parameter.name for parameter in known.places] if known else []
+        for name, given in by_parameter(call, places).items():
+            value, is_named = times.number(given), _is_in_ms(given)
+            if not name.endswith(("_sec", "_seconds")) or (value is None and not is_named):
+                continue
+            is_said = is_named or (value is not None and _says(source, call, value))
+            is_long = "timeout" not in name and value and value >= _TOO_LONG and value % 100 == 0
+            if is_said or (is_long and value and value % 600):
+                text = ast.unparse(given)
+                lasts = f", and is given {value:g}: {value / 60:.3g} minutes" if value and value >= 60 else ""
+                meant = f"{text} / 1000" if is_named or value is None else str(value / 1000)
+                cause = f"{name} counts seconds{lasts or f', and is given {text}'}."
+                fix = f"write {meant} instead of {text}{'' if is_said else ' if milliseconds are meant'}"
+                yield Finding("unit-mixed", cause, source.at(given), fix)
+
+
+def _is_in_ms(value: ast.expr) -> bool:
+    """Return whether the name of a value says that it counts milliseconds."""
+    return re.search(r"(^|_)(ms|msecs?|millis(econds?)?)$", last_name(value).lower()) is not None
+
+
+def _says(source: PythonSource, call: ast.Call, value: float) -> bool:
+    """Return whether a comment at a call says that a number counts milliseconds, or says how many seconds these are."""
+    lines = range(call.lineno - 1, (call.end_lineno or call.lineno) + 1)
+    said = " ".join(text for number, text in comments_in(source.text) if number in lines).lower()
+    seconds, whole = f"{value / 1000:g}", f"{value:g}"
+    words = [seconds, *(word for word, number in _WORDS.items() if number == value / 1000)]
+    of_seconds = rf"\b({'|'.join(map(re.escape, words))})(\.0)?[ -]?(s|sec|seconds?)\b"
+    return bool(re.search(of_seconds, said) or re.search(rf"\b{whole} ?(ms|milliseconds?)\b", said))
+
+
 class _Times:
     """Finds the unit in which each expression of a file counts time."""
 
@@ -58,7 +107,7 @@ class _Times:
         fine, side = min(sides, key=lambda pair: pair[0])
         other = right if side is left else left
         coarse = max(unit for unit, _ in sides) if len(sides) == 2 else _S
-        value = self._number(other)
+        value = self.number(other)
         if len(sides) == 1 and (value is None or not 0 < abs(value) * fine < _TOO_SHORT):
             return
         if fine not in _NAMES or coarse not in _NAMES or _is_same(fine, coarse):
@@ -75,7 +124,7 @@ class _Times:
         if not (self._source.resolve(call.func) or "").endswith(".Duration"):
             return
         given = {keyword.arg: keyword.value for keyword in call.keywords}
-        value = self._number(given.get("nanoseconds"))
+        value = self.number(given.get("nanoseconds"))
         if len(given) == 1 and value and 1 < value < _TOO_SHORT / _NS:  # 1 is the shortest possible
             cause = f"{ast.unparse(call)} lasts only {value:g} nanoseconds, which is over before anything can happen."
             fix = f"write Duration(seconds={value:g}), or Duration(seconds={value / 1000:g}) if milliseconds are meant"
@@ -104,13 +153,13 @@ class _Times:
         return found
 
     def _scaled(self, node: ast.expr, by: ast.expr, depth: int, *, divides: bool = False) -> float | None:
-        unit, factor = self.unit(node, depth), self._number(by)
+        unit, factor = self.unit(node, depth), self.number(by)
         if unit is None or not factor or self.unit(by, depth) is not None:
             return None
         found = unit * factor if divides else unit / factor
         return next((known for known in _NAMES if _is_same(known, found)), found)
 
-    def _number(self, node: ast.expr | None) -> float | None:
+    def number(self, node: ast.expr | None) -> float | None:
         """Return the value of a literal, a variable or a parameter's default; None if it is unknown."""
         written = self._source.written(node)
         match written:
