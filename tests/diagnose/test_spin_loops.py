@@ -8,9 +8,14 @@ import pytest
 from one_file import sources_of
 from workspace_files import NAMES, Files
 
+from ros2lab import assignments
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.spin_loops import stands_still
 from ros2lab.diagnose.sources.entrance import Entrance
+from ros2lab.grading.evidence import Run
+from ros2lab.trial.seen import Seen
+from ros2lab.trial.story import told_of
 
 HEAD = """\
 import time
@@ -122,3 +127,26 @@ def test_an_executor_that_waits(tmp_path: Path) -> None:
     sources = sources_of(HEAD + text, tmp_path)
     (found,) = stands_still(Entrance(sources, "pk.node.main"), gets_nothing=True)
     assert found.fix.startswith("write executor.spin_once(timeout_sec=0.1) instead")
+
+
+def test_the_story_of_a_run_without_messages_names_the_loop(tmp_path: Path) -> None:
+    loop = of_class(TAKES, "rclpy.spin_once(node)", "node.click()")
+    look = Look(Files.right(NAMES[1]).put("driver", HEAD + loop + TAIL).write(tmp_path))
+    run = Run(
+        programs=[NAMES[1].driver],
+        setting="alone",
+        clock="stepped",
+        nodes=["/metronome"],
+        publishes={},
+        subscribes={"/bpm": {"/metronome": ["std_msgs/msg/UInt16"]}},
+        qos={},
+        parameters={},
+        quiet={},
+        commands=[],
+        ended={},
+        stopped={},
+        notes=[],
+    )
+    said = told_of(Seen(look, assignments.load(), [run], []), run, set())
+    assert "the loop stands still until then (" in said
+    assert "rclpy.spin_once(node, timeout_sec=0.1) instead of" in said
