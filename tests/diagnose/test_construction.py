@@ -31,14 +31,21 @@ RIGHT = {
     "decorated": "def named(cls):\n    begin = cls.__init__\n\n    def init(self):\n        begin(self, cls.__name__.lower())\n\n    cls.__init__ = init\n    return cls\n\n\n@named\nclass A(Node):\n    pass\n",
     "made anew": "def named(cls):\n    return lambda: cls('a')\n\n\nclass A(Node):\n    pass\n\n\nA = named(A)\n",
     "metaclass": "class Meta(type):\n    def __call__(cls):\n        return super().__call__(cls.__name__.lower())\n\n\nclass A(Node, metaclass=Meta):\n    pass\n",
+    "entered": "class A(Node):\n    def __enter__(self):\n        Node.__init__(self, 'a')\n        return self\n\n    def __exit__(self, *_):\n        self.destroy_node()\n",
     "subclass": "class Base(Node):\n    def __init_subclass__(cls, name, **kwargs):\n        super().__init_subclass__(**kwargs)\n        cls.node_name = name\n\n    def __init__(self):\n        super().__init__(self.node_name)\n\n\nclass A(Base, name='a'):\n    pass\n",
+    "a dataclass": "from dataclasses import InitVar, dataclass\n\n\n@dataclass(eq=False, repr=False)\nclass A(Node):\n    name: InitVar[str] = 'a'\n\n    def __post_init__(self, name):\n        Node.__init__(self, name)\n",
+    "a dataclass and super": "import dataclasses\n\n\n@dataclasses.dataclass(eq=False)\nclass A(Node):\n    label: str = 'a'\n\n    def __post_init__(self):\n        super().__init__(self.label)\n",
+    "a derived dataclass": "import dataclasses\n\n\n@dataclasses.dataclass(eq=False)\nclass Base(Node):\n    label: str = 'a'\n\n    def __post_init__(self):\n        super().__init__(self.label)\n\n\nclass A(Base):\n    pass\n",
     "an init of its own": "class A(Node):\n    def init(self):\n        self.count = 0\n",
 }
-MADE = {"an init of its own": "A('a')\n    node.init()"}
+MADE = {"entered": "A.__new__(A).__enter__()", "an init of its own": "A('a')\n    node.init()"}
 WRONG = {
     "_init_": ("class A(Node):\n    def _init_(self):\n        super().__init__('a')\n", "A()", "super-misspelt", "write def __init__(self):"),
     "__intit__": ("class A(Node):\n    def __intit__(self, rate=1.0):\n        super().__init__('a')\n", "A()", "super-misspelt", "write def __init__(self, rate=1.0):"),
     "setup": ("class A(Node):\n    def setup(self):\n        Node.__init__(self, 'a')\n", "A()", "super-misspelt", "write def __init__(self):"),
+    "a name that nothing calls": ("class A(Node):\n    def __post_init__(self):\n        super().__init__('a')\n", "A()", "super-misspelt", "write def __init__(self):"),
+    "of PHP": ("class A(Node):\n    def __construct__(self):\n        super().__init__('a')\n", "A()", "super-misspelt", "write def __init__(self):"),
+    "no dataclass": ("from typing import final\n\n\n@final\nclass A(Node):\n    def setup(self):\n        super().__init__('a')\n", "A()", "super-misspelt", "write def __init__(self):"),
     "none": ("class BusStop(Node):\n    pass\n", "BusStop()", "argument-missing", "write `BusStop('bus_stop')`"),
     "a name that is wanted": ("class A(Node):\n    def __init__(self, name):\n        super().__init__(name)\n", "A()", "argument-missing", "name"),
     "no base class": ("class A:\n    def __init__(self):\n        super().__init__('a')\n", "A()", "argument-unknown", "(Node)"),

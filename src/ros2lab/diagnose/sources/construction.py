@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import re
 import sys
 from collections.abc import Iterator, Sequence
@@ -15,6 +16,14 @@ from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 _SLIP = re.compile(r"_*(?:init|int|inti)_*")
 _MAKERS = frozenset(("__init__", "__new__", "__call__"))
+# Methods that Python itself calls, by the types that have them.
+_BY_PYTHON = frozenset(
+    name
+    for kind in vars(builtins).values()
+    if isinstance(kind, type)
+    for name in dir(kind)
+    if name[:2] == "__"
+)
 
 
 def is_node_class(source: PythonSource, named: ast.expr) -> bool:
@@ -63,8 +72,12 @@ def is_mixed_in(sources: NodeSources, node_class: NodeClass) -> bool:
 
 
 def lost_constructor(sources: NodeSources, node_class: NodeClass) -> Function | None:
-    """Return the method that was meant as the constructor of a class without one; None if there is none."""
-    if "__init__" in node_class.attributes or is_made_otherwise(sources, node_class):
+    """Return the method that was meant as the constructor of a class without one; None if there is none.
+
+    A dataclass has one that is not written, and a method that Python calls by its name is meant as what it is.
+    """
+    is_data = any("dataclasses.dataclass" in _wholes(inner) for inner in sources.lineage(node_class)[0])
+    if "__init__" in node_class.attributes or is_data or is_made_otherwise(sources, node_class):
         return None
     used = {
         node.attr
@@ -77,7 +90,7 @@ def lost_constructor(sources: NodeSources, node_class: NodeClass) -> Function | 
     )
     if slip := next(slips, None):
         return slip
-    others = (method for method in node_class.functions if not method.name.startswith("__init_sub"))
+    others = (method for method in node_class.functions if method.name not in _BY_PYTHON)
     return next(filter(_begins, others), None)
 
 
@@ -128,12 +141,16 @@ def _begins(method: Function) -> bool:
 
 def _is_handed_on(node_class: NodeClass) -> bool:
     """Return whether a class has a decorator or a metaclass that is not part of Python."""
+    return any(name.partition(".")[0] not in sys.stdlib_module_names for name in _wholes(node_class))
+
+
+def _wholes(node_class: NodeClass) -> list[str]:
+    """Return the names of the decorators and the metaclass of a class, each empty if it is not known."""
     wholes = [
         node.func if isinstance(node, ast.Call) else node for node in node_class.definition.decorator_list
     ]
     wholes += [keyword.value for keyword in node_class.definition.keywords if keyword.arg == "metaclass"]
-    names = [node_class.source.resolve(whole) or "" for whole in wholes]
-    return any(name.partition(".")[0] not in sys.stdlib_module_names for name in names)
+    return [node_class.source.resolve(whole) or "" for whole in wholes]
 
 
 def _assigns_maker(sources: NodeSources, node_class: NodeClass) -> Iterator[bool]:
