@@ -46,7 +46,7 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
         look: the workspace.
         said: what the type checker says of the line, which must accept it with what is returned; empty if nothing.
     """
-    known = members(owner, look)
+    known = members(owner, look) - {name}
     if option := _with_option(name, known, owner, spot):
         return option
     near = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, walk
 
@@ -30,10 +31,20 @@ def _taken_for_own(owner: NodeClass, base: NodeClass) -> Iterator[Finding]:
             yield _finding(owner, base, name, node, f"{base.definition.name} keeps using its own")
 
 
+def of_another(sources: NodeSources, owner: NodeClass, asked: str, node: ast.Attribute) -> Finding | None:
+    """Explain a private name in a class that an object has only by another class, its base or its own; else None."""
+    named = [other for other in sources.classes.values() if other.definition.name == asked]
+    for other in (*sources.lineage(owner)[0], *named):
+        if other is not owner and node.attr in _Private(other).made:
+            return _finding(owner, other, node.attr, node, f"{other.definition.name} makes a different one")
+    return None
+
+
 def _finding(owner: NodeClass, base: NodeClass, name: str, node: ast.AST, then: str) -> Finding:
     short = owner.definition.name
     cause = f"A name that begins with two underscores is private to the class it is written in: in {short}, {name} means _{short.lstrip('_')}{name}, and {then}, _{base.definition.name.lstrip('_')}{name}."
-    fix = f"write {name[1:]} instead of {name}, here and in {base.source.shown}"
+    files = " and in ".join(dict.fromkeys((owner.source.shown, base.source.shown)))
+    fix = f"write {free_name(base, name[1:])} instead of {name} everywhere in {files}"
     return Finding("private-name", cause, owner.source.at(node), fix)
 
 

@@ -18,6 +18,7 @@ from ros2lab.diagnose.code.meant_names import meant, used_too_early
 from ros2lab.diagnose.code.syntax import explained
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.not_found import below_folders, no_module, wrong_import
+from ros2lab.diagnose.explaining.not_set import as_written, not_set
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field
@@ -162,10 +163,14 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look) 
     if owner in ("function", "method", "builtin_function_or_method"):
         return of_function(name, place, spot_at(place, look))
     spot = spot_at(place, look)
-    if spot.source and not re.search(rf"\b{name}\b", spot.source.text):
+    name = as_written(name, spot)
+    told = not_set(name, owner, spot, look)
+    if not told and spot.source and not re.search(rf"\b{name}\b", spot.source.text):
         fix = "compare what this line passes with what the function that it calls takes"
-        told = Finding("attribute-unknown", f"What this line calls asks {owner} for {name}.", place, fix)
-        return _made_up(owner, place, spot) or told
+        asks = Finding("attribute-unknown", f"What this line calls asks {owner} for {name}.", place, fix)
+        told = _made_up(owner, place, spot) or asks
+    if told:
+        return told
     near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot, look)
     known = members(owner, look) - {*dir(object), name}
     offered = methods_of(owner) or ", ".join(

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.interfaces import fixed_node_properties, method_of, node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -58,7 +59,7 @@ def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tu
             why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with at least {least} argument{'s' * (least != 1)}."
         else:
             continue
-        fix = f"rename it, for example to {_free_name(owner, method.name)}, also where it is used"
+        fix = f"rename it, for example to {free_name(owner, method.name)}, also where it is used"
         yield method.name, Finding("node-property", why, owner.source.at(method), fix)
 
 
@@ -79,7 +80,7 @@ def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding:
     assigned = (n for n in walk(owner.definition) if isinstance(n, ast.Assign) and stored in n.targets)
     made = next((n.value for n in assigned), None)
     maker = getattr(getattr(made, "func", None), "attr", "").partition("create_")[2]
-    better = _free_name(owner, f"{name}_{maker.partition('_')[0] or 'value'}")
+    better = free_name(owner, f"{name}_{maker.partition('_')[0] or 'value'}")
     also = f" and on line{'s' * (len(lines) > 1)} {' and '.join(map(str, lines))}" if lines else ""
     cause = f"self.{name} is assigned here, which hides the method {name}()."
     fix = f"write self.{better} instead of self.{name} on this line{also}"
@@ -101,7 +102,7 @@ def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
                 lines = sorted({n.lineno for n in uses} - {node.lineno})
                 also = f" and on line{'s' * (len(lines) > 1)} {', '.join(map(str, lines))}" if lines else ""
                 cause = f"{name} is already a property of every node, and cannot be assigned."
-                fix = f"write self.{_free_name(owner, name)} instead of self.{name} here{also}"
+                fix = f"write self.{free_name(owner, name)} instead of self.{name} here{also}"
                 found.setdefault(name, (cause, fix))
             case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=value) if is_self_attribute(
                 target
@@ -111,18 +112,9 @@ def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
                     cause = f"rclpy itself uses self.{name} in every node, and this overwrites it."
                     found[name] = (
                         cause,
-                        f"write self.{_free_name(owner, name[1:])} instead, also where it is used",
+                        f"write self.{free_name(owner, name[1:])} instead, also where it is used",
                     )
     return found
-
-
-def _free_name(owner: NodeClass, wished: str) -> str:
-    """Return a name that neither a node nor the class has: the one that is wished, or it with underscores after it."""
-    taken = node_members() | owner.attributes
-    taken |= {node.attr for node in walk(owner.definition) if is_self_attribute(node)}
-    while wished in taken:
-        wished += "_"
-    return wished
 
 
 def _demanded_by_node(method: Function) -> int:
