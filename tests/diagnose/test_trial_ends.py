@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,8 +15,9 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.trial import try_out
-from ros2lab.trial.run import own_file
+from ros2lab.trial.run import _why_none, own_file
 from ros2lab.trial.seen import Seen, seen_faults
+from ros2lab.trial.story import told_of
 
 SAID = Heard(STRING, "/status_publisher", [0.0, 0.5, 1.0], [{"data": "start"}] * 3, 3)
 OTHER = "Traceback (most recent call last):\nKeyError: 'left'"
@@ -180,6 +182,71 @@ def test_a_node_that_was_not_added_is_to_be_added(tmp_path: Path, added: str, is
     found = seen_unspun(tmp_path, main, "", makes="self.size = 0")
     assert ("executor.add_node(second)" in found.fix) is is_told
     assert ("do not wait, sleep" in found.fix) is not is_told
+
+
+@pytest.mark.parametrize(
+    ("also", "is_told"),
+    [
+        ("", False),
+        ("second.create_timer(1.0, lambda: out.publish(String()))", True),
+        ("second.create_client(Trigger, 'go')", True),
+        ("watch(second)", True),
+    ],
+)
+def test_a_node_that_only_publishes_needs_no_spin(tmp_path: Path, also: str, is_told: bool) -> None:
+    made = f"    second = rclpy.create_node('second')\n    out = second.create_publisher(String, 'other', 10)\n    {also or 'pass'}\n"
+    files = right_workspace()
+    main = f"{made}    executor = MultiThreadedExecutor()\n    executor.add_node(node)\n    try:\n        executor.spin()\n"
+    root = files.change("node", TRY, main).write(tmp_path)
+    run = run_of("status_publisher", "/robot/report", STRING, SAID)
+    run = replace(run, nodes=["/second"], parameters={})
+    assert [one.code for one in told(root, run)] == ["not-spinning"] * is_told
+
+
+@pytest.mark.parametrize(
+    ("line", "is_told"),
+    [
+        ("kind = sys.argv[1]", False),
+        ("period = float(remove_ros_args(sys.argv)[1])", False),
+        ("words = sys.argv[1:]\n    print(words[0])", False),
+        ("words = []\n    print(words[0])", True),
+    ],
+)
+def test_a_program_that_wants_arguments_has_no_fault(tmp_path: Path, line: str, is_told: bool) -> None:
+    """It is given none while it is watched."""
+    init = "    rclpy.init(args=args)\n"
+    root = right_workspace().change("node", init, f"{init}    {line}\n").write(tmp_path)
+    (path,) = root.glob("src/*/*/status_publisher.py")
+    last = line.splitlines()[-1].strip()
+    number = next(n for n, text in enumerate(path.read_text().splitlines(), 1) if text.strip() == last)
+    said = f'Traceback (most recent call last):\n  File "{path}", line {number}, in main\n    {last}\nIndexError: list index out of range\n'
+    run = replace(run_of("status_publisher", "/robot/report", STRING, None), ended={"status_publisher": said})
+    assert [one.code for one in told(root, run)] == ["python-error"] * is_told
+    story = told_of(Seen(Look(root), assignments.load(), [run], []), run, {})
+    assert ("without the arguments that it reads" in story) is not is_told
+    assert "the last that it printed is 'IndexError: list index out of range'" in story
+
+
+@pytest.mark.parametrize(
+    ("is_built", "has_program", "said"),
+    [
+        (False, True, "build the workspace"),
+        (True, True, "build the workspace"),
+        (True, False, "only installed"),
+    ],
+)
+def test_it_is_said_why_nothing_is_run(tmp_path: Path, is_built: bool, has_program: bool, said: str) -> None:
+    files = right_workspace()
+    if not has_program:
+        (points,) = re.findall(r"'console_scripts': \[.*?\]", files.texts[files.path("setup.py")], re.DOTALL)
+        files.change("setup.py", points, "'console_scripts': []")
+    root = files.write(tmp_path)
+    for package in root.glob("src/*") if is_built else ():
+        index = root / "install" / package.name / "share/ament_index/resource_index/packages"
+        index.mkdir(parents=True)
+        (index / package.name).touch()
+        (root / "install/setup.bash").touch()
+    assert said in _why_none(Look(root))
 
 
 THREAD = "self.reader = threading.Thread(target=self.read)"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.printed.error_text import read_error
+from ros2lab.diagnose.printed.spots import spot_of
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.judging.player import finds_no_keyboard
 
@@ -68,7 +69,7 @@ def needs_others(seen: Seen, run: Run) -> bool:
 def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     """Explain the exception that ended a program; ending with a message of its own is no fault."""
     said = run.ended[name]
-    if not read_error(said).reports or finds_no_keyboard(said):
+    if not read_error(said).reports or finds_no_keyboard(said) or lacks_arguments(seen, said):
         return  # nobody types while a program is watched
     if explained := [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]:
         yield explained[0]
@@ -77,6 +78,15 @@ def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     when = "by itself" if word is None else f"when {word!r} comes on {run.commanded}"
     last = said.strip().splitlines()[-1]
     yield Finding("program-ends", f"The program {name} ends {when}: {last}", seen.main(name))
+
+
+def lacks_arguments(seen: Seen, said: str) -> bool:
+    """Return whether a program failed in a line about its arguments, of which it is given none while it is watched."""
+    spot = spot_of(read_error(said).report, seen.look)
+    read = {node.id for node in spot.whole if isinstance(node, ast.Name)}
+    values = [value for name in read for value in spot.assigned(name)]
+    nodes = [*spot.whole, *(inner for value in values for inner in ast.walk(value))]
+    return any(getattr(node, "attr", getattr(node, "id", "")) == "argv" for node in nodes)
 
 
 def made(seen: Seen) -> set[str]:

@@ -82,13 +82,7 @@ def try_out(
     look = Look(root, loads=True)
     programs = [*itertools.islice(_programs(look, Workspace(root).overlay), MOST_PROGRAMS)]
     if not programs:
-        return Trial(
-            [],
-            [
-                "No package in this workspace has installed a program; build the workspace, then run this again."
-            ],
-            read,
-        )
+        return Trial([], [_why_none(look)], read)
     assignment = _assignment_for(look)
     environment.remove_dead_shared_memory()
     with scratch_folder() as notes, contextlib.ExitStack() as leases:
@@ -115,6 +109,16 @@ def try_out(
         *([] if found or wrong else (f"{finding.cause} ({finding.place})" for finding in never)),
     ]
     return Trial(ranked([*wrong, *(never if found or wrong else []), *found]), story, read)
+
+
+def _why_none(look: Look) -> str:
+    """Say why no program of a workspace can be run."""
+    are_built = bool(look.packages) and all(prefix_of(look.root, package.name) for package in look.packages)
+    if are_built and not any(package.setup and package.setup.entry_points for package in look.packages):
+        return (
+            "No package in this workspace has installed a program, and only installed programs are run here."
+        )
+    return "No package in this workspace has installed a program; build the workspace, then run this again."
 
 
 def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:

@@ -239,8 +239,8 @@ def _waits(seen: Seen, run: Run, name: str) -> Finding | None:
     """Return why a node is not spun; None if all are, or if a node needs no spin."""
     # A program that waits for a service is judged by its run together with the others.
     judged = [*seen.together, run][0] if needs_others(seen, run) else run
-    unspun = _unspun(seen, judged, run.nodes)
-    return unspun_fault(seen, judged, name, min(unspun).rpartition("/")[2]) if unspun else None
+    unspun = (node.rpartition("/")[2] for node in sorted(_unspun(seen, judged, run.nodes)))
+    return next(filter(None, (unspun_fault(seen, judged, name, node) for node in unspun)), None)
 
 
 def _unspun(seen: Seen, run: Run, nodes: Sequence[str]) -> set[str]:

@@ -12,7 +12,7 @@ from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Heard, Run
 from ros2lab.grading.judging.player import finds_no_keyboard
 from ros2lab.rhythm import median_gap
-from ros2lab.trial.ends import word_that_ended
+from ros2lab.trial.ends import lacks_arguments, word_that_ended
 from ros2lab.trial.unmade import unmade_notes
 
 if TYPE_CHECKING:
@@ -35,10 +35,7 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     parts += [f"subscribed to {topic}{_missed(seen, run, topic, called)}" for topic in run.subscribes]
     if run.ended:
         word = word_that_ended(run)
-        is_asking = finds_no_keyboard(run.ended.get(name) or "")
-        alone = (
-            "asked the keyboard, where nobody types while it is watched" if is_asking else "ended by itself"
-        )
+        alone = _ended(seen, run.ended.get(name) or "")
         parts.append(alone if word is None else f"ended when it was sent {word!r}")
     parts += _offered(seen, seen.main(name))
     parts += [f"uses {topic}, which is not watched here" for topic in seen.unwatched(seen.main(name))]
@@ -57,6 +54,16 @@ def _standing(seen: Seen, run: Run, called: Called) -> list[str]:
         f"{one.cause.rstrip('.')} ({one.place}): {one.fix}."
         for one in stands_still(entrance, gets_nothing=True)
     ]
+
+
+def _ended(seen: Seen, said: str) -> str:
+    """Describe how a program ended alone, by the last that it printed."""
+    if finds_no_keyboard(said):
+        return "asked the keyboard, where nobody types while it is watched"
+    last = next(reversed(said.strip().splitlines()), "")
+    printed = f"; the last that it printed is {last!r}" if last else ""
+    without = ", run without the arguments that it reads" if lacks_arguments(seen, said) else ""
+    return f"ended by itself{without}{printed}"
 
 
 def _unshown(seen: Seen, file: str, called: Called) -> list[str]:

@@ -30,6 +30,8 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding | None:
     None if nothing comes of it: the node has no callbacks, and the program does not wait for anything in vain.
     """
     found = seen.entrance(name)
+    if found is not None and _only_publishes(found, node):
+        return None
     spot, is_called_back = _stood(seen, str(run.stopped.get(name, {}).get("said", "")))
     if spot is not None and (told := waited_for(seen, spot)):
         return told
@@ -195,6 +197,20 @@ def _left_out(entrance: Entrance, node: str) -> Finding | None:
         last.source.at(statement),
         f"write `{executor}.add_node({name})` below line {last.call.lineno}, `{ast.unparse(last.call)}`",
     )
+
+
+def _only_publishes(entrance: Entrance, node: str) -> bool:
+    """Return whether a node of no class of its own is used only for what calls nothing back, such as publishers."""
+    for made in filter(entrance.makes_node, entrance.calls):
+        named = [given.value for given in made.call.args[:1] if isinstance(given, ast.Constant)]
+        kept = made.source.name_of(made.call)
+        if named != [node] or made.name in entrance.sources.classes or not kept:
+            continue
+        uses = [n for n in made.source.nodes if isinstance(n, ast.expr) and ast.unparse(n) == kept]
+        asked = [made.source.above(use) for use in uses if isinstance(getattr(use, "ctx", None), ast.Load)]
+        names = [n.attr if isinstance(n, ast.Attribute) else "create_" for n in asked]
+        return all(name == "create_publisher" or not name.startswith(("create_", "add_")) for name in names)
+    return False
 
 
 def _is_node(entrance: Entrance, value: ast.expr) -> bool:
