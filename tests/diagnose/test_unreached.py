@@ -75,4 +75,8 @@ def test_what_nothing_begins_is_told(tmp_path: Path, body: str, fix: str) -> Non
 def test_what_something_begins_is_called(
     tmp_path: Path, body: str, begin: str, after: str, codes: list[str]
 ) -> None:
-    assert [finding.code for finding in found_in(tmp_path, body, begin, after)] == codes
+    found = found_in(tmp_path, body, begin, after)
+    assert [finding.code for finding in found] == codes
+    for finding in found:  # it may be meant to go on, or as a delay
+        assert "if it is to fire again and again" in finding.fix
+        assert "cancel it in its own callback" in finding.fix

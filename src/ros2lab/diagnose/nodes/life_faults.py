@@ -322,7 +322,7 @@ _AGAIN = {
     "create_timer": (
         "timer-in-callback",
         "starts another timer each time, while the earlier ones keep running",
-        "create the timer once, in __init__, or cancel the old one first",
+        "create the timer once, in __init__, if it is to fire again and again; if it is to fire once after each call, keep it in an attribute of self, cancel here the one that was kept before, and cancel it in its own callback, too",
     ),
     **{
         f"create_{what}": (
