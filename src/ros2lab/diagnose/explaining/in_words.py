@@ -19,11 +19,17 @@ from ros2lab.diagnose.code.syntax import explained
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.not_found import below_folders, no_module, wrong_import
 from ros2lab.diagnose.explaining.not_set import as_written, not_set
+from ros2lab.diagnose.explaining.substituted import substituted
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field
 from ros2lab.diagnose.nodes.parameter_faults import of_parameter_file
-from ros2lab.diagnose.nodes.parameter_values import given_at, retyped, type_in_words, value_in_words
+from ros2lab.diagnose.nodes.parameter_values import (
+    given_at,
+    retyped,
+    type_in_words,
+    value_in_words,
+)
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
@@ -83,6 +89,8 @@ def _in_words(
             return Finding(code, cause, "", fix)
         is_declared = groups["wanted"] == "INTEGER" and not groups["value"].lstrip("-").isdigit()
         place = place if is_declared else given_at(groups["name"], look, error.typed) or place
+        given = spot_at(place, look)
+        do = substituted(groups["name"], groups["value"], groups["wanted"], given) or do
     elif code == "publish-text" and groups.get("given") and (sent := published(spot_at(place, look))):
         do = filling(f"{groups['package']}.msg.{groups['wanted']}", sent[0], groups["given"])
     elif "what" in groups and "name" in groups:

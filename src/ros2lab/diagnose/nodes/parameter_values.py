@@ -20,7 +20,8 @@ def given_at(name: str, look: Any, typed: Collection[str]) -> str:
     for package in look.packages if look else ():
         for path in [*package.launch_files, *package.parameter_files]:
             for number, line in enumerate(read_text(path).splitlines(), 1):
-                if re.search(rf"(?<![\w.])['\"]?{re.escape(name.rpartition('.')[2])}['\"]?\s*:", line):
+                short = re.escape(name.rpartition(".")[2])
+                if re.search(rf"(?<![\w.])['\"]?{short}['\"]?\s*:|<param\b.*\bname=['\"]{short}['\"]", line):
                     return at(package.shown(str(path.relative_to(package.folder))), number)
     return ""
 
