@@ -149,6 +149,42 @@ def test_the_command_that_was_meant_is_told(
     assert first.fix == f"type `{meant}`"
 
 
+@pytest.mark.parametrize(
+    ("wrong", "path", "right"),
+    [
+        ("ros2 bag record -o src /x", "src", "type `ros2 bag record -o src_2 /x`"),
+        ("mkdir src", "src", "type `mkdir src_2`"),
+        ("ln -s src/my_bot src/my_bot/setup.py", "src/my_bot/setup.py", "mv src/my_bot/setup.py"),
+        ("git init -q other.git; git clone other.git src", "src", "mv src src_old"),
+    ],
+)
+def test_what_a_command_should_make_exists_already(
+    workspace: Path, wrong: str, path: str, right: str
+) -> None:
+    """It may be kept, be given another name, or be moved away; nothing is removed."""
+    finding = explained(f"student$ {wrong}\n{typed(wrong, workspace).stdout}", workspace)
+    assert finding.cause.startswith(f"{path} exists already")
+    assert right in finding.fix
+
+
+def test_a_bag_that_exists_is_told_without_its_command_and_what_a_node_says_is_not(workspace: Path) -> None:
+    said = "[ERROR] [ros2bag]: Output folder 'lap' already exists."
+    assert explained(said, workspace).cause.startswith("lap exists already")
+    (finding,) = of_text(f"$ ros2 run my_bot talker\n{said.replace('ros2bag', 'talker')}", workspace)
+    assert "exists already" not in finding.cause
+
+
+def test_a_folder_that_a_program_makes_twice(tmp_path: Path) -> None:
+    files = Files.right(NAMES[1]).change(
+        "my_bot/talker.py", "import rclpy\n", "import os\n\nimport rclpy\n\nos.mkdir('log')\n"
+    )
+    workspace = files.write(tmp_path / "ws")
+    text = typed("mkdir log; PYTHONPATH=src/my_bot:$PYTHONPATH python3 -c 'import my_bot.talker'", workspace)
+    finding = explained(text.stdout, workspace)
+    assert "os.makedirs('log', exist_ok=True)" in finding.fix
+    assert finding.place.startswith("src/my_bot/my_bot/talker.py:")
+
+
 def test_a_command_that_did_what_it_was_told(workspace: Path) -> None:
     """A package that was made just now is no reason for another name."""
     text = typed("cd src && ros2 pkg create --build-type ament_python mine", workspace).stdout

@@ -17,6 +17,7 @@ from shlex import quote
 from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
 from ros2lab.diagnose.explaining.started_files import of_line_ends
+from ros2lab.diagnose.explaining.there_already import existing_folder, of_existing
 from ros2lab.diagnose.explaining.warnings_told import of_warning
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
@@ -107,8 +108,8 @@ def passed_on(line: str, error: ErrorText, look: Look) -> Finding | None:
     if usage := _USAGE.match(line):
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):
-        return _of_system(said, look)
-    return _sentence(line, error, look)
+        return of_existing(line, step_with(line, error.steps), look) or _of_system(said, look)
+    return of_existing(line, step_with(line, error.steps), look) or _sentence(line, error, look)
 
 
 def _concerns(warning: re.Match[str], step: Step) -> bool:
@@ -372,6 +373,9 @@ def of_python(report: ErrorReport, place: str, look: Look) -> Finding | None:
     if said := _SYSTEM_SAYS.match(report.message):
         number, words = SYSTEM[said["said"]], re.findall(r"'([^']+)'", said["after"] or "")
         if number == errno.ENOENT and words and (found := of_missing_file(words[0], place, look)):
+            return found
+        text = spot_of(report, look).text
+        if number == errno.EEXIST and words and (found := existing_folder(words[0], text, place)):
             return found
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
