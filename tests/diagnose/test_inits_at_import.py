@@ -1,9 +1,10 @@
-"""Where rclpy.init() runs because a file is imported, a node may be made without a call in main."""
+"""What runs because a file is imported: rclpy.init(), so that main needs none, or what never ends, so that main is never reached."""
 
 from __future__ import annotations
 
 import pytest
 
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import source_faults
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource
@@ -12,6 +13,10 @@ NODE = "from rclpy.node import Node\nimport rclpy\n{imports}\n\ndef main():\n   
 
 
 def codes(imports: str, **files: str) -> list[str]:
+    return [finding.code for finding in found(imports, **files)]
+
+
+def found(imports: str, **files: str) -> list[Finding]:
     texts = {
         "pk.node": NODE.format(imports=imports),
         **{name.replace("__", "."): text for name, text in files.items()},
@@ -19,7 +24,7 @@ def codes(imports: str, **files: str) -> list[str]:
     sources = NodeSources(
         {name: PythonSource(name, f"{name}.py", text, name == "pk") for name, text in texts.items()}
     )
-    return [finding.code for finding in source_faults(sources)]
+    return [*source_faults(sources)]
 
 
 @pytest.mark.parametrize(
@@ -47,3 +52,63 @@ def test_what_runs_at_import_counts(imports: str, files: dict[str, str]) -> None
 )  # fmt: skip
 def test_what_does_not_run_at_import_does_not_count(imports: str, files: dict[str, str]) -> None:
     assert "rclpy-init-missing" in codes(imports, **files)
+
+
+FAN = """\
+import threading
+import rclpy
+from rclpy.node import Node
+
+LIMIT = 3
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Node('fan'))
+
+
+def wait(is_short=False):
+    while rclpy.ok():
+        if is_short:
+            return
+
+
+{top}
+"""
+
+
+@pytest.mark.parametrize(
+    ("imports", "top", "fix"),
+    [
+        ("from pk.fan import LIMIT", "main()", "above this line"),
+        ("import pk.fan", "try:\n    main()\nexcept KeyboardInterrupt:\n    pass", "move this"),
+        ("from pk import fan", "rclpy.init()\nrclpy.spin(Node('fan'))", "move this"),
+        ("import pk.fan", "while True:\n    print(LIMIT)", "move this"),
+        ("from pk.other import LIMIT", "def go():\n    main()\n\n\ngo()", "above this line"),
+    ],
+)
+def test_a_program_is_not_reached_where_an_import_does_not_end(imports: str, top: str, fix: str) -> None:
+    other = "from pk.fan import LIMIT\n"
+    told = [
+        f for f in found(imports, pk__fan=FAN.format(top=top), pk__other=other) if f.code == "never-called"
+    ]
+    assert [(finding.place.partition(":")[0], "line 3" in finding.cause) for finding in told] == [
+        ("pk.fan.py", True)
+    ]
+    assert fix in told[0].fix
+
+
+@pytest.mark.parametrize(
+    ("imports", "top"),
+    [
+        ("from pk.fan import LIMIT", "if __name__ == '__main__':\n    main()"),
+        ("from pk.fan import LIMIT", "threading.Thread(target=main, daemon=True).start()"),
+        ("from pk.fan import LIMIT", "wait(True)"),
+        ("from pk.fan import LIMIT", "if LIMIT > 4:\n    main()"),
+        ("from pk.fan import LIMIT", "while True:\n    break"),
+        ("if False:\n    import pk.fan", "main()"),
+        ("", "main()"),
+    ],
+)
+def test_a_program_is_reached_where_each_import_ends_or_may_end(imports: str, top: str) -> None:
+    assert "never-called" not in codes(imports, pk__fan=FAN.format(top=top))

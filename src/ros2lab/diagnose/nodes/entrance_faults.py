@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding, lines_in_words
+from ros2lab.diagnose.nodes.import_work import import_work
 from ros2lab.diagnose.nodes.one_executor import joined, joined_after, spun_together
 from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, rests, stands_still
 from ros2lab.diagnose.sources.caught import may_be_caught
@@ -31,6 +32,7 @@ def entrance_faults(entrance: Entrance, mains: Collection[str]) -> Iterator[Find
     if entrance.node is None:
         yield from _left_aside(entrance, mains)
         return
+    yield from import_work(entrance)
     yield from _init(entrance)
     for call in entrance.calls:
         is_rclpys = call.name == "rclpy.init" or (

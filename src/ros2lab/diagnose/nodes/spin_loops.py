@@ -21,7 +21,7 @@ def _turning(entrance: Entrance) -> Iterator[tuple[ast.While, Call]]:
     turns = {id(turn.call): turn for turn in entrance.calls if turn.short == "spin_once"}
     for loop in (node for function in entrance.functions for node in own_nodes(function)):
         inside = [turns[id(node)] for node in walk(loop) if id(node) in turns]
-        if isinstance(loop, ast.While) and inside and _is_endless(loop, inside[0].source):
+        if isinstance(loop, ast.While) and inside and is_endless(loop, inside[0].source):
             yield loop, inside[0]
 
 
@@ -99,7 +99,7 @@ def _is_too_slow(entrance: Entrance, length: float) -> bool:
     return len(made) > 1 or any(isinstance(period, (int, float)) and period <= length for period in periods)
 
 
-def _is_endless(loop: ast.While, source: PythonSource) -> bool:
+def is_endless(loop: ast.While, source: PythonSource) -> bool:
     """Return whether only Ctrl-C ends a loop."""
     by_error = {id(n) for h in walk(loop) if isinstance(h, ast.ExceptHandler) for n in walk(h)}
     ends = (node for node in own_nodes(loop) if isinstance(node, (ast.Break, ast.Return, ast.Raise)))

@@ -50,7 +50,7 @@ def calls_in_one_run(function: Function, is_asked: _IsAsked) -> _Calls:
     return max([end or [], *left], key=len)
 
 
-def is_always_reached(function: Function, node: ast.AST) -> bool:
+def is_always_reached(function: Function | ast.Module, node: ast.AST) -> bool:
     """Return whether every run of a function comes to a node: no branch, loop or earlier `return` decides."""
     return _comes_to(function.body, node)
 
