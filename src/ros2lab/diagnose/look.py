@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab import course
+from ros2lab.diagnose.code.angles import angle_faults
 from ros2lab.diagnose.code.argument_names import argument_name_faults
 from ros2lab.diagnose.code.bare_imports import bare_imports
 from ros2lab.diagnose.code.changed_loops import changed_loops
@@ -431,9 +432,9 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
         defined_once,
         line_end_faults,
         burst_faults,
+        *(flow_faults, unit_faults, angle_faults, lock_faults, use_faults, argument_name_faults),
+        parameter_faults,
     ):
-        yield from guarded(rule, sources)
-    for rule in (flow_faults, unit_faults, lock_faults, use_faults, argument_name_faults, parameter_faults):
         yield from guarded(rule, sources)
 
 
