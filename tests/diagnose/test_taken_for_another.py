@@ -134,7 +134,7 @@ def test_a_class_that_hides_the_message_type_that_it_imports(tmp_path: Path) -> 
     first = of_workspace(root)[0]
     assert (first.code, first.fix) == (
         "name-shadowed",
-        "rename the class to StringNode, here and where it is used",
+        "rename the class to StringNode, here and where the class is meant; String stays where the message is",
     )
     said = "AttributeError: type object 'type' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message type"
     line = first.place.rpartition(":")[2]

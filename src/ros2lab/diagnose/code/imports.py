@@ -69,7 +69,7 @@ def hidden_types(source: PythonSource) -> Iterator[Finding]:
         what = "class" if isinstance(node, ast.ClassDef) else "function"
         better = f"{node.name}Node" if what == "class" else f"{node.name}_node"
         cause = f"The {what} {node.name} has the same name as the message type imported on line {imported.line}, so from here on {node.name} means the {what}, not the message."
-        fix = f"rename the {what} to {better}, here and where it is {'used' if what == 'class' else 'called'}"
+        fix = f"rename the {what} to {better}, here and where the {what} is meant; {node.name} stays where the message is"
         yield Finding("name-shadowed", cause, source.at(node), fix, (node.name,))
 
 

@@ -282,7 +282,8 @@ class _Command:
                 type(default).__name__, "an integer"
             )
             yield Corrected(
-                self._with(word, right), f"The parameter {name} is {kind} and cannot be {word!r}."
+                self._with(word, right),
+                f"The parameter {name} is {kind}, so {right} is accepted, and {word} is not.",
             )
 
     def _launch_arguments(self, words: list[str]) -> Iterator[Corrected]:

@@ -24,8 +24,8 @@ MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"was created with the layout '(?P<name>\w+)'",
         "link-stale",
-        "The folder install was made by a build with a different layout ({name}), with or without --merge-install, and cannot hold both.",
-        "use the same options as before; or rm -r build install log, build again with these, and source install/setup.bash in a new terminal",
+        "The folder install has the layout {name}, but this build asks for the other one, and a folder cannot hold both: isolated is without --merge-install, merged with it.",
+        "build with the layout that is there; or rm -r build install log, build again with these, and source install/setup.bash in a new terminal",
     ),
     meaning(
         r"Duplicate package names not supported",

@@ -123,9 +123,9 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "write a separate line for each severity, with the logger of this line: one that calls .info(...) and another one that calls .warning(...)",
     ),
     meaning(
-        r"UnknownROSArgsError: (?P<name>\[.*\])",
+        r"UnknownROSArgsError: \[(?P<name>.*)\]",
         "typed-wrong launch-argument",
-        "After --ros-args there is {name}, which ROS does not know.",
+        "After --ros-args there is {name}, which ROS does not know there; each parameter needs a -p of its own, each remapping a -r.",
         "put a value with a space in quotes, or write _ instead of the space, and put the node's own arguments before --ros-args",
     ),
     meaning(

@@ -65,7 +65,9 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
     if hidden and sourced:
         variable = _VARIABLE.match(hidden)["name"]  # type: ignore[index]
         cause = f"`{hidden}` removes what sourcing put into {variable}, so {name} is no longer found"
-        fix = f"{fix}, and remove `{hidden}`, also from ~/.bashrc"
+        value = hidden.partition("=")[2].strip("'\"")
+        kept = f"write `export {variable}=${variable}:{value}` instead of `{hidden}`"
+        fix = f"{fix}, and {kept if value else f'remove `{hidden}`'}, also in ~/.bashrc"
     elif sourced and built and last < built[-1]:
         cause = (
             f"The workspace was sourced before {name} was built, and a terminal does not notice later builds"
