@@ -46,8 +46,9 @@ from ros2lab.diagnose.nodes.life_faults import life_faults
 from ros2lab.diagnose.nodes.message_faults import message_faults
 from ros2lab.diagnose.nodes.named_alike import named_alike
 from ros2lab.diagnose.nodes.node_faults import node_faults
-from ros2lab.diagnose.nodes.parameter_faults import file_faults, parameter_faults
+from ros2lab.diagnose.nodes.parameter_faults import file_faults
 from ros2lab.diagnose.nodes.partners import Partners
+from ros2lab.diagnose.nodes.read_parameters import parameter_faults
 from ros2lab.diagnose.nodes.service_faults import service_faults
 from ros2lab.diagnose.nodes.taken_names import taken_packages
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of, topic_faults

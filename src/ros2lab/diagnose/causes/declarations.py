@@ -12,7 +12,8 @@ from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.parameter_faults import declared_in, default_by_use
+from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.nodes.read_parameters import default_by_use, of_another_node
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of, first_texts, names_given
@@ -143,8 +144,9 @@ def _undeclared(use: _Use) -> Finding:
         where = f"above line {here}, and {written} below it, indented"
         written = f"`if not {use.node}.has_parameter({text}):`"
     more = "; replace the dots with its default value" if "...)" in written + where else ""
-    close = nearest(name, declared, 0.5)
-    fix = f"write {written} {where}{more}"
+    close, fix = nearest(name, declared, 0.5), f"write {written} {where}{more}"
+    if asked := of_another_node(name, declared, use.sources.node_names()):
+        (there, fix), close = asked, None
     fix = f"write {close!r} if that is meant; else {fix}" if close and not comes else fix
     cause = f"The parameter {name!r} is read and never declared.{comes}{there}"
     return Finding("parameter-undeclared", cause, use.source.at(here), fix)

@@ -15,10 +15,11 @@ from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Packages, Started, started_in
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, is_node
+from ros2lab.diagnose.nodes.parameter_values import of_its_type
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.parameter_file import line_of
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, write_instead
+from ros2lab.diagnose.sources.spelling import is_near_miss, may_mean, nearest, write_instead
 
 # The sources of a package, and the module in which a node is made.
 _Home = tuple[NodeSources, str]
@@ -142,10 +143,12 @@ def _fault(
         cause = f"{giver} sets the parameter {name}, but {node} does not declare it, so ROS ignores it; {node} declares {', '.join(sorted(declared))}."
         declare = f"self.declare_parameter({name!r}, {value!r})"
         others = {other for other, _ in _flat(among)}
-        close = nearest(name, [*declared], 0.7) or nearest(name, {*declared} - others, 0.5)
+        meant = [other for other in declared if may_mean(name, other, declared)]
+        close = nearest(name, meant, 0.7) or nearest(name, {*meant} - others, 0.5)
         fix = f"declare it: {declare}"
         if close:
-            fix = f"{write_instead(close, name, others)}, or declare it: {declare}"
+            typed = of_its_type(value, declared[close]) if close not in others else ""
+            fix = f"{write_instead(close, name, others)}{typed}, or declare it: {declare}"
         yield Finding("parameter-name", cause, place, fix)
 
 

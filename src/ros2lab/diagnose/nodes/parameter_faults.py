@@ -1,4 +1,4 @@
-"""Faults in parameters: how sources declare and read them, and how YAML files set them."""
+"""Faults in parameters: how sources declare them, and how YAML files set them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at, not_read
-from ros2lab.diagnose.nodes.parameter_values import value_fix
+from ros2lab.diagnose.nodes.parameter_values import of_its_type, value_fix
 from ros2lab.diagnose.nodes.replaced_values import replaced_values
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -24,113 +24,14 @@ from ros2lab.diagnose.sources.parameter_file import (
     parameter_file_repair,
     read_parameter_file,
 )
-from ros2lab.diagnose.sources.python_source import PythonSource, argument, children, read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, write_instead
+from ros2lab.diagnose.sources.python_source import (
+    PythonSource,
+    argument,
+    last_name,
+    read_text,
+)
+from ros2lab.diagnose.sources.spelling import is_near_miss, write_instead
 from ros2lab.diagnose.sources.static_value import UNKNOWN
-
-
-def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield parameters that a node reads but never declares, or reads as another type."""
-    declared = declared_in(sources)
-    if declared is None:
-        return
-    yield from _read_as_another(sources, declared)
-    for source in sources.sources.values():
-        if "undeclared_parameters" in source.text or "automatically_declare" in source.text:
-            return
-    for source in sources.sources.values():
-        if sources.hands_itself_on(source):
-            continue
-        makes_node = any(sources.resolve(source, node) == "rclpy.create_node" for node in source.nodes)
-        for node in source.nodes:
-            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args):
-                continue
-            is_own = makes_node or getattr(node.func.value, "id", "") == "self"
-            if node.func.attr != "get_parameter" or not is_own:
-                continue
-            name = sources.value(source, node.args[0])
-            if isinstance(name, str) and name not in declared and name != "use_sim_time":
-                there = f" The declared parameters are: {', '.join(sorted(declared))}." if declared else ""
-                close = nearest(name, declared, 0.5)
-                default = default_by_use(source.nodes, node) or "..."
-                declare = (
-                    f"`self.declare_parameter({name!r}, {default})` in the constructor, before it is read"
-                )
-                declare += "; replace the dots with its default value" * (default == "...")
-                cause = f"The parameter {name!r} is read but never declared.{there}"
-                fix = (
-                    f"write {close!r} if that is meant; otherwise {declare}" if close else f"write {declare}"
-                )
-                yield Finding("parameter-undeclared", cause, source.at(node), fix)
-
-
-_FIELDS = {bool: "bool_value", int: "integer_value", float: "double_value", str: "string_value"}
-
-
-# A default that suits how the value is used.
-_BY_USE = {
-    "double_value": "1.0",
-    "integer_value": "1",
-    "string_value": "''",
-    "bool_value": "False",
-    "float": "1.0",
-    "int": "1",
-    "str": "''",
-    "bool": "False",
-    "create_timer": "1.0",
-    "sleep": "1.0",
-}
-
-
-def default_by_use(nodes: Iterable[ast.AST], call: ast.AST, *, follows: bool = True) -> str | None:
-    """Return a default that suits how a parameter's value is used, if it follows also in a variable; None if that says nothing."""
-    above = {id(inner): node for node in nodes for inner in children(node)}
-    while (node := above.get(id(call))) is not None:
-        match node:
-            case ast.Attribute(attr=attr) if attr in _BY_USE:
-                return _BY_USE[attr]
-            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _BY_USE:
-                return _BY_USE[name]
-            case ast.BinOp(op=ast.Mult() | ast.Div() | ast.Sub()):
-                return "1.0"
-            case ast.Assign(targets=[target]) if node.value is call and follows:
-                return _default_by_name(nodes, target)
-            case ast.stmt():
-                return None
-        call = node
-    return None
-
-
-def _default_by_name(nodes: Iterable[ast.AST], target: ast.expr) -> str | None:
-    """Return a default that suits how the name is used that holds a parameter's value; else None."""
-    text = ast.unparse(target)
-    alike = (n for n in nodes if isinstance(n, type(target)) and isinstance(n, (ast.Name, ast.Attribute)))
-    loads = [n for n in alike if isinstance(n.ctx, ast.Load) and ast.unparse(n) == text]
-    return next(filter(None, (default_by_use(nodes, load, follows=False) for load in loads)), None)
-
-
-def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield parameter values that are read from the field of another type, which is always empty."""
-    for source in sources.sources.values():
-        for node in source.nodes:
-            match node:
-                case ast.Attribute(
-                    attr=field,
-                    value=ast.Call(
-                        func=ast.Attribute(
-                            attr="get_parameter_value",
-                            value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[given]),
-                        )
-                    ),
-                ) if field in _FIELDS.values():
-                    name = sources.value(source, given)
-                    default = declared.get(name, UNKNOWN) if isinstance(name, str) else UNKNOWN
-                    right = _FIELDS.get(type(default), field)
-                    if right != field:
-                        cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {field} is always 0 or empty."
-                        yield Finding(
-                            "parameter-type", cause, source.at(node), f"write .{right} instead of .{field}"
-                        )
 
 
 def of_parameter_file(text: str, look: Any) -> Finding | None:
@@ -171,12 +72,16 @@ def unread_file(shown: str, text: str, error: ParameterFileError) -> Finding:
     return Finding("parameter-file-syntax", f"{shown} {said}: {why}.", place, fix)
 
 
-def declared_in(sources: NodeSources, files: Iterable[str] | None = None) -> dict[str, Any] | None:
-    """Return the parameters that all or some files declare, with defaults (or `UNKNOWN`); None if a name is not known."""
+def declared_in(
+    sources: NodeSources, files: Iterable[str] | None = None, but: Collection[int] = ()
+) -> dict[str, Any] | None:
+    """Return the parameters that all or some files declare, but for some calls, with defaults (or `UNKNOWN`); None if a name is not known."""
     found: dict[str, Any] = {}
     for source in sources.sources.values() if files is None else map(sources.sources.__getitem__, files):
         for node in source.nodes:
-            declared = _declared_by(sources, source, node) if isinstance(node, ast.Call) else {}
+            if not isinstance(node, ast.Call) or id(node) in but:
+                continue
+            declared = _declared_by(sources, source, node)
             if declared is None:
                 return None
             for name, default in declared.items():
@@ -186,13 +91,25 @@ def declared_in(sources: NodeSources, files: Iterable[str] | None = None) -> dic
     return found
 
 
+# A list of each type that a parameter may be declared with instead of a default.
+_LISTS: Mapping[str, Any] = {
+    "BOOL_ARRAY": [False],
+    "DOUBLE_ARRAY": [0.0],
+    "INTEGER_ARRAY": [0],
+    "STRING_ARRAY": [""],
+}
+
+
 def _declared_by(sources: NodeSources, source: PythonSource, call: ast.Call) -> dict[str, Any] | None:
     """Return the parameters that a call declares, with their defaults; None if a name is not known."""
     match getattr(call.func, "attr", ""):
         case "declare_parameter":
             name = sources.value(source, argument(call, 0, "name"))
             is_dynamic = "dynamic_typing" in ast.dump(call)
-            default = UNKNOWN if is_dynamic else sources.value(source, argument(call, 1, "value"))
+            written = argument(call, 1, "value")
+            default = (
+                UNKNOWN if is_dynamic else _LISTS.get(last_name(written), sources.value(source, written))
+            )
             return {name: default} if isinstance(name, str) else None
         case "declare_parameters":
             space = argument(call, 0, "namespace")
@@ -366,7 +283,8 @@ def _value_faults(
     near = next((known for known in declared if is_near_miss(name, known)), None)
     if near and name not in declared:
         cause = f"The file sets the parameter {name}, but the node declares {near}{', which keeps its default' * (near not in section)}."
-        yield Finding("parameter-name", cause, lines.at(name), write_instead(near, name, section))
+        fix = write_instead(near, name, section) + of_its_type(value, declared[near]) * (near not in section)
+        yield Finding("parameter-name", cause, lines.at(name), fix)
 
 
 def sections_of(content: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:

@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from ros2lab.diagnose.finding import at
+from ros2lab.diagnose.sources.parameter_file import kind_of
 from ros2lab.diagnose.sources.python_source import read_text
 
 
@@ -42,6 +43,12 @@ _KINDS = {
 def type_in_words(kind: str) -> str:
     """Return a type of parameters in words, such as `a whole number` for INTEGER."""
     return _KINDS.get(kind, kind)
+
+
+def of_its_type(value: Any, default: Any) -> str:
+    """Return what to add where a value is given to a parameter whose default has another type; empty if it fits."""
+    given, wanted = kind_of(value), kind_of(default)
+    return f", with {type_in_words(wanted)} as its value" if given and wanted and given != wanted else ""
 
 
 def value_in_words(value: str, kind: str) -> str:

@@ -13,16 +13,22 @@ from pathlib import Path, PurePosixPath
 def nearest(name: object, known: Iterable[object], cutoff: float = 0.7) -> str | None:
     """Return the known name most similar to `name`; None if none is similar enough.
 
-    A name that differs only in case and separators comes first. Anything but a string is similar to no name.
+    A name that differs only in case and separators, or in the order of its words, comes first. Anything but a string is similar to no name.
     """
     if not isinstance(name, str):
         return None
     names = {candidate for candidate in known if isinstance(candidate, str)}
     same = [candidate for candidate in names if candidate != name and _letters(candidate) == _letters(name)]
+    same = same or [other for other in names - {name} if _are_turned(name, other)]
     if same:
         return min(same, key=lambda candidate: (candidate.startswith("_"), candidate))
     close = difflib.get_close_matches(name, sorted(names - {name}), n=1, cutoff=cutoff)
     return close[0] if close else None
+
+
+def _are_turned(name: str, other: str) -> bool:
+    """Return whether two names have the same words in another order, such as `requires_python` and `python_requires`."""
+    return len(name) == len(other) and sorted(words_of(name)) == sorted(words_of(other))
 
 
 def snake_case(name: str) -> str:
@@ -101,13 +107,15 @@ def has_other_words(name: str, other: str) -> bool:
     return is_within if len(shorter) < len(longer) else len(longer) > 1 and not is_within
 
 
-def may_mean(name: str, member: str, known: Iterable[str]) -> bool:
+def may_mean(name: str, member: str, known: Collection[str]) -> bool:
     """Return whether a name may be meant as a similar one of a library.
 
-    Not if that has another word, nor if it is only one of several that have a word more.
+    Not if that has another word, nor if it or the name is only one of several that have a word more.
     """
     if not has_other_words(name, member):
         return True
+    if any(_are_lettered(name, other) for other in known):
+        return False  # `stop_b` beside `stop_a` is one more of them, and not `stop`
     parts = set(name.split("_"))
     longer = [other for other in known if set(other.split("_")) > parts and has_other_words(name, other)]
     return set(member.split("_")) < parts or longer == [member]
