@@ -9,6 +9,7 @@ from ros2lab.diagnose.code.idle_statements import tried_statements
 from ros2lab.diagnose.code.lost_fillings import is_shared, lost_fillings
 from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.sources.answered import ACCEPTED, plain_returns, unanswered
+from ros2lab.diagnose.sources.commented_out import disabled
 from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import called_function
@@ -111,13 +112,9 @@ def _never_sent(
             fix = f"write {ast.unparse(calls[0].func)}({name})"
             yield Finding("never-sent", f"{cause}: it publishes {given} instead.", source.at(calls[0]), fix)
         elif not calls and (publisher := _publisher(uses, owner, str(kind))):
-            last = function.body[-1]
-            where = f"as the last line of {function.name}()"
-            if node not in function.body:
-                where = f"below line {fills[-1].lineno}, with the same indentation"
-            elif isinstance(last, (ast.Return, ast.Raise)):
-                where = f"above line {last.lineno}"
-            fix = f"write `{publisher}.publish({name})` {where}"
+            line, back = disabled(source.text, rf"\.publish\({name}\)")
+            where = _sending_place(function, node, fills[-1].lineno)
+            fix = back if line else f"write `{publisher}.publish({name})` {where}"
             yield Finding("never-sent", f"{cause}.", source.at(fills[-1]), fix)
 
 
@@ -128,6 +125,19 @@ def _is_alone(source: PythonSource, function: Function, name: str) -> bool:
     made = [getattr(values.get(id(node)), "func", None) for node in bound]
     kinds = [source.resolve(called) or "" if called else "" for called in made]
     return not is_shared(function, name) and all(is_interface(k) or k.startswith("copy.") for k in kinds)
+
+
+def _sending_place(function: Function, made: ast.stmt, filled_at: int) -> str:
+    """Say where a message is sent that is made in a function and filled up to a line: there, or in the loop that waits below."""
+    body = function.body
+    around = next((n for n in body if n.lineno <= filled_at <= (n.end_lineno or n.lineno)), body[-1])
+    if made not in body or isinstance(around, (ast.For, ast.While)):
+        return f"below line {filled_at}, with the same indentation"
+    below = body[body.index(around) + 1 :]
+    loops = [n for n in below if isinstance(n, (ast.For, ast.While))]
+    if waiting := [n for n in loops if any("sleep" in last_name(call.func) for call in calls_in(walk(n)))]:
+        return f"as the first line of the loop on line {waiting[0].lineno}"
+    return f"above line {below[0].lineno}" if below else f"as the last line of {function.name}()"
 
 
 def _is_used(function: Function, name: str) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import lines_in_words
-from ros2lab.diagnose.sources.commented_out import comments_in
+from ros2lab.diagnose.sources.commented_out import out_of_use
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 
 _ACTIONS = ("launch.actions.", "launch_ros.actions.")
@@ -30,9 +30,9 @@ class Unlisted:
 
     @property
     def is_commented_out(self) -> bool:
-        """Whether a comment below it is code that names it, so that it is left out on purpose."""
+        """Whether code below it that is out of use names it, so that it is left out on purpose."""
         below = ast.parse("")
-        for number, text in comments_in(self.source.text):
+        for number, text, _ in out_of_use(self.source.text):
             if number > self._last and self.name in text:
                 with contextlib.suppress(SyntaxError, ValueError):
                     below.body += ast.parse(text.strip()).body

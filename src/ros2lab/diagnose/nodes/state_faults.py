@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import ast
+import re
+from collections import Counter
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.read_once import meant_to_change
 from ros2lab.diagnose.nodes.stale_values import computed_once
+from ros2lab.diagnose.sources.commented_out import disabled
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, Creation, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, own_nodes, parameters, walk
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, parameters, walk
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, words_of
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, holds
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import State, Uses, is_log
@@ -181,9 +184,7 @@ def _never_called(state: State) -> Iterator[Finding]:
         why, begun = "", ""
         if _is_callback(state, method, takes):
             why = "it is not passed to any timer, subscription or service"
-            begun = f"{_given_to(name, len(takes))} in __init__"
-            if len(takes) == 1 and not _is_message(state, method, takes[0]):
-                begun = f"write `self.{name}(...)` where its {takes[0]} is known, or remove it"
+            begun = _begun(state, method, takes)
         elif not state.uses.named[name] and (changed := _changed_alone(state, method)):
             why, begun = f"only it changes {changed}", _call_of(state, name, takes)
         if begun:
@@ -216,12 +217,37 @@ def _is_message(state: State, method: Function, name: str) -> bool:
     return not uses or name in ("msg", "message") or not all(map(state.source.is_called, read))
 
 
-def _given_to(name: str, takes: int) -> str:
-    return (
-        f"write `self.timer = self.create_timer(1.0, self.{name})`",
-        f"pass self.{name} as the callback to a create_subscription",
-        f"pass self.{name} as the callback to a create_service",
-    )[takes]
+def _begun(state: State, method: Function, takes: list[str]) -> str:
+    """Return where a method that looks like a callback may be used, by what it does with what it takes."""
+    name = method.name
+    line, back = disabled(state.source.text, rf"(?<!def )\b{name}\b(?=[(),])")
+    if line:
+        return f"{back}, which uses it, or remove {name}()"
+    if not takes:
+        timer = f"write `self.timer = self.create_timer(1.0, self.{name})` in __init__"
+        # Another callback may be meant to call it, or it is left over.
+        has_others = any(c.owner is state.owner and c.given("callback") for c in state.uses.sources.creations)
+        is_certain = not has_others or not {"callback", "timer", "cb"}.isdisjoint(words_of(name))
+        either = " if it is to run every second; otherwise call it where it is needed, or remove it"
+        return timer if is_certain else f"{timer}{either}"
+    if len(takes) == 1 and (found := _given_by_rclpy(state, method, takes[0])):
+        return found
+    if len(takes) == 1 and not _is_message(state, method, takes[0]):
+        return f"write `self.{name}(...)` where its {takes[0]} is known, or remove it"
+    made = ("create_subscription", "create_service")[len(takes) - 1]
+    return f"pass self.{name} as the callback to a {made} in __init__"
+
+
+def _given_by_rclpy(state: State, method: Function, name: str) -> str:
+    """Return where the callback of an action client or of a future is given; empty if its parameter is neither."""
+    asked = [n for n in own_nodes(method) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == name]
+    read, called = {n.attr for n in asked}, {n.attr for n in asked if state.source.is_called(n)}
+    sent = next((c for c in state.source.calls if last_name(c.func) == "send_goal_async"), None)
+    if sent and read == {"feedback"}:
+        return f"write feedback_callback=self.{method.name} in the send_goal_async(...) on line {sent.lineno}"
+    if called & {"result", "exception"}:
+        return f"pass self.{method.name} to add_done_callback(...) of the future whose result it reads"
+    return ""
 
 
 def _changed_alone(state: State, method: Function) -> str:
@@ -306,6 +332,9 @@ def _never_published(state: State) -> Iterator[Finding]:
 
 def _sent_there(state: State, creation: Creation, kept: str) -> str:
     """Return where a publisher may publish: in a callback that receives its type, unless it hears the same topic."""
+    line, back = disabled(state.source.text, rf"{re.escape(kept)}\.publish\(")
+    if line:
+        return f"{back}, or remove the publisher"
     kind, topic = (_text(state, creation, name) for name in ("msg_type", "topic"))
     others = [c for c in state.uses.sources.creations if c.owner is state.owner]
     heard = [c for c in others if c.method == "create_subscription" and _text(state, c, "msg_type") == kind]
@@ -314,6 +343,8 @@ def _sent_there(state: State, creation: Creation, kept: str) -> str:
     if heard and all(_text(state, c, "topic") == topic for c in heard):
         topic = ast.unparse(creation.given("topic") or ast.Constant(topic))
         return f"write another topic here, or remove the publisher: a callback that publishes on {topic}, which it receives itself, never comes to an end"
+    if not heard:
+        return f"write {kept}.publish(...) where there is a {kind} to send, or remove the publisher"
     return f"write {kept}.publish(msg) in the callback that has the message"
 
 

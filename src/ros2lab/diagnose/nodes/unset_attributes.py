@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 from ros2lab.diagnose.code.at_hand import holders
 from ros2lab.diagnose.code.unknown_names import Unknown, compared, first_value
 from ros2lab.diagnose.finding import Finding, Guess
-from ros2lab.diagnose.sources.commented_out import comments_in
+from ros2lab.diagnose.sources.commented_out import disabled
 from ros2lab.diagnose.sources.interfaces import method_of, node_properties
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
@@ -21,6 +21,7 @@ from ros2lab.diagnose.sources.python_source import (
     returns_value,
     walk,
 )
+from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.spelling import has_other_words, may_mean, nearest, words_of
 from ros2lab.diagnose.sources.syntax_parts import calls_in, is_property, needed_by
 
@@ -36,7 +37,7 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     if where:
         cause = f"{owner.definition.name} has no {what} {name}{where}"
         return Finding("attribute-missing", cause, owner.source.at(node), fix)
-    close = _nearest_member(owner, name, members)
+    close = _nearest_member(owner, node, members)
     if is_called and close not in owner.methods and (holder := _only_holder(owner, node)):
         cause = f"{owner.definition.name} has no {what} {name}: {holder} has it."
         fix = f"write {holder}.{name} instead of self.{name}"
@@ -47,7 +48,7 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     meant = f" Did you mean {close}?" if close else ""
     cause = f"{owner.definition.name} has no {what} {name}.{meant}"
     guess = Guess(f"self.{name}", f"self.{close}", f"define self.{name} in __init__") if close else None
-    is_disabled = _disabled(owner.source, owner.definition, name) is not None
+    is_disabled = _disabled(owner.source, owner.definition, name)[0] > 0
     told = unset(owner.source, owner.definition, name)
     if told and (is_disabled or not close or "==" in told[0]):
         cause, fix = told
@@ -57,11 +58,25 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     return Finding("attribute-missing", cause, owner.source.at(node), fix, guess=guess)
 
 
-def _nearest_member(owner: NodeClass, name: str, members: Collection[str]) -> str | None:
+def _nearest_member(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> str | None:
     """Return the attribute or the member of Node that a name may mean; None if it is like none."""
+    name = node.attr
     public = [member for member in members if member[0] != "_" or name[0] == "_"]
     like = [member for member in public if may_mean(name, member, public)]
-    return nearest(name, owner.attributes) or nearest(name, like)
+    return nearest(name, owner.attributes) or nearest(name, like) or _longer(owner, node, public)
+
+
+def _longer(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> str | None:
+    """Return the only member of Node that a called name begins, and that takes what it is given: `destroy_node`."""
+    call = owner.source.above(node)
+    if not isinstance(call, ast.Call) or call.func is not node:
+        return None
+    found = list[str]()
+    for member in (m for m in members if m.startswith(f"{node.attr}_")):
+        asked = ast.Call(ast.Attribute(node.value, member), call.args, call.keywords)
+        signature = signature_of(owner.source, asked)
+        found += [member] * bool(signature and signature.accepts(call))
+    return found[0] if len(found) == 1 else None
 
 
 def _only_holder(owner: NodeClass, node: ast.Attribute) -> str:
@@ -89,10 +104,11 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
         if told := compared(source, use):
             return f"`==` only compares, so nothing sets self.{name}; a single `=` assigns.", told
     cause = f"self.{name} is used here, but nothing in the class sets it."
-    if line := _disabled(source, definition, name):
-        rest = source.text.splitlines()[line - 1].count("(") - source.text.splitlines()[line - 1].count(")")
-        more = ", and from those below that belong to it" if rest else ""
-        return f"{cause} Line {line} does, but is commented out.", f"remove the # from line {line}{more}"
+    line, back = _disabled(source, definition, name)
+    if line:
+        opened = source.text.splitlines()[line - 1]
+        more = ", and the lines below that belong to it" if opened.count("(") > opened.count(")") else ""
+        return f"{cause} Line {line} does, but is out of use.", back + more
     if there := _there(source, definition, name):
         return cause, there
     value = _sender(source, definition, name) or first_value(source, uses)
@@ -103,11 +119,10 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
     return cause, f"write `self.{name} = {value}` {where}"
 
 
-def _disabled(source: PythonSource, definition: ast.ClassDef, name: str) -> int | None:
-    """Return the line of a comment in a class that would set an attribute of self; None if there is none."""
-    setting = re.compile(rf"\s*self\.{re.escape(name)}\s*=[^=]")
-    found = (line for line, said in comments_in(source.text) if setting.match(said))
-    return next((line for line in found if definition.lineno < line <= (definition.end_lineno or 0)), None)
+def _disabled(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[int, str]:
+    """Return the line of a class that would set an attribute of self but is out of use, and how to put it back; else 0."""
+    line, back = disabled(source.text, rf"^\s*self\.{re.escape(name)}\s*=[^=]")
+    return (line, back) if definition.lineno < line <= (definition.end_lineno or 0) else (0, "")
 
 
 def _constructed(definition: ast.ClassDef) -> Iterator[int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import io
 import re
 import tokenize
@@ -29,6 +30,24 @@ def without_texts(text: str) -> str:
             last = node.end_lineno or node.lineno
             lines[node.lineno - 1 : last] = [""] * (last - node.lineno + 1)
     return "\n".join(lines)
+
+
+def out_of_use(code: str) -> Iterator[tuple[int, str, str]]:
+    """Yield the lines of Python code that are comments, or in a text that is a statement, with how to put them back."""
+    yield from ((line, said, f"remove the # from line {line}") for line, said in comments_in(code))
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            rows = code.splitlines()[node.lineno - 1 : node.end_lineno]
+            for line, said in enumerate(rows if len(rows) > 1 else (), node.lineno):
+                yield line, said, f"take line {line} out of the quotes around it"
+
+
+def disabled(code: str, wanted: str) -> tuple[int, str]:
+    """Return the first line out of use that matches a pattern, and how to put it back; 0 if there is none."""
+    with contextlib.suppress(SyntaxError, ValueError, tokenize.TokenError):
+        found = ((line, back) for line, said, back in out_of_use(code) if re.search(wanted, said))
+        return next(found, (0, ""))
+    return 0, ""
 
 
 def comments_in(code: str) -> Iterator[tuple[int, str]]:
