@@ -55,8 +55,11 @@ def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str
     for home in () if own else interfaces.homes_around(name, source.resolve(call.func.value) or ""):
         if home in sys.stdlib_module_names:
             yield f"{home}.{name}({', '.join([*given, *named])})", f"it is in {home}"
+    for member in sorted(m for m in interfaces.node_members() if m.startswith(f"{name}_") and own):
+        yield f"{own[0]}.{member}({', '.join([*given, *named])})", f"it is called {member}"
     for holder in _at_hand(source, call, name):
-        if holder not in own:
+        around = source.function_at(call.lineno)
+        if holder not in own and not (holder == "self" and around and around.name == name):
             yield f"{holder}.{name}({', '.join([*given, *named])})", f"{holder} has it"
 
 

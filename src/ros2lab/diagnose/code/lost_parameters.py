@@ -46,7 +46,16 @@ class Definition:
         if not parameters(function) and not arguments.vararg:
             uses = {n.attr for n in walk(self.owner) if is_self_attribute(n)}
             return function.name.startswith("__") or function.name in uses or _uses_self(self)
-        return _uses_self(self) or (function.name.startswith("__") and self._begins_with_a_value)
+        is_certain = function.name.startswith("__") or self._is_given_all
+        return _uses_self(self) or (is_certain and self._begins_with_a_value)
+
+    @property
+    def _is_given_all(self) -> bool:
+        """Whether its class calls it on self, and always with a value for each of its parameters."""
+        assert self.owner is not None
+        named = (call for call in calls_in(walk(self.owner)) if is_self_attribute(call.func))
+        counts = {len(c.args) for c in named if last_name(c.func) == self.function.name and not c.keywords}
+        return counts == {len(parameters(self.function))} and not self.function.args.defaults
 
     @property
     def _begins_with_a_value(self) -> bool:

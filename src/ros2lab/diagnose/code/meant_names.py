@@ -12,16 +12,14 @@ from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception, as_method
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
 from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of, compared, first_value
+from ros2lab.diagnose.code.unquoted_texts import as_path, as_text
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
-from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import needed_by
+from ros2lab.diagnose.sources.syntax_parts import needed_by, stores_in
 
 Reading = tuple[str, str]  # the cause, and the fix
-_FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
-_PATH_SIGNS = (ast.Div, ast.Sub, ast.MatMult)  # `/`, `-` and `@` in a string without quotes
 
 
 def meant(
@@ -47,7 +45,7 @@ def meant(
         as_foreign,
         as_method,
         _as_import,
-        _as_path,
+        as_path,
         _as_of_another_function,
         _as_own,
         as_another,
@@ -57,7 +55,7 @@ def meant(
         _as_package,
         _as_object,
         partial(as_another, is_class_meant=True),
-        _as_text,
+        as_text,
     )
     found = (reading(unknown) for reading in readings)
     return next(filter(None, found), None) or _unexplained(unknown)
@@ -226,6 +224,10 @@ def _as_parameter(unknown: Unknown) -> Reading | None:
         return None
     if function.body[0].lineno == function.lineno or function.args.kwarg:
         return None
+    if beside := _given_beside(unknown, function):
+        line = getattr(beside, "lineno", 0)
+        cause = f"{name} is passed on here, but nothing gives it a value, as line {line} does for {ast.unparse(beside)}."
+        return cause, f"write a line that gives {name} its value, above line {unknown.statement.lineno}"
     cause = f"{name} is passed on here, but {function.name}() has no parameter of that name."
     new = re.sub(
         r"\)(?=[^)]*$)",
@@ -237,6 +239,18 @@ def _as_parameter(unknown: Unknown) -> Reading | None:
         fix = f"write `{name}=None` as the last parameter of {function.name}() (line {function.lineno})"
         return cause, fix
     return cause, f"write `{new}` on line {function.lineno}"
+
+
+def _given_beside(unknown: Unknown, function: Function) -> ast.Name | None:
+    """Return the variable of a function that is passed on under its own name beside an unknown one; None without any."""
+    call = unknown.above(unknown.above())
+    names = (
+        {k.arg for k in call.keywords if getattr(k.value, "id", "") == k.arg}
+        if isinstance(call, ast.Call)
+        else ()
+    )
+    own = (n for n in stores_in(own_nodes(function)) if isinstance(n, ast.Name) and n.id in names)
+    return next(own, None)
 
 
 def _as_of_another_function(unknown: Unknown) -> Reading | None:
@@ -354,68 +368,6 @@ def _has_all(unknown: Unknown, definition: ast.ClassDef) -> bool:
     names |= interfaces.node_members() if is_node else set()
     is_handed = any(isinstance(unknown.above(use), ast.Call) for use in unknown.uses)
     return is_free and unknown.attributes <= names and bool(unknown.attributes or (is_node and is_handed))
-
-
-def _as_path(unknown: Unknown) -> Reading | None:
-    """A path, the name of a file or `__main__` without quotes: `launch/demo.launch.py`, or `share/ + package_name`."""
-    if re.fullmatch(r"__\w+__", unknown.name):
-        return f"The quotes around {unknown.name} are missing.", unknown.with_text(
-            unknown.node, repr(unknown.name)
-        )
-    whole, text = _whole(unknown)
-    if whole is unknown.node or not _may_be_text(unknown, whole):
-        return None
-    match whole:
-        case ast.BinOp(right=ast.UnaryOp(op=ast.UAdd(), operand=rest)):  # a `/` ends it, and a `+` follows
-            quoted = f"{text!r} + {ast.unparse(rest)}"
-        case _:
-            quoted = repr(text)
-    return f"The quotes around {text} are missing.", unknown.with_text(whole, quoted)
-
-
-def _as_text(unknown: Unknown) -> Reading | None:
-    """A word without quotes, where a string makes sense and the name is used for nothing else."""
-    if len(unknown.uses) > 1 or not _may_be_text(unknown, unknown.node):
-        return None
-    fix = unknown.with_text(unknown.node, repr(unknown.name))
-    cause = cause_of(unknown)
-    return cause, f"{fix} if it is meant as a string; otherwise import or define {unknown.name} above"
-
-
-def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
-    """Return whether an expression is an argument, an element or, if it looks like a path, any other value."""
-    around = unknown.above(whole)
-    if isinstance(around, ast.Call):
-        signature = signature_of(unknown.source, around) if whole in around.args else None
-        if whole not in around.args:
-            return False
-        wanted = signature.places[around.args.index(whole) :][:1] if signature else []
-        return all(parameter.takes(ast.Constant("")) for parameter in wanted)
-    if isinstance(around, ast.keyword):
-        call = unknown.above(around)
-        signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None
-        named = signature.named(around.arg or "") if signature else None
-        return named is None or named.takes(ast.Constant(""))
-    is_joined = isinstance(around, ast.BinOp) and isinstance(around.op, ast.Add)
-    is_value = isinstance(around, (ast.List, ast.Tuple, ast.Dict, ast.Set, ast.Return, ast.Assign))
-    return is_value or (is_joined and whole is not unknown.node)
-
-
-def _whole(unknown: Unknown) -> tuple[ast.AST, str]:
-    """Return the expression that is the whole string without quotes, as `launch/demo.launch.py`; and the string."""
-    node, text, source = unknown.node, unknown.name, unknown.source.text
-    while isinstance(around := unknown.above(node), (ast.Attribute, ast.BinOp)):
-        segment = ast.get_source_segment(source, around) or ""
-        if isinstance(around, ast.BinOp):
-            if not isinstance(around.op, _PATH_SIGNS):
-                break
-            if isinstance(around.right, ast.UnaryOp) and isinstance(around.right.op, ast.UAdd):
-                return around, segment[: segment.index("+")].strip()
-        if re.search(r"\s", segment):
-            break
-        node, text = around, segment
-    is_file = text.rpartition(".")[2] in _FILES or isinstance(node, ast.BinOp)
-    return (node, text) if is_file else (unknown.node, unknown.name)
 
 
 def _unexplained(unknown: Unknown) -> Reading:

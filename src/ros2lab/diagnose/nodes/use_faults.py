@@ -13,8 +13,8 @@ from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.state_faults import state_faults
 from ros2lab.diagnose.sources.made_unseen import may_be_made_unseen
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
-from ros2lab.diagnose.sources.spelling import words_of
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
+from ros2lab.diagnose.sources.spelling import edits, words_of
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import Uses, named, uses_of
@@ -116,7 +116,9 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
         what = f"{name}()" if isinstance(statement, Function) else f"The class {name}"
         if ast.dump(first) == ast.dump(statement):
             continue
-        if len(given) > 1:
+        if asked := _lacking(uses, scope, name):
+            fix = f"write `def {asked[0]}` here, if it is the one that {asked[1]} calls; otherwise remove one of the two"
+        elif len(given) > 1:
             last = given[-1].call
             fix = (
                 f"write another name here, such as `def {name}_2`, and give self.{name}_2 to "
@@ -128,6 +130,18 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             fix = f"merge the two, and remove the one on line {first.lineno}"
         cause = f"{what}{where} is defined twice: this one replaces the one on line {first.lineno}, which is never called."
         yield Finding("replaced", cause, source.at(statement), fix, never=(source.at(first),))
+
+
+def _lacking(uses: Uses, scope: ast.AST, name: str) -> tuple[str, str] | None:
+    """Return a method one letter off that a class lacks, and the place that calls it on an object of the class; else None."""
+    own = {n.name for n in getattr(scope, "body", ()) if isinstance(n, Function)}
+    for file in uses.sources.sources.values():
+        for call in file.calls:
+            asked, held = getattr(call.func, "attr", ""), ast.unparse(getattr(call.func, "value", call))
+            made = {last_name(getattr(value, "func", None)) for value in file.stored.get(held, ())}
+            if made == {getattr(scope, "name", None)} and asked not in own and edits(asked, name) == 1:
+                return asked, file.at(call)
+    return None
 
 
 # What may read a parameter without its name.
