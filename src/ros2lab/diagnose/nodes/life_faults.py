@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.code.deadlocks import set_elsewhere, where_set
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.nodes.endless_loops import (
     endless_loops,
     has_others_than,
@@ -19,7 +19,7 @@ from ros2lab.diagnose.nodes.endless_loops import (
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.nodes.unreached import unreached, unreached_faults
-from ros2lab.diagnose.sources.answered import plain_returns, unanswered
+from ros2lab.diagnose.sources.answered import ends_open, plain_returns, unanswered
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
@@ -96,12 +96,11 @@ def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
             does = name.removeprefix("on_")
             cause = f"{name}() overrides the method that would {does} this node's lifecycle publishers, so their state does not change."
             given = ", ".join(parameter.arg for parameter in parameters(method)[1:]) or "state"
-            yield Finding(
-                "transition-wrong",
-                cause,
-                owner.source.at(method),
-                f"write `return super().{name}({given})` as its last line",
-            )
+            agreed = [n for n in own_nodes(method) if isinstance(n, ast.Return) and _agrees(n)]
+            places = [f"instead of line {n.lineno}" for n in agreed]
+            places += ["as its last line"] * (not agreed or ends_open(method))
+            fix = f"write `return super().{name}({given})` {in_a_row(places)}"
+            yield Finding("transition-wrong", cause, owner.source.at(method), fix)
         elif fix := unanswered(method, "TransitionCallbackReturn.SUCCESS"):
             cause = f"{name}() returns nothing, so the transition counts as failed."
             if plain := [n for n in plain_returns(method) if n.value]:
@@ -109,6 +108,12 @@ def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
             if "TransitionCallbackReturn" not in owner.source.names:
                 fix += ", with `from rclpy.lifecycle import TransitionCallbackReturn` at the top"
             yield Finding("transition-wrong", cause, owner.source.at(method), fix)
+
+
+def _agrees(node: ast.Return) -> bool:
+    """Return whether a statement says that a transition has succeeded."""
+    value = getattr(node.value, "value", None) if isinstance(node.value, ast.Constant) else node.value
+    return value is True or (isinstance(value, ast.Attribute) and value.attr == "SUCCESS")
 
 
 def _callback_faults(sources: NodeSources) -> Iterator[Finding]:

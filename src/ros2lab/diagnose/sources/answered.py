@@ -36,9 +36,34 @@ def answered(function: Function, returns: Mapping[ast.Return, bool], answer: str
         shown = in_a_row([str(number) for number in numbers])
         where = f"lines {shown} return" if numbers[1:] else f"line {shown} returns"
         rows.append(f"`return {written}` instead of what {where}")
+        values = [n.value for n in returns if n.lineno in numbers and answer.isidentifier()]
+        said = {
+            ast.unparse(v): v
+            for v in values
+            if v and not (isinstance(v, ast.Name) or ast.unparse(v) == "None")
+        }
+        for text, value in said.items():
+            field = _field_for(function, answer, value)
+            rows[-1] += (
+                f", with `{field} = {text}` above it"
+                if field
+                else f", with {text} in the field of {answer} for it"
+            )
     if is_open:
         rows.append(f"`return {answer}` as the last line of {function.name}()")
     return f"write {in_a_row(rows)}"
+
+
+def _field_for(function: Function, answer: str, value: ast.expr) -> str:
+    """Return the only field of an answer that a function sets to a literal of a value's kind; empty if there is none."""
+    kind = type(getattr(value, "value", None))
+    set_to = {
+        ast.unparse(n.targets[0])
+        for n in own_nodes(function)
+        if isinstance(n, ast.Assign) and isinstance(n.value, ast.Constant) and type(n.value.value) is kind
+    }
+    fields = {text for text in set_to if text.startswith(f"{answer}.")}
+    return fields.pop() if len(fields) == 1 and isinstance(value, ast.Constant) else ""
 
 
 def unanswered(function: Function, answer: str) -> str:
