@@ -262,13 +262,29 @@ def _refusals(
         for fault in faults:
             for name in fault.get("unexpected", ()):
                 given.setdefault(name, []).extend(fault["given"])
-        fix = ", and ".join(_attribute_fixes(strange, missing, known, given))
-        yield Finding(
-            "launch-argument", cause, at(file.shown, line_with(read_text(path), *(strange or [tag]))), fix
-        )
+        text = read_text(path)
+        pushed = [name for name in strange if tag in _WITHOUT_NAMESPACE and name in ("ns", "namespace")]
+        fixes = [_pushed(tag, name, text) for name in pushed]
+        others = [name for name in strange if name not in pushed]
+        fix = ", and ".join([*fixes, *_attribute_fixes(others, missing, known, given)])
+        yield Finding("launch-argument", cause, at(file.shown, line_with(text, *(strange or [tag]))), fix)
     if told["error"] and not tags:
         read = [*_unread(packages)] if told["error"].get("is_yaml") else []
         yield from read or [_refusal(file, told["error"])]
+
+
+# How an element is put into a namespace that takes no namespace itself.
+_WITHOUT_NAMESPACE = {
+    "group": "write `{}` as its first element instead of {}",
+    "include": "put it into a <group> whose first element is `{}`, without {}",
+}
+
+
+def _pushed(tag: str, name: str, text: str) -> str:
+    """Say how an element is put into the namespace that its attribute gives it."""
+    values = set(re.findall(rf"<{tag}\b[^>]*\s{name}=[\"']([^\"']*)", text))
+    value = values.pop() if len(values) == 1 else "..."
+    return _WITHOUT_NAMESPACE[tag].format(f'<push-ros-namespace namespace="{value}"/>', name)
 
 
 def _attribute_fixes(

@@ -136,8 +136,8 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
                     free = [
                         call for call in _node_calls(source) if keyword not in {k.arg for k in call.keywords}
                     ]
-                    if len(free) > 1:
-                        free = [call for call in free if _may_take(source, call, value)]
+                    if len(free) > 1 or ".yaml" in ast.unparse(value):
+                        free = [call for call in free if _is_offered(source, call, value)]
                     argument = _argument_of(source, value)
                     free = [call for call in free if not argument or call in takers(source, argument)]
                     lines = " or ".join(str(call.lineno) for call in free)
@@ -198,6 +198,15 @@ def _may_take(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
     given = {k.arg: evaluate(k.value, {}, {}) for k in call.keywords if k.arg in ("name", "executable")}
     sections = re.findall(r"(?:^|/)([\w*]+)[\"']?:\s*(?:#.*)?$", text, re.MULTILINE)
     return "**" in sections or not {*sections}.isdisjoint(map(str, given.values()))
+
+
+def _is_offered(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
+    """Return whether a node is likely to be meant: a file has a section for it, or any file of the workspace's own may be its."""
+    if not _may_take(source, call, value) or ".yaml" not in ast.unparse(value):
+        return _may_take(source, call, value)
+    is_open = _may_take(source, ast.Call(call.func, [], []), value)  # so may any other
+    home, given = _home(source), {k.arg: evaluate(source.written(k.value), {}, {}) for k in call.keywords}
+    return not is_open or home is None or (home.parent / str(given.get("package", ""))).is_dir()
 
 
 def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, str]:

@@ -20,7 +20,7 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import calls_in_one_run
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.parameter_file import is_for, line_of
-from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name, read_text
 
 Packages = Mapping[str, tuple[SourcePackage, NodeSources]]  # those of a workspace, each with its files
 
@@ -190,13 +190,26 @@ def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
         _, function = node.sources.functions.get(f"{node.module}.{node.function}", (None, None))
         is_node = functools.partial(_is_node, node.sources, node.sources.sources[node.module])
         calls = calls_in_one_run(function, is_node) if function else []
-        made = [ast.unparse(call.func) for call in calls]
+        made = [ast.unparse(call.func) for call in _at_once(node.sources.sources[node.module], calls)]
         name = node.launched.name
         is_for_all = "use_global_arguments" not in node.sources.sources[node.module].text
         if isinstance(name, str) and len(made) > 1 and is_for_all:
             cause = f"The launch file names {node.launched.executable} {name!r}, but that program makes {len(made)} nodes ({', '.join(made)}): name= renames every one of them, so they all have the same name."
             fix = f"remove name={name!r}, so that each node keeps the name from its code"
             yield Finding("name-twice", cause, node.launched.place, fix, (str(node.launched.executable),))
+
+
+def _at_once(source: PythonSource, calls: Sequence[ast.Call]) -> list[ast.Call]:
+    """Return the most nodes that exist at one time: one that is destroyed above the next line is gone there."""
+    ends = [call for call in source.calls if last_name(call.func) == "destroy_node"]
+    gone = [(ast.unparse(end.func).rpartition(".")[0], end.lineno) for end in ends]
+    alive, most = list[ast.Call](), list[ast.Call]()
+    for call in calls:
+        names = {c: source.name_of(c) for c in alive}
+        alive = [c for c in alive if not any(n == names[c] and c.lineno < at < call.lineno for n, at in gone)]
+        alive.append(call)
+        most = max(most, [*alive], key=len)
+    return most
 
 
 def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool:

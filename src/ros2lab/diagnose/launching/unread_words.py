@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_file import Launched
@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, given_to, own_n
 # Modules that read the command line; sys does so only by its argv.
 _READERS = frozenset(("argparse", "optparse", "getopt", "click", "typer", "fire", "docopt", "absl"))
 _LONGEST = 60  # signs of words that are shown together
+_OPTIONS = {"__log_level": "--log-level", "__params": "--params-file"}
 _NAMES = {"__node": "name", "__name": "name", "__ns": "namespace"}
 
 
@@ -47,19 +48,32 @@ def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:
         return f"write arguments={['--ros-args', *words]!r}"
     pairs = [word.partition(":=")[::2] for word in words if ":=" in word]
     if len(pairs) == len(words):
-        if all(old in _NAMES for old, _ in pairs):
-            return (
-                "write " + ", ".join(f"{_NAMES[old]}={new!r}" for old, new in pairs) + " instead of arguments"
-            )
-        if any(old.startswith(("/", "~")) for old, _ in pairs):
-            return f"write remappings={pairs!r} instead of arguments"
-        values = {old: value_of(new) for old, new in pairs}
-        return f"write parameters=[{values!r}] instead of arguments"
+        return f"write {', '.join(_in_their_places(pairs, declared))} instead of arguments"
     if all(word.endswith((".yaml", ".yml")) for word in words):
         return f"write parameters={[*words]!r} instead of arguments"
     values = _named(words, declared)
     where = "if the node needs the value, declare a parameter for it there, and set that parameter here"
     return f"write parameters=[{values!r}] instead of arguments" if values else f"remove arguments; {where}"
+
+
+def _in_their_places(pairs: Iterable[tuple[str, str]], declared: Mapping[str, object]) -> Iterator[str]:
+    """Yield the keywords of a Node that mean what `old:=new` meant in a command of the first releases."""
+    options, moved, values = list[str](), list[tuple[str, str]](), dict[str, object]()
+    for old, new in pairs:
+        if old in _NAMES:
+            yield f"{_NAMES[old]}={new!r}"
+        elif old in _OPTIONS:
+            options += [_OPTIONS[old], new]
+        elif old not in declared and (old.startswith(("/", "~")) or new.startswith("/")):
+            moved.append((old, new))
+        else:
+            values[old] = value_of(new)
+    if options:
+        yield f"ros_arguments={options!r}"
+    if moved:
+        yield f"remappings={moved!r}"
+    if values:
+        yield f"parameters=[{values!r}]"
 
 
 def _named(words: tuple[str, ...], declared: Mapping[str, object]) -> dict[str, object]:

@@ -31,14 +31,8 @@ from ros2lab.diagnose.sources.own_functions import what_a_call_makes
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
-from ros2lab.diagnose.sources.spelling import (
-    alike,
-    did_you_mean,
-    differs,
-    is_near_miss,
-    nearest,
-    same_letters,
-)
+from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, is_near_miss, nearest, same_letters
+from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 _ALIKE = 0.6  # how similar the names of an executable and of its module usually are, at least
 
@@ -302,10 +296,13 @@ def _missing_function(package: SourcePackage, source: PythonSource, point: Entry
         fix = f"write '{point.name} = {home}:{point.function}', and build again"
         return Finding("entry-point-function", cause, place, fix)
     define = f"define {point.function}(args=None)"
-    functions = source.functions
+    callable_ones = (
+        f for f in source.functions.values() if isinstance(f, ast.FunctionDef) and not needed_by(f)
+    )
+    functions = [function.name for function in callable_ones]
     if not functions:
         what = "there is no such function." if source.text.strip() else "the file is empty."
-        fix = f"{define} in {source.shown}, or write the correct function name in setup.py"
+        fix = f"{define} in {source.shown}, or remove this entry point from setup.py"
         return Finding("entry-point-function", f"{calls} {what}", source.at(1), fix)
     if point.name in functions:
         cause = f"{calls} the function is called {point.name}: the executable's name comes first."

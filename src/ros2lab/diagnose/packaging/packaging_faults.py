@@ -214,8 +214,11 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
     relative = path.relative_to(package.folder).as_posix()
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
     only = f" (which matches {' and '.join(patterns)})" if patterns else ""
-    cause = f"{relative} is not in data_files in setup.py{only}, so it is not installed and cannot be found."
-    fix = f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again"
+    readers = [*(source.text for source in package.sources.values()), *map(read_text, package.launch_files)]
+    is_sought = folder == "launch" or any(path.name in text for text in readers)
+    lost = " and cannot be found" * is_sought
+    cause = f"{relative} is not in data_files in setup.py{only}, so it is not installed{lost}."
+    fix = f"add ('share/{package.name}/{relative.rpartition('/')[0]}', ['{relative}']) to data_files and build again"
     if " " in path.name:
         cause = (
             f"{relative} is not in data_files in setup.py, so it is not installed; and its name has a space."
