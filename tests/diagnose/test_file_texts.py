@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.diagnose.look import text_faults
+from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.python_source import read_source
 
 NAMED = "GRÖSSE = ['Früher']\nprint(GRÖSSE)\n"

@@ -9,7 +9,7 @@ from one_file import sources_of
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
-from ros2lab.diagnose.look import source_faults
+from ros2lab.diagnose.rules import source_faults
 
 NAME = NAMES[1]
 HEAD = """\

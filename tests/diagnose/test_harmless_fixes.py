@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
-from ros2lab.diagnose.look import source_faults
 from ros2lab.diagnose.nodes.parameter_values import of_its_type
+from ros2lab.diagnose.rules import source_faults
 from ros2lab.diagnose.sources.commented_out import disabled
 from ros2lab.diagnose.sources.spelling import may_mean, nearest
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.look import source_faults
+from ros2lab.diagnose.rules import source_faults
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource
 

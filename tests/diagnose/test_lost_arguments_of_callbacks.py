@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
-from ros2lab.diagnose.look import source_faults
+from ros2lab.diagnose.rules import source_faults
 
 TEXT = """\
 import math

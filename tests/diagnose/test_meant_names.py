@@ -7,7 +7,7 @@ import pytest
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.refused_keywords import refused_keywords
-from ros2lab.diagnose.look import text_faults
+from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 NODE = """import rclpy

@@ -13,7 +13,8 @@ from right_workspace import right_workspace
 
 from ros2lab.diagnose import look, net, of_text, of_workspace
 from ros2lab.diagnose.finding import UNKNOWN, Finding
-from ros2lab.diagnose.look import Look, text_faults
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.calls import fitting
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import Parameter

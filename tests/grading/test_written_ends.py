@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.diagnose.look import text_faults
+from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.reading.corrected import corrected

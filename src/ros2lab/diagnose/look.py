@@ -8,22 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab import course
-from ros2lab.diagnose.code.angles import angle_faults
-from ros2lab.diagnose.code.argument_names import argument_name_faults
 from ros2lab.diagnose.code.bare_imports import bare_imports
-from ros2lab.diagnose.code.changed_loops import changed_loops
-from ros2lab.diagnose.code.defined_once import defined_once
-from ros2lab.diagnose.code.expression_faults import expression_faults
-from ros2lab.diagnose.code.flow_faults import flow_faults
-from ros2lab.diagnose.code.hidden_names import hidden_names
-from ros2lab.diagnose.code.imports import hidden_types, import_faults, shadow_faults
-from ros2lab.diagnose.code.line_ends import line_end_faults
-from ros2lab.diagnose.code.locks import lock_faults
-from ros2lab.diagnose.code.lost_parameters import lost_parameters
-from ros2lab.diagnose.code.one_time import one_time_faults
-from ros2lab.diagnose.code.private_names import private_name_faults
-from ros2lab.diagnose.code.syntax import syntax_finding
-from ros2lab.diagnose.code.units import unit_faults
+from ros2lab.diagnose.code.imports import hidden_types, shadow_faults
 from ros2lab.diagnose.finding import Finding, ranked, without_loss
 from ros2lab.diagnose.launching.awaited_ends import awaited_ends
 from ros2lab.diagnose.launching.keyboards import keyboard_faults
@@ -40,25 +26,20 @@ from ros2lab.diagnose.launching.started_faults import (
     started_in,
 )
 from ros2lab.diagnose.net import guarded
-from ros2lab.diagnose.nodes.bursts import burst_faults
 from ros2lab.diagnose.nodes.environments import Program, environment_apart
-from ros2lab.diagnose.nodes.life_faults import life_faults
-from ros2lab.diagnose.nodes.message_faults import message_faults
 from ros2lab.diagnose.nodes.named_alike import named_alike
-from ros2lab.diagnose.nodes.node_faults import node_faults
 from ros2lab.diagnose.nodes.parameter_faults import file_faults
 from ros2lab.diagnose.nodes.partners import Partners
-from ros2lab.diagnose.nodes.read_parameters import parameter_faults
 from ros2lab.diagnose.nodes.service_faults import service_faults
 from ros2lab.diagnose.nodes.taken_names import taken_packages
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of, topic_faults
-from ros2lab.diagnose.nodes.use_faults import use_faults
 from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.for_ros import is_for_ros
 from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.packaging.layout_faults import duplicate_faults, layout_faults
 from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, homes_of, manifest_faults
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
+from ros2lab.diagnose.rules import source_faults
 from ros2lab.diagnose.sources.beyond import Beyond
 from ros2lab.diagnose.sources.made_modules import is_made, written_modules
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -410,42 +391,3 @@ def _each_once(findings: Iterable[Finding]) -> Iterator[Finding]:
                 continue
             told.update(finding.about)
         yield finding
-
-
-def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Iterator[Finding]:
-    """Yield what is wrong with the nodes of some Python files.
-
-    Args:
-        sources: the files.
-        mains: the functions that executables call, such as `pk.talk.main`; None takes every `main`.
-    """
-    for source in sources.sources.values():
-        yield from guarded(_syntax_faults, source)
-        yield from guarded(import_faults, sources, source)
-    for rule in (lost_parameters, node_faults, message_faults, expression_faults):
-        yield from guarded(rule, sources)
-    yield from guarded(life_faults, sources, mains)
-    for rule in (
-        changed_loops,
-        private_name_faults,
-        hidden_names,
-        one_time_faults,
-        defined_once,
-        line_end_faults,
-        burst_faults,
-        *(flow_faults, unit_faults, angle_faults, lock_faults, use_faults, argument_name_faults),
-        parameter_faults,
-    ):
-        yield from guarded(rule, sources)
-
-
-def _syntax_faults(source: PythonSource) -> Iterator[Finding]:
-    if source.fault:
-        yield syntax_finding("node-syntax", source)
-
-
-def text_faults(source: PythonSource) -> list[Finding]:
-    """Return what is wrong with a single Python file or notebook cell."""
-    sources = NodeSources({source.name: source})
-    of_topics = guarded(lambda: topic_faults(ends_of(sources)))
-    return ranked([*source_faults(sources, []), *of_topics])

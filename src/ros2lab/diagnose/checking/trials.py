@@ -11,8 +11,9 @@ from functools import cached_property
 from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.edits import Edit, all_applied, copied
 from ros2lab.diagnose.finding import stops_node
-from ros2lab.diagnose.look import Look, text_faults
+from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, parameters
 from ros2lab.diagnose.sources.syntax_parts import own_parameters, stores_in

@@ -45,12 +45,13 @@ from ros2lab.diagnose.explaining.started_files import of_started_file
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.explaining.unbuilt import failed_build, of_earlier
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
-from ros2lab.diagnose.look import Look, text_faults, workspace_around
+from ros2lab.diagnose.look import Look, workspace_around
 from ros2lab.diagnose.mending.repairs import tried, worth_typing
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.printed.jobs import frozen_faults
 from ros2lab.diagnose.printed.spots import is_setup, place_of, spot_at
 from ros2lab.diagnose.printed.transcript import LABELLED, Step, step_with
+from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.calls import call_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 

@@ -31,7 +31,14 @@ from ros2lab.diagnose.sources.own_functions import what_a_call_makes
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, read_text
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript
-from ros2lab.diagnose.sources.spelling import alike, did_you_mean, differs, is_near_miss, nearest, same_letters
+from ros2lab.diagnose.sources.spelling import (
+    alike,
+    did_you_mean,
+    differs,
+    is_near_miss,
+    nearest,
+    same_letters,
+)
 from ros2lab.diagnose.sources.syntax_parts import needed_by
 
 _ALIKE = 0.6  # how similar the names of an executable and of its module usually are, at least

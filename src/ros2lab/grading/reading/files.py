@@ -20,8 +20,9 @@ from ros2lab.assignments import Assignment
 from ros2lab.diagnose import net
 from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.look import Look, text_faults
+from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
