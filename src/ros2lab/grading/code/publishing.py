@@ -144,7 +144,7 @@ class Publishing:
 
     @cached_property
     def _is_publish_named(self) -> bool:
-        return any(_name_of(node) == "publish" for node in self._code)
+        return any(name_read(node) == "publish" for node in self._code)
 
     @cached_property
     def _parents(self) -> dict[ast.AST, ast.AST]:
@@ -173,7 +173,7 @@ class Publishing:
             return not all(isinstance(target, (ast.Name, ast.Attribute)) for target in kept)
         match self._parents.get(node):
             case ast.Call(func=function) as call if call.func is not node:
-                name = _name_of(function)
+                name = name_read(function)
                 return name not in _LOOKS and not name.startswith("destroy_") and not self._says(function)
             case ast.Attribute(attr="publish"):
                 return True
@@ -192,7 +192,7 @@ class Publishing:
         for module in self._sources.together(creation.source.name):
             source = self._sources.sources[module]
             for owner, within, node in self._sources.scoped(source):
-                if node not in self._code or _name_of(node) != _last(target):
+                if node not in self._code or name_read(node) != _last(target):
                     continue
                 if isinstance(target, ast.Name) and function is not None:
                     is_taken = isinstance(node, ast.Name) and self._is_within(within, function, target.id)
@@ -258,7 +258,7 @@ class Publishing:
         owner, found = self._scope(function)[1], Rhythm()
         name = owner.definition.name if owner and function.name == "__init__" else function.name
         for node in self._code:
-            if _name_of(node) == name:
+            if name_read(node) == name:
                 parent = self._parents.get(node)
                 is_called = isinstance(parent, ast.Call) and parent.func is node
                 go_on = self._of_place if is_called else self._of_handed
@@ -283,7 +283,7 @@ class Publishing:
             return Rhythm()
         if not isinstance(outer, ast.Call):
             return Rhythm(True, None)
-        name = _name_of(outer.func)
+        name = name_read(outer.func)
         if name in _BINDS:
             return self._of_handed(outer, below)
         if name in _CALLS_ONCE:
@@ -326,7 +326,7 @@ class Publishing:
                 yield value
 
 
-def _name_of(node: ast.AST) -> str:
+def name_read(node: ast.AST) -> str:
     """Return the name that a node loads, or looks up with `getattr`; empty if it does neither."""
     match node:
         case ast.Name(id=name, ctx=ast.Load()) | ast.Attribute(attr=name, ctx=ast.Load()):
@@ -352,7 +352,7 @@ def _destroys(node: ast.AST, names: set[str]) -> bool:
 
 def _lets_come(statement: ast.AST) -> bool:
     """Return whether anything may be received or published in a statement."""
-    names = {_name_of(node) for node in walk(statement)}
+    names = {name_read(node) for node in walk(statement)}
     return any(name.startswith(("spin", "publish", "sleep", "wait")) for name in names)
 
 

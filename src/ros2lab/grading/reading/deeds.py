@@ -14,7 +14,7 @@ from functools import cached_property
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
 from ros2lab.grading.code.own_messages import Messages
-from ros2lab.grading.code.publishing import Publishing
+from ros2lab.grading.code.publishing import Publishing, name_read
 from ros2lab.grading.evidence import WrittenEnd
 
 # What code does with a publisher: publish, again and again, finite numbers, in time. With a subscription:
@@ -93,7 +93,7 @@ class Deeds:
         given = creation.given("callback")
         function = given if isinstance(given, ast.Lambda) else self._sources.function_of(creation, given)
         if function is None:
-            return fields is None or any(_names(node) in fields for node in self._code)
+            return fields is None or any(name_read(node) in fields for node in self._code)
         names = [
             parameter.arg
             for parameter in (*function.args.posonlyargs, *function.args.args)
@@ -107,7 +107,7 @@ class Deeds:
             if isinstance(node, ast.Attribute) and fields is not None and _is_no_field(node.attr, fields)
         }
         return any(
-            _names(node) == names[0] and node not in wrong
+            name_read(node) == names[0] and node not in wrong
             for node in ast.walk(function)
             if node in self._code
         )
@@ -158,16 +158,6 @@ class Deeds:
 def _is_no_field(name: str, fields: Collection[str]) -> bool:
     """Return whether a message has no such attribute: neither a field nor one that all messages have."""
     return name not in fields and not name.startswith(("_", "get_", "SLOT"))
-
-
-def _names(node: ast.AST) -> str:
-    """Return the name of a variable or attribute that is read; empty for any other node."""
-    match node:
-        case ast.Name(id=name, ctx=ast.Load()) | ast.Attribute(attr=name, ctx=ast.Load()):
-            return name
-        case ast.Call(func=ast.Name(id="getattr"), args=[_, ast.Constant(value=str(name)), *_]):
-            return name
-    return ""
 
 
 def _given(node: ast.AST) -> str:
