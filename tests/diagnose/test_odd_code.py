@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from right_workspace import right_workspace
 
-from ros2lab.diagnose import look, net, of_text, of_workspace
+from ros2lab.diagnose import net, of_text, of_workspace, rules
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.rules import text_faults
@@ -190,7 +190,7 @@ def test_a_rule_that_fails_costs_its_own_findings_and_no_others(
     before = of_workspace(root)
     assert before
     monkeypatch.delenv(net.STRICT)
-    monkeypatch.setattr(look, "node_faults", _failing)
+    monkeypatch.setattr(rules, "node_faults", _failing)
     after = of_workspace(root)
     said = [one for one in after if isinstance(one, net.Unjudged)]
     assert [one.code for one in said] == [UNKNOWN]
@@ -202,7 +202,7 @@ def test_a_rule_that_fails_costs_its_own_findings_and_no_others(
 
 def test_the_tests_see_a_rule_that_fails(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     root = right_workspace().write(tmp_path)
-    monkeypatch.setattr(look, "node_faults", _failing)
+    monkeypatch.setattr(rules, "node_faults", _failing)
     with pytest.raises(KeyError):
         of_workspace(root)
 
