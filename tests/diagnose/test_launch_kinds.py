@@ -178,7 +178,7 @@ def test_launch_counts_in_seconds(tmp_path: Path, here: str, fix: str) -> None:
 @pytest.mark.parametrize(
     ("before", "fix"),
     [
-        ("config = os.path.join(get_package_share_directory('my_bot'), 'config', 'robot.yaml')", "add parameters=[config]"),
+        ("config = os.path.join(get_package_share_directory('my_bot'), 'config', 'robot.yaml')", "remove it, or give config"),
         ("names = [('/a', '/b')]", "add remappings=names"),
         ("values = {'period': 1.0}", "add parameters=[values]"),
         ("share = get_package_share_directory('my_bot')", ""),
