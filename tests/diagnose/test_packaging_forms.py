@@ -233,6 +233,22 @@ def test_a_marker_that_is_not_installed_is_made_first_where_it_is_missing(
     assert (package / line.partition("['")[2].partition("']")[0]).is_file()
 
 
+@pytest.mark.parametrize(
+    ("file", "old", "new", "is_helped"),
+    [
+        ("package.xml", "<version>", "<version>", True),
+        ("package.xml", "<version>", "<version>one", False),
+        ("package.xml", "<build_type>ament_python</build_type>", "", False),
+    ],
+)
+def test_colcon_installs_the_marker_only_of_a_package_of_ament_python(
+    tmp_path: Path, file: str, old: str, new: str, is_helped: bool
+) -> None:
+    files = Files.right(NAMES[0]).change("setup.py", MARKED, "").change(file, old, new)
+    found = [f for f in of_workspace(files.write(tmp_path)) if f.code == "marker-not-installed"]
+    assert ["colcon does it" in one.cause for one in found] == [is_helped]
+
+
 def test_a_dependency_under_a_condition_is_declared(tmp_path: Path) -> None:
     files = Files.right(NAMES[0])
     for condition in ("$ROS_DISTRO == humble", "$BUILD_KIND == real"):

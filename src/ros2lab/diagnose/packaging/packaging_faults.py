@@ -160,7 +160,9 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
     if not any(target == INDEX for target, _ in setup.data_files):
         marker = f"resource/{package.name}"
         made = "" if package.has(marker) else f"{_touched(package, marker)}, and "
-        cause = "setup.py does not install the marker file that ROS uses to find the package; colcon does it for you with a warning."
+        cause = "setup.py does not install the marker file that ROS uses to find the package."
+        if package.build_type == "ament_python":  # no other way to build it makes the marker
+            cause = f"{cause[:-1]}; colcon does it for you with a warning."
         fix = f"{made}add ('{INDEX}', ['{marker}']) to data_files"
         yield Finding("marker-not-installed", cause, place, fix)
     installed = {file for _, files in setup.data_files for file in files}
