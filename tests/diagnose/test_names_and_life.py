@@ -105,6 +105,25 @@ def test_what_is_right_raises_no_alarm(tmp_path: Path, files: Files, number: int
     assert of_workspace(files.write(tmp_path)) == []
 
 
+@pytest.mark.parametrize(
+    ("of_class", "codes"),
+    [
+        ("timers = None", []),
+        ("timers: dict = {}", []),
+        ("timers: dict", ["node-property"]),
+        ("clients = None", ["node-property"]),
+    ],
+)
+def test_a_value_of_the_class_hides_the_property_of_every_node(
+    tmp_path: Path, files: Files, of_class: str, codes: list[str]
+) -> None:
+    files.change(
+        "node", "class CLASS(Node):\n", f"class Base(Node):\n    {of_class}\n\n\nclass CLASS(Base):\n"
+    )
+    files.change("node", "self.count = 0", "self.count = 0\n        self.timers = {}")
+    assert [finding.code for finding in of_workspace(files.write(tmp_path))] == codes
+
+
 @pytest.mark.parametrize(("takes", "fits"), [("msg", "create_subscription"), ("", "create_timer")])
 def test_one_callback_of_a_timer_and_a_subscription(
     tmp_path: Path, files: Files, takes: str, fits: str

@@ -124,7 +124,9 @@ def _init_call_faults(sources: NodeSources, owner: NodeClass, call: ast.Call) ->
 def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     properties = fixed_node_properties()
     members = sources.members(owner)
-    own = {name for inner in sources.lineage(owner)[0] for name in inner.methods}
+    lineage = sources.lineage(owner)[0]
+    # A value of the class hides the property of Node, so it may be assigned like any other.
+    own = {name for inner in lineage for name in (*inner.methods, *(inner.values & properties))}
     called = {id(node.func) for node in calls_in(walk(owner.definition))}
     told: set[str] = set()
     # A name that is also a string need not exist where attributes are asked for by strings.
