@@ -11,6 +11,7 @@ from one_file import sources_of
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import expression_faults
 from ros2lab.diagnose.nodes.life_faults import life_faults
 
@@ -122,6 +123,30 @@ def test_a_value_of_the_class_hides_the_property_of_every_node(
     )
     files.change("node", "self.count = 0", "self.count = 0\n        self.timers = {}")
     assert [finding.code for finding in of_workspace(files.write(tmp_path))] == codes
+
+
+OF_PYTHON_2 = [
+    ("try:\n    kind = unicode\nexcept NameError:\n    kind = str", []),
+    ("try:\n    kind = unicode\nexcept Exception:\n    kind = str", ["unicode"]),
+    ("kind = str if PY3 else basestring", []),
+    ("kind = OLD and unicode or str", []),
+    ("if OLD:\n    range = xrange", []),
+    ("if sys.version_info < (3,):\n    input = raw_input", []),
+    ("def text(x):\n    if not OLD:\n        return str(x)\n    return unicode(x)", []),
+    ("if sys.version_info < (3, 8):\n    sys.exit('too old')\nprint(unicode)", ["unicode"]),
+    ("def main():\n    if OLD:\n        return 1\n    print(unicode)", ["unicode"]),
+    ("for _ in xrange(3):\n    pass", ["xrange"]),
+    ("if OLD:\n    range = xrange\nprint(xrange(3))", ["xrange"]),
+]
+
+
+@pytest.mark.parametrize(("lines", "names"), OF_PYTHON_2)
+def test_a_name_of_another_python_may_be_used_under_a_guard(
+    tmp_path: Path, lines: str, names: list[str]
+) -> None:
+    text = f"import sys\n\nPY3 = sys.version_info[0] == 3\nOLD = not PY3\n{lines}\n"
+    (source,) = sources_of(text, tmp_path).sources.values()
+    assert [name for name, _ in undefined_names(source)] == names
 
 
 @pytest.mark.parametrize(("takes", "fits"), [("msg", "create_subscription"), ("", "create_timer")])

@@ -7,6 +7,7 @@ import builtins
 from collections.abc import Collection, Iterator
 from functools import lru_cache
 
+from ros2lab.diagnose.code.guarded_names import guarded
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 
 MODULE_NAMES = frozenset(
@@ -44,8 +45,10 @@ def _unbound_uses(source: PythonSource) -> tuple[ast.Name, ...]:
     if any(imported.local == "*" for imported in source.imports) or used & {"exec", "globals"}:
         return ()
     known = frozenset(dir(builtins)) | MODULE_NAMES | global_names(source)
-    unread = {id(inner) for annotation in _unevaluated(source) for inner in walk(annotation)}
-    return tuple(n for n in _unbound(source.tree, known, frozenset()) if id(n) not in unread)
+    unbound = [*_unbound(source.tree, known, frozenset())]
+    unread = {id(inner) for node in (_unevaluated(source) if unbound else ()) for inner in walk(node)}
+    unread |= {id(inner) for node in (guarded(source) if unbound else ()) for inner in walk(node)}
+    return tuple(n for n in unbound if id(n) not in unread)
 
 
 def _unevaluated(source: PythonSource) -> Iterator[ast.AST]:
