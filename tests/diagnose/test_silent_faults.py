@@ -54,6 +54,30 @@ def test_a_callback_that_ends_its_timer_may_make_what_is_made_once(
 
 
 @pytest.mark.parametrize(
+    ("made", "other", "is_lost"),
+    [
+        ("self.late = PUB\n        self.late.publish(String())", "pass", True),
+        ("self.create_publisher(String, 'late', 10).publish(String())", "pass", True),
+        ("self.late = PUB", "self.late.publish(String())", False),
+        ("self.late = PUB\n        self.late.publish(String())", "self.late.publish(String())", False),
+        ("late = PUB\n        while late.get_subscription_count() == 0:\n            pass\n        late.publish(String())", "pass", False),
+    ],
+)  # fmt: skip
+def test_only_what_is_sent_by_the_call_that_makes_its_publisher_is_lost(
+    tmp_path: Path, made: str, other: str, is_lost: bool
+) -> None:
+    made = made.replace("PUB", "self.create_publisher(String, 'late', 10)")
+    files = right_workspace().change(
+        "node", "        msg = String()", f"        {made}\n        msg = String()"
+    )
+    files.change(
+        "node", "    def timer_callback", f"    def other(self):\n        {other}\n\n    def timer_callback"
+    )
+    (found,) = (f for f in Look(files.write(tmp_path)).findings if f.code == "made-again")
+    assert ("no subscriber is connected yet" in found.cause) is is_lost
+
+
+@pytest.mark.parametrize(
     ("typed", "said", "fix"),
     [
         ("ros2 run status_publisher", "ros2 run: error: the following arguments are required: executable_name", "ros2 run my_bot status_publisher"),

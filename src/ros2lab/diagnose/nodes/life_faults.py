@@ -336,7 +336,7 @@ _AGAIN = {
             f"move create_{what}(...) into __init__, and keep it as an attribute of self",
         )
         for what, more in (
-            ("publisher", ", to which no subscriber is connected yet when it is used"),
+            ("publisher", ""),
             ("subscription", ", so that each message is received more and more often"),
         )
     },
@@ -356,8 +356,25 @@ def _made_again(sources: NodeSources, source: PythonSource, functions: list[Func
         for node in calls_of(own_nodes(function), *_AGAIN):
             if is_always_reached(function, node):
                 code, does, fix = _AGAIN[getattr(node.func, "attr", "")]
+                if "publisher" in does and _is_used_at_once(sources, source, function, node):
+                    does += ", to which no subscriber is connected yet when it is used"
                 cause = f"{first.name}() is called repeatedly and {does}."
                 yield Finding(code, cause, source.at(node), fix)
+
+
+def _is_used_at_once(sources: NodeSources, source: PythonSource, function: Function, made: ast.Call) -> bool:
+    """Return whether only the function that makes a publisher sends with it, and does not wait in between."""
+    name = source.name_of(made) or ast.unparse(made)
+    sent = [node for node in source.calls if ast.unparse(node.func) == f"{name}.publish"]
+    own = {id(node) for node in own_nodes(function)}
+    if not sent or any(id(node) not in own for node in sent):
+        return False
+    lines = range(made.lineno, sent[0].lineno)
+    between = (node for node in own_nodes(function) if getattr(node, "lineno", 0) in lines)
+    waits = (
+        isinstance(node, ast.While) or last_name(getattr(node, "func", None)) == "sleep" for node in between
+    )
+    return not any(waits) and not _takes_time(sources, source, function, lines)
 
 
 def _waits(
