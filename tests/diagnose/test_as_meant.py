@@ -285,7 +285,8 @@ def test_why_a_built_package_is_not_found_is_told_by_what_was_typed(
 METHOD = "    def timer_callback"
 UNUSED = [
     ("node", "node = StatusPublisher()", "node = rclpy.create_node('status_publisher')", "never-made", "StatusPublisher()"),
-    ("node", "        self.count += 1\n", f"        self.count += 1\n\n{METHOD}(self):\n        self.count += 2\n", "replaced", "line 14"),
+    ("node", "        self.count += 1\n", f"        self.count += 1\n\n{METHOD}(self):\n        self.count += 2\n", "replaced", "move the lines from line 14"),
+    ("node", "    def timer_callback", "    def timer_callback(self):\n        print('ready')\n\n    def timer_callback", "replaced", "remove the one on line 14, which does nothing"),
     ("node", "self.count = 0\n", "self.count = 0\n        self.speeds = {'go': 1.0, 'go': 0.0}\n", "replaced", "'go'"),
     ("node", "self.publisher_.publish(msg)", "self.publisher_.publish(String())", "never-sent", "publish(msg)"),
     ("node", "        self.publisher_.publish(msg)\n", "", "never-sent", "self.publisher_.publish(msg)"),

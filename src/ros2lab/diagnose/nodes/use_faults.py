@@ -124,6 +124,8 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
                 f"write another name here, such as `def {name}_2`, and give self.{name}_2 to "
                 f"{given[-1].method} on line {last.lineno}"
             )
+        elif isinstance(first, Function) and _is_empty(first):
+            fix = f"remove the one on line {first.lineno}, which does nothing"
         elif isinstance(statement, Function) and name != "__init__":
             fix = f"move the lines from line {first.lineno} on into this one, or remove this one"
         else:
@@ -142,6 +144,21 @@ def _lacking(uses: Uses, scope: ast.AST, name: str) -> tuple[str, str] | None:
             if made == {getattr(scope, "name", None)} and asked not in own and edits(asked, name) == 1:
                 return asked, file.at(call)
     return None
+
+
+def _is_empty(function: Function) -> bool:
+    """Return whether a function does nothing, or only prints a text."""
+    for node in function.body:
+        match node:
+            case ast.Pass() | ast.Return(value=None | ast.Constant()) | ast.Expr(value=ast.Constant()):
+                pass
+            case ast.Expr(value=ast.Call(func=ast.Name(id="print"), args=given)) if all(
+                isinstance(value, ast.Constant) for value in given
+            ):
+                pass
+            case _:
+                return False
+    return True
 
 
 # What may read a parameter without its name.
