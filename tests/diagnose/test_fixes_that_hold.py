@@ -167,6 +167,9 @@ def generate_launch_description():
         ACTIONS
     ])
 """
+LISTED = (
+    "Node(package='tf2_ros', executable='echo', parameters=[\n            # {}\n            {{'rate': 1}}])"
+)
 TALKER = "Node(package='PACKAGE', executable='MODULE')"
 CONDITION = "Node(package='PACKAGE', executable='MODULE', condition=Condition(LaunchConfiguration('device')))"
 
@@ -197,6 +200,10 @@ def test_an_import_is_offered_only_if_its_use_works_then(
         ("other", TALKER, "remove it, or write LaunchConfiguration('device') where its value is needed"),
         ("device", "Node(package='tf2_ros', executable='echo')", "remove it, or write LaunchConfiguration('device') where its value is needed"),
         ("device", "# Node(package='PACKAGE', executable='MODULE', parameters=[{'device': LaunchConfiguration('device')}])", "remove it, or remove the # from line 11, which would use it"),
+        ("device", LISTED.format("{'port': LaunchConfiguration('device')},"), "remove it, or remove the # from line 12, which would use it"),
+        ("device", LISTED.format("{'port': LaunchConfiguration('device')}"), "remove it, or write LaunchConfiguration('device') where its value is needed"),
+        ("device", LISTED.format("{'rate': LaunchConfiguration('device')},"), "remove it, or write LaunchConfiguration('device') where its value is needed"),
+        ("device", LISTED.format("here stood LaunchConfiguration('device') once"), "remove it, or write LaunchConfiguration('device') where its value is needed"),
     ],
 )  # fmt: skip
 def test_an_argument_is_for_a_node_that_declares_it(

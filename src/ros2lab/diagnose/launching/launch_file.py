@@ -214,10 +214,32 @@ def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Findin
                 line = f"the Node on line {nodes[0].lineno}" if len(nodes) == 1 else "a node"
                 fix = f"pass it to {line}: parameters=[{{'{name}': {value}}}]"
             elif used_by := [
-                n for n, said in comments_in(source.text) if f"LaunchConfiguration('{name}')" in said
+                n
+                for n, said in comments_in(source.text)
+                if f"LaunchConfiguration('{name}')" in said and _holds_without_mark(source.text, n)
             ]:
                 fix = f"remove it, or remove the # from line {used_by[0]}, which would use it"
             yield Finding("launch-unused", cause, source.at(declared[name]), fix)
+
+
+def _holds_without_mark(text: str, line: int) -> bool:
+    """Return whether a file can be read without the # of a line, and then gives no list a key twice."""
+    lines = text.splitlines()
+    lines[line - 1] = re.sub(r"^(\s*)#+ ?", r"\1", lines[line - 1])
+    try:
+        tree = ast.parse("\n".join(lines))
+    except SyntaxError:
+        return False
+    for node in ast.walk(tree):
+        given = (
+            [inner for inner in node.elts if isinstance(inner, ast.Dict)]
+            if isinstance(node, ast.List)
+            else []
+        )
+        keys = [ast.unparse(key) for inner in given for key in inner.keys if key]
+        if len(keys) > len({*keys}):
+            return False
+    return True
 
 
 def _nodes(source: PythonSource) -> Iterator[Launched]:
