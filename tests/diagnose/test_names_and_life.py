@@ -125,6 +125,23 @@ def test_a_value_of_the_class_hides_the_property_of_every_node(
     assert [finding.code for finding in of_workspace(files.write(tmp_path))] == codes
 
 
+SPUN = [
+    ("try:\n    rclpy.spin(self)\nexcept KeyboardInterrupt:\n    pass\nself.destroy_node()", "before Ctrl-C", "move the whole try on line 13 and line 17 to main"),
+    ("try:\n    rclpy.spin(self)\nfinally:\n    self.destroy_node()", "never returns", "move the whole try on line 13 to main"),
+    ("rclpy.spin(self)\nself.destroy_node()", "never returns", "move `rclpy.spin(self)` and line 14 to main"),
+    ("rclpy.spin(self)", "never returns", "remove `rclpy.spin(self)` here"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", range(len(SPUN)))
+def test_what_belongs_to_a_spin_is_moved_with_it(tmp_path: Path, files: Files, number: int) -> None:
+    lines, cause, fix = SPUN[number]
+    lines = textwrap.indent(f"self.count = 0\n{lines}", " " * 8)
+    files.change("node", "        self.count = 0", lines)
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "spin-inside"]
+    assert [(cause in one.cause, one.fix[: len(fix)]) for one in found] == [(True, fix)]
+
+
 OF_PYTHON_2 = [
     ("try:\n    kind = unicode\nexcept NameError:\n    kind = str", []),
     ("try:\n    kind = unicode\nexcept Exception:\n    kind = str", ["unicode"]),

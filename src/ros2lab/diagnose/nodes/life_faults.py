@@ -18,6 +18,7 @@ from ros2lab.diagnose.nodes.endless_loops import (
 )
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
+from ros2lab.diagnose.nodes.spin_inside import spin_inside
 from ros2lab.diagnose.nodes.unreached import unreached, unreached_faults
 from ros2lab.diagnose.sources.answered import ends_open, plain_returns, unanswered
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
@@ -393,12 +394,8 @@ def _waits(
         for node in own_nodes(function):
             name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
             seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
-            if name == "rclpy.spin":
-                cause = (
-                    f"{what[0].upper()}{what[1:]} spins, so it never returns and nothing after it is reached."
-                )
-                fix = f"{removal(source, node)} here, and write rclpy.spin(node) in main, after the node is made"
-                yield Finding("spin-inside", cause, source.at(node), fix)
+            if name == "rclpy.spin" and isinstance(node, ast.Call):
+                yield spin_inside(source, owner, function, node, what)
             elif is_free or id(node) in repeated:
                 continue
             elif name == "input" or (

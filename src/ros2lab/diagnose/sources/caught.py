@@ -13,12 +13,12 @@ from ros2lab.diagnose.sources.static_value import dotted
 _OTHERS = frozenset(("ExternalShutdownException", "TransformException", "PackageNotFoundError"))
 
 
-def may_be_caught(source: PythonSource, line: int, *errors: type[Exception]) -> bool:
+def may_be_caught(source: PythonSource, line: int, *errors: type[BaseException]) -> bool:
     """Return whether a `try` or `suppress` around a line catches one of some errors, as far as is known."""
     return any(_may_catch(name, errors) for name in _caught_around(source, line))
 
 
-def may_be_caught_by_caller(source: PythonSource, function: Function, *errors: type[Exception]) -> bool:
+def may_be_caught_by_caller(source: PythonSource, function: Function, *errors: type[BaseException]) -> bool:
     """Return whether a file calls a function where one of some errors may be caught."""
     calls = source.calls
     named = (call for call in calls if (dotted(call.func) or "").rpartition(".")[2] == function.name)
@@ -53,7 +53,7 @@ def _named(kinds: ast.expr | None) -> list[str]:
     return [(dotted(kind) or "").rpartition(".")[2] for kind in each]
 
 
-def _may_catch(name: str, errors: tuple[type[Exception], ...]) -> bool:
+def _may_catch(name: str, errors: tuple[type[BaseException], ...]) -> bool:
     known = getattr(builtins, name, None) if name else BaseException
     if isinstance(known, type):
         return any(issubclass(error, known) for error in errors)
