@@ -115,6 +115,25 @@ def test_a_word_alone_on_its_line_is_removed(tmp_path: Path, line: str, fix: str
     assert told(tmp_path, "action", head, "pass", last=line) == [("name-undefined", fix)]
 
 
+@pytest.mark.parametrize(
+    ("kind", "line", "right"),
+    [
+        ("action", "print(vel * 2)", "self, goal_handle"),
+        ("subscription", "print(speed * 2)", "self, msg"),
+        ("service", "print(first, second)", "self, request, response"),
+    ],
+)
+def test_a_number_of_the_body_is_not_what_a_callback_is_called_with(
+    tmp_path: Path, kind: str, line: str, right: str
+) -> None:
+    found = told(tmp_path, kind, "def done(self):", line)
+    assert found[0] == ("callback-arguments", f"write def done({right}):") or found[-1] == (
+        "callback-arguments",
+        f"write def done({right}):",
+    )
+    assert "name-undefined" in [code for code, _ in found]
+
+
 def test_another_name_that_a_callback_lacks_is_told_too(tmp_path: Path) -> None:
     line = "response.sum = request.a + stray + more"
     found = told(tmp_path, "service", "def done(self, request):", line, returned="response")

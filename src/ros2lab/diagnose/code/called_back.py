@@ -64,8 +64,16 @@ def named_in_body(
     returned = [
         n.value.id for n in own_nodes(function) if isinstance(n, ast.Return) and isinstance(n.value, ast.Name)
     ]
-    # A service returns its response.
+    # What ROS gives is asked for its fields; a service returns its response.
+    asked = {
+        n.value.id
+        for n in own_nodes(function)
+        if isinstance(n, ast.Attribute) and isinstance(n.value, ast.Name)
+    }
+    fitting = asked.union(returned, wanted)
     used = sorted(unbound_names(source, function), key=lambda name: name in returned)
+    if not fitting.issuperset(used):
+        return [*own, *rest][: len(wanted)]
     return [*own[: len(wanted)], *(used if rest and len(used) == len(rest) else rest)]
 
 
