@@ -121,12 +121,18 @@ def _init_call_faults(sources: NodeSources, owner: NodeClass, call: ast.Call) ->
             yield Finding("argument-missing", cause, owner.source.at(call), fix)
 
 
+def _values_of(owner: NodeClass) -> frozenset[str]:
+    """Return the names to which the body of a class gives values; one that is only annotated has none."""
+    given = (node for node in owner.definition.body if getattr(node, "value", None))
+    return frozenset(names_bound(inner for node in given for inner in walk(node)))
+
+
 def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     properties = fixed_node_properties()
     members = sources.members(owner)
     lineage = sources.lineage(owner)[0]
     # A value of the class hides the property of Node, so it may be assigned like any other.
-    own = {name for inner in lineage for name in (*inner.methods, *(inner.values & properties))}
+    own = {name for inner in lineage for name in (*inner.methods, *(_values_of(inner) & properties))}
     called = {id(node.func) for node in calls_in(walk(owner.definition))}
     told: set[str] = set()
     # A name that is also a string need not exist where attributes are asked for by strings.

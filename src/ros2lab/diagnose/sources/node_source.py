@@ -95,12 +95,6 @@ class NodeClass:
         return {function.name: function for function in self.functions}
 
     @cached_property
-    def values(self) -> frozenset[str]:
-        """The names to which its body gives values; one that is only annotated has none."""
-        given = (node for node in self.definition.body if getattr(node, "value", None))
-        return frozenset(names_bound(inner for node in given for inner in walk(node)))
-
-    @cached_property
     def attributes(self) -> frozenset[str]:
         """The names of the attributes that it assigns to itself or its class, or defines in its body."""
         found = set[str]()
