@@ -164,7 +164,7 @@ def test_a_message_is_sent_where_it_is_filled(tmp_path: Path, body: str, fix: st
     assert next(told for _, told in found(text, tmp_path, "never-sent")) == fix
 
 
-MOTOR = "class Motor:\n    def stop_a(self):\n        print('a')\n\n    def stop_a(self):\n        print('b')\n\n\n"
+MOTOR = "class Motor:\n    def stop_a(self):\n        self.on = 'a'\n\n    def stop_a(self):\n        self.on = 'b'\n\n\n"
 HELD = "self.motor = Motor()\nself.create_timer(1.0, self.tick)"
 
 

@@ -515,7 +515,7 @@ def commented(name: str) -> Files:
 @pytest.mark.parametrize(
     ("files", "code", "way"),
     [
-        (commented("warnings"), "attribute-missing", "remove the # from line 10, and from those below"),
+        (commented("warnings"), "attribute-missing", "remove the # from line 10, and the lines below"),
         (
             Files.right(NAMES[2]).change(
                 "node", PUBLISHES, f"{PUBLISHES}\n        self.warning_out.publish(msg)"

@@ -201,12 +201,16 @@ def _may_take(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
 
 
 def _is_offered(source: PythonSource, call: ast.Call, value: ast.expr) -> bool:
-    """Return whether a node is likely to be meant: a file has a section for it, or any file of the workspace's own may be its."""
-    if not _may_take(source, call, value) or ".yaml" not in ast.unparse(value):
-        return _may_take(source, call, value)
-    is_open = _may_take(source, ast.Call(call.func, [], []), value)  # so may any other
-    home, given = _home(source), {k.arg: evaluate(source.written(k.value), {}, {}) for k in call.keywords}
-    return not is_open or home is None or (home.parent / str(given.get("package", ""))).is_dir()
+    """Return whether a node is likely to be meant: a file has a section for it, or it is the only node, and the workspace's own."""
+    may_take = _may_take(source, call, value)
+    home = _home(source)
+    if not may_take or home is None or ".yaml" not in ast.unparse(value):
+        return may_take
+    if not _may_take(source, ast.Call(call.func, [], []), value):
+        return True
+    given = {k.arg: evaluate(source.written(k.value), {}, {}) for k in call.keywords}
+    is_own = (home.parent / str(given.get("package", ""))).is_dir()
+    return is_own and len(_node_calls(source)) == 1
 
 
 def _place_for(source: PythonSource, name: str, value: ast.expr) -> tuple[str, str]:
