@@ -52,7 +52,7 @@ FAILS = {
         "rename it, for example to get_namespace_",
     ),
     # What somebody else owns, or holds.
-    "an attribute of rclpy's": ("self._clock = 3\n        self.create_timer(1.0, self.drive)", "write self.clock or another name"),
+    "an attribute of rclpy's": ("self._clock = 3\n        self.create_timer(1.0, self.drive)", "write self.clock instead"),
     "the class of another node": ("super(JointState, self).__init__('again')", "write super() instead of super(JointState, self)"),
     "a method by a name that is made up": ("getattr(self, 'do_' + 'dance'.upper())()", "write `getattr(self, 'do_' + 'dance'.upper(), None)`"),
     "one that another object is to have": ("getattr(\n            rclpy, 'spin_' + self.get_name(),\n        )()", "write `getattr(rclpy, 'spin_' + self.get_name(), None)`"),

@@ -45,7 +45,7 @@ def test_what_boxes_import_is_among_the_sources(module: str) -> None:
     assert Path(spec.origin) in {*compiled.imported()}
 
 
-@pytest.mark.parametrize("module", ["observer", "reader"])
+@pytest.mark.parametrize("module", ["watching.observer", "reading.reader"])
 def test_a_program_of_a_box_imports_nothing_of_the_lab_that_it_does_not_need(module: str) -> None:
     code = f"import sys, ros2lab.grading.{module}; print(*sys.modules)"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout

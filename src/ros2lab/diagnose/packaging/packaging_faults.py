@@ -220,7 +220,11 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
     is_sought = folder == "launch" or any(path.name in text for text in readers)
     lost = " and cannot be found" * is_sought
     cause = f"{relative} is not in data_files in setup.py{only}, so it is not installed{lost}."
-    fix = f"add ('share/{package.name}/{relative.rpartition('/')[0]}', ['{relative}']) to data_files and build again"
+    lies_in = relative.rpartition("/")[0]
+    target = (
+        lies_in if lies_in.startswith(f"{folder}/") else folder
+    )  # what lies below a folder stays below it
+    fix = f"add ('share/{package.name}/{target}', ['{relative}']) to data_files and build again"
     if " " in path.name:
         cause = (
             f"{relative} is not in data_files in setup.py, so it is not installed; and its name has a space."
