@@ -66,7 +66,7 @@ def test_the_type_that_is_asked_for_is_heard_beside_another_one(
     assert run.torn == {"/cmd_vel": ["geometry_msgs/msg/Twist", "std_msgs/msg/String"]}
     assert run.quiet["/cmd_vel"].type_name == "geometry_msgs/msg/Twist"
     assert run.quiet["/cmd_vel"].node == "/velocities"
-    assert run.clock == "stepped"
+    assert run.clock == "stepped", run.notes
     if "commands" in names:
         told = {command.text: [line for _, line in command.log] for command in run.commands}
         assert run.commanded == "/cmd_vel"
