@@ -23,9 +23,13 @@ class Listener:
     Args:
         node: that listens.
         context: of the node.
+
+    Attributes:
+        nodes: that listen; here, the only one.
     """
 
     def __init__(self, node: Node, context: Context) -> None:
+        self.nodes = [node]
         self._node = node
         self._context = context
         self._waits: tuple[list[int], WaitSet] | None = None

@@ -77,9 +77,7 @@ class ObservedDomain:
         with contextlib.ExitStack() as stack:  # which gives all back if this fails half-way
             self._is_private = number is None
             self.number = (
-                number
-                if number is not None  # 0 is one, too
-                else leased(stack.enter_context(socket.socket(socket.AF_UNIX)))
+                leased(stack.enter_context(socket.socket(socket.AF_UNIX))) if number is None else number
             )
             self._logs = str(stack.enter_context(scratch_folder()))
             self._context = Context()
@@ -96,7 +94,7 @@ class ObservedDomain:
         self._steps: list[tuple[float, float]] = []  # when the simulated clock was set, and to what
         self._publishers: dict[str, Any] = {}
         self._clock: Any = None
-        self._questions: dict[str, Any] = {}
+        self._questions: dict[tuple[Node, str], Any] = {}
         self._listening: list[TopicLog] = []
         self.is_restless = False
 
@@ -295,6 +293,8 @@ class ObservedDomain:
     def ask(self, names: Collection[str], timeout: float, times: int = 1) -> set[str]:
         """Ask nodes for their parameters, so that they answer when they have done what was to be done before.
 
+        Each participant that listens asks: an answer tells nothing of what another one hears, or is known to hear.
+
         A service drops a response if it has not met the client's subscription within 0.1 s (rmw_fastrtps, pull
         request 467), which is longer on a busy machine: who has not answered in half of the time is asked once more.
 
@@ -306,33 +306,34 @@ class ObservedDomain:
         Returns:
             The names of those that do not answer: nobody spins them.
         """
-        clients = {name: client for name in names if (client := self._client(name)) is not None}
+        asked = [(node, name) for node in self._listener.nodes for name in names]
+        clients = {who: client for who in asked if (client := self._client(*who)) is not None}
         self.wait(
             lambda: all(client.service_is_ready() for client in clients.values()) or self.has_lost(), timeout
         )
-        left = {name: client for name, client in clients.items() if client.service_is_ready()}
-        absent = {*names} - {*left}
+        left = {who: client for who, client in clients.items() if client.service_is_ready()}
+        absent = {name for _, name in {*asked} - {*left}}
         for _ in range(2):
             self._take_answers(left, timeout / 2, times)
             if not left or self.has_lost():
                 break
-        return absent | {*left}
+        return absent | {name for _, name in left}
 
-    def _take_answers(self, clients: dict[str, Any], timeout: float, times: int) -> None:
+    def _take_answers(self, clients: dict[tuple[Node, str], Any], timeout: float, times: int) -> None:
         """Ask nodes, and take away the clients of those that answer."""
         # All but the last answers tell only that they come, and an empty one is least work for the node.
         before = [GetParameters.Request()] * (times - 1)
         answers = {
-            name: [client.call_async(request) for request in (*before, self.request(name))]
-            for name, client in clients.items()
+            who: [client.call_async(request) for request in (*before, self.request(who[1]))]
+            for who, client in clients.items()
         }
         self.wait(lambda: self.has_lost() or _all_done(answers.values()), timeout)
         if self.has_lost():
             self.wait(lambda: _all_done(answers.values()), LATE)
-        for name, futures in answers.items():
+        for who, futures in answers.items():
             if _all_done([futures]) and futures[-1].result() is not None:
-                self.take_answer(name, futures[-1].result())
-                del clients[name]
+                self.take_answer(who[1], futures[-1].result())
+                del clients[who]
 
     def asked(self) -> list[str]:
         """Return the names of the nodes that are asked."""
@@ -360,15 +361,15 @@ class ObservedDomain:
 
     def forget_questions(self) -> None:
         """Ask by new clients from now on: an answer to one comes after its program knows of what was made before."""
-        for name in list(self._questions):
-            self.node.destroy_client(self._questions.pop(name))
+        for node, name in list(self._questions):
+            node.destroy_client(self._questions.pop((node, name)))
 
-    def _client(self, name: str) -> Any:
-        """Return the client that asks a node; None if its name is too long for that of a service."""
-        if name not in self._questions:
+    def _client(self, node: Node, name: str) -> Any:
+        """Return a node's client that asks another node; None if that one's name is too long for a service's."""
+        if (node, name) not in self._questions:
             with contextlib.suppress(InvalidServiceNameException):
-                self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
-        return self._questions.get(name)
+                self._questions[node, name] = node.create_client(GetParameters, f"{name}/get_parameters")
+        return self._questions.get((node, name))
 
     def parameters(self, name: str) -> dict[str, Any]:
         """Return the values of a node's parameters by their names, arrays as lists; none if it does not answer."""

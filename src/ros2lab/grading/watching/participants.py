@@ -21,13 +21,13 @@ class Participants(Listener):
         domain: the domain's number.
 
     Attributes:
+        nodes: the observer's, and one for each further participant.
         prefixes: what the ends of each of them have in common.
     """
 
     def __init__(self, node: Node, context: Context, domain: int) -> None:
         super().__init__(node, context)
         self._domain = domain
-        self._nodes = [node]
         self._listeners = list[Listener]()
         self._types: list[dict[str, str]] = [{}]  # by topic, the type that each of them holds
         self._open = contextlib.ExitStack()
@@ -35,7 +35,7 @@ class Participants(Listener):
 
     def holding(self, topic: str, type_name: str) -> Node:
         """Return the node for an end of a topic, in a participant that holds no other type of it."""
-        for node, types in zip(self._nodes, self._types, strict=True):
+        for node, types in zip(self.nodes, self._types, strict=True):
             if types.setdefault(topic, type_name) == type_name:
                 return node
         self._types.append({topic: type_name})
@@ -52,7 +52,7 @@ class Participants(Listener):
         self._open.callback(listener.close)
         own = [info for info in ends.publishers(node, "/parameter_events") if info.node_name == name]
         self.prefixes |= {*map(ends.participant, own)}
-        self._nodes.append(node)
+        self.nodes.append(node)
         self._listeners.append(listener)
         return node
 
