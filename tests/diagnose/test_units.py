@@ -87,7 +87,7 @@ def test_what_is_of_one_unit_is_left_alone(tmp_path: Path, line: str) -> None:
     ("line", "fix"),
     [
         ("self.get_logger().info('a', throttle_duration_sec=2000)", "write 2.0 instead of 2000 if"),
-        ("self.get_logger().info('a', throttle_duration_sec=500)  # each half a second", "write 0.5 instead of 500"),
+        ("self.get_logger().info('a', throttle_duration_sec=500)  # each 0.5 seconds", "write 0.5 instead of 500"),
         ("# not more than one line each two seconds\n        self.get_logger().info('a', throttle_duration_sec=2000)", "write 2.0 instead of 2000"),
         ("rclpy.spin_once(self, timeout_sec=100)  # 100 ms", "write 0.1 instead of 100"),
         ("wait_ms = 500; self.client.wait_for_service(timeout_sec=wait_ms)", "write wait_ms / 1000 instead of wait_ms"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.checking.checked_copies import first_that_stands
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, type_of
@@ -42,25 +42,34 @@ def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str
     assert isinstance(call.func, ast.Attribute)
     own = [] if _is_module(source, call.func.value) else [ast.unparse(call.func.value)]
     given, named = [*map(ast.unparse, call.args)], [*map(ast.unparse, call.keywords)]
+    values = ", ".join([*given, *named])
     for number, value in enumerate(call.args):
         is_named = isinstance(value, (ast.Name, ast.Attribute)) and not _is_module(source, value)
         kind = type_of(source, value) if is_named else ""
         if kind and not UNKNOWN_TYPE.search(kind):
             rest = [*given[:number], *given[number + 1 :], *named]
-            for values in (rest, [*own, *rest]):
-                yield f"{given[number]}.{name}({', '.join(values)})", f"{given[number]} has it"
+            for others in (rest, [*own, *rest]):
+                yield f"{given[number]}.{name}({', '.join(others)})", f"{given[number]} has it"
     for function, clause in _functions(source, name):
-        for values in ([*own, *given, *named], [*given, *named]):
-            yield f"{function}({', '.join(values)})", clause
-    for home in () if own else interfaces.homes_around(name, source.resolve(call.func.value) or ""):
-        if home in sys.stdlib_module_names:
-            yield f"{home}.{name}({', '.join([*given, *named])})", f"it is in {home}"
-    for member in sorted(m for m in interfaces.node_members() if m.startswith(f"{name}_") and own):
-        yield f"{own[0]}.{member}({', '.join([*given, *named])})", f"it is called {member}"
-    for holder in _at_hand(source, call, name):
-        around = source.function_at(call.lineno)
-        if holder not in own and not (holder == "self" and around and around.name == name):
-            yield f"{holder}.{name}({', '.join([*given, *named])})", f"{holder} has it"
+        for taken in (", ".join([*own, *given, *named]), values):
+            yield f"{function}({taken})", clause
+    for called, clause in _elsewhere(source, call, name, own):
+        yield f"{called}({values})", clause
+
+
+def _elsewhere(
+    source: PythonSource, call: ast.Call, name: str, own: Sequence[str]
+) -> Iterator[tuple[str, str]]:
+    """Yield what may be called with the same arguments: in a module of Python, under a longer name, by what is at hand."""
+    assert isinstance(call.func, ast.Attribute)
+    homes = () if own else interfaces.homes_around(name, source.resolve(call.func.value) or "")
+    yield from ((f"{home}.{name}", f"it is in {home}") for home in homes if home in sys.stdlib_module_names)
+    longer = sorted(member for member in interfaces.node_members() if member.startswith(f"{name}_"))
+    yield from ((f"{owner}.{member}", f"it is called {member}") for owner in own for member in longer)
+    around = source.function_at(call.lineno)
+    itself = ["self"] * bool(around and around.name == name)  # which would call itself
+    others = (holder for holder in _at_hand(source, call, name) if holder not in (*own, *itself))
+    yield from ((f"{holder}.{name}", f"{holder} has it") for holder in others)
 
 
 def _at_hand(source: PythonSource, call: ast.Call, name: str) -> Iterator[str]:

@@ -24,9 +24,6 @@ _FUNCTIONS = {
 }
 _SAME = frozenset(("abs", "float", "int", "round", "max", "min"))  # these keep the unit of their argument
 _NAMES = {_NS: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", _S: "seconds"}
-_WORDS = dict(
-    zip(("half a", "one", "two", "three", "four", "five", "ten"), (0.5, 1, 2, 3, 4, 5, 10), strict=True)
-)
 _TOO_LONG = 1000  # s
 # No node waits for anything as short as this (s): DDS alone takes longer.
 _TOO_SHORT = 1e-5
@@ -60,22 +57,26 @@ def _for_parameters(sources: NodeSources, source: PythonSource) -> Iterator[Find
     nothing is repeated only each quarter of an hour or so, unless that is a round time.
     """
     times = _Times(sources, source)
+    for call, name, given in _in_seconds(source):
+        value, text = times.number(given) or 0.0, ast.unparse(given)
+        is_said = _is_in_ms(given) or (value > 0 and _says(source, call, value))
+        is_long = "timeout" not in name and value >= _TOO_LONG and value % 100 == 0 and value % 600 > 0
+        if is_said or is_long:
+            lasts = f"{value:g}: {value / 60:.3g} minutes" if value >= 60 else text
+            meant = f"{text} / 1000" if _is_in_ms(given) else str(value / 1000)
+            fix = f"write {meant} instead of {text}{'' if is_said else ' if milliseconds are meant'}"
+            cause = f"{name} counts seconds, and is given {lasts}."
+            yield Finding("unit-mixed", cause, source.at(given), fix)
+
+
+def _in_seconds(source: PythonSource) -> Iterator[tuple[ast.Call, str, ast.expr]]:
+    """Yield what calls give to parameters whose names say that they take seconds."""
     for call in source.calls if not source.fault else ():
         known = signature_of(source, call) if call.args else None
         places = [parameter.name for parameter in known.places] if known else []
         for name, given in by_parameter(call, places).items():
-            value, is_named = times.number(given), _is_in_ms(given)
-            if not name.endswith(("_sec", "_seconds")) or (value is None and not is_named):
-                continue
-            is_said = is_named or (value is not None and _says(source, call, value))
-            is_long = "timeout" not in name and value and value >= _TOO_LONG and value % 100 == 0
-            if is_said or (is_long and value and value % 600):
-                text = ast.unparse(given)
-                lasts = f", and is given {value:g}: {value / 60:.3g} minutes" if value and value >= 60 else ""
-                meant = f"{text} / 1000" if is_named or value is None else str(value / 1000)
-                cause = f"{name} counts seconds{lasts or f', and is given {text}'}."
-                fix = f"write {meant} instead of {text}{'' if is_said else ' if milliseconds are meant'}"
-                yield Finding("unit-mixed", cause, source.at(given), fix)
+            if name.endswith(("_sec", "_seconds")):
+                yield call, name, given
 
 
 def _is_in_ms(value: ast.expr) -> bool:
@@ -87,10 +88,8 @@ def _says(source: PythonSource, call: ast.Call, value: float) -> bool:
     """Return whether a comment at a call says that a number counts milliseconds, or says how many seconds these are."""
     lines = range(call.lineno - 1, (call.end_lineno or call.lineno) + 1)
     said = " ".join(text for number, text in comments_in(source.text) if number in lines).lower()
-    seconds, whole = f"{value / 1000:g}", f"{value:g}"
-    words = [seconds, *(word for word, number in _WORDS.items() if number == value / 1000)]
-    of_seconds = rf"\b({'|'.join(map(re.escape, words))})(\.0)?[ -]?(s|sec|seconds?)\b"
-    return bool(re.search(of_seconds, said) or re.search(rf"\b{whole} ?(ms|milliseconds?)\b", said))
+    of_seconds = rf"\b{re.escape(f'{value / 1000:g}')}(\.0)?[ -]?(s|sec|seconds?)\b"
+    return bool(re.search(rf"{of_seconds}|\b{value:g} ?(ms|milliseconds?)\b", said))
 
 
 class _Times:
