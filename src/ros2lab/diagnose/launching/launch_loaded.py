@@ -250,27 +250,31 @@ def _refusals(
     """Yield why launch does not load a file: missing and unknown attributes, or else its own message."""
     tags = list(dict.fromkeys(fault["tag"] for fault in told["faults"]))
     for tag in tags:
-        faults = [fault for fault in told["faults"] if fault["tag"] == tag]
-        missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
-        strange = sorted({name for fault in faults for name in fault.get("unexpected", ())})
-        known = {name for fault in faults for name in fault.get("known", ())} - {*strange}
-        unknown = f"has no attribute called {' or '.join(strange)}"
-        cause = f"<{tag}> {unknown}." if strange else f"<{tag}> lacks its attribute {' and '.join(missing)}."
-        if missing and strange:
-            cause = f"<{tag}> needs {' and '.join(missing)}, and {unknown}."
-        given: dict[str, list[str]] = {}
-        for fault in faults:
-            for name in fault.get("unexpected", ()):
-                given.setdefault(name, []).extend(fault["given"])
-        text = read_text(path)
-        pushed = [name for name in strange if tag in _WITHOUT_NAMESPACE and name in ("ns", "namespace")]
-        fixes = [_pushed(tag, name, text) for name in pushed]
-        others = [name for name in strange if name not in pushed]
-        fix = ", and ".join([*fixes, *_attribute_fixes(others, missing, known, given)])
-        yield Finding("launch-argument", cause, at(file.shown, line_with(text, *(strange or [tag]))), fix)
+        yield _refused(path, file, tag, [fault for fault in told["faults"] if fault["tag"] == tag])
     if told["error"] and not tags:
         read = [*_unread(packages)] if told["error"].get("is_yaml") else []
         yield from read or [_refusal(file, told["error"])]
+
+
+def _refused(path: Path, file: LaunchFile, tag: str, faults: Sequence[Mapping[str, Any]]) -> Finding:
+    """Return which attributes of an element are missing and unknown."""
+    missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
+    strange = sorted({name for fault in faults for name in fault.get("unexpected", ())})
+    known = {name for fault in faults for name in fault.get("known", ())} - {*strange}
+    unknown = f"has no attribute called {' or '.join(strange)}"
+    cause = f"<{tag}> {unknown}." if strange else f"<{tag}> lacks its attribute {' and '.join(missing)}."
+    if missing and strange:
+        cause = f"<{tag}> needs {' and '.join(missing)}, and {unknown}."
+    given: dict[str, list[str]] = {}
+    for fault in faults:
+        for name in fault.get("unexpected", ()):
+            given.setdefault(name, []).extend(fault["given"])
+    text = read_text(path)
+    pushed = [name for name in strange if tag in _WITHOUT_NAMESPACE and name in ("ns", "namespace")]
+    fixes = [_pushed(tag, name, text) for name in pushed]
+    others = [name for name in strange if name not in pushed]
+    fix = ", and ".join([*fixes, *_attribute_fixes(others, missing, known, given)])
+    return Finding("launch-argument", cause, at(file.shown, line_with(text, *(strange or [tag]))), fix)
 
 
 # How an element is put into a namespace that takes no namespace itself.

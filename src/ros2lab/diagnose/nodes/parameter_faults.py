@@ -173,14 +173,26 @@ def file_faults(
                     yield from _value_faults(name, value, section, declared or {}, lines_of)
             yield from _apart(content, full, lines_of)
             yield from replaced_values(shown, text)
-        elif isinstance(content, Mapping) and (near := _nearly_below(content)):
-            cause = f"In {shown} the line above the parameters is {near}:, but ROS reads only what is below {BELOW}:."
-            fix = f"write {BELOW}: (two underscores) instead of {near}:"
-            yield Finding("parameter-file-node", cause, lines_of.at(near), fix)
-        elif isinstance(content, Mapping) and any(is_node(str(key), names) for key in content):
-            cause = f"In {shown} the line `ros__parameters:` is missing between the node's name and its parameters."
-            fix = "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it"
-            yield Finding("parameter-file-node", cause, at(shown, 1), fix)
+        elif isinstance(content, Mapping):
+            yield from _without_below(content, names, shown, lines_of)
+
+
+def _without_below(
+    content: Mapping[Any, Any], names: Collection[str], shown: str, lines_of: _Lines
+) -> Iterator[Finding]:
+    """Yield that the line above the parameters of a file is misspelt or missing."""
+    if near := _nearly_below(content):
+        cause = (
+            f"In {shown} the line above the parameters is {near}:, but ROS reads only what is below {BELOW}:."
+        )
+        fix = f"write {BELOW}: (two underscores) instead of {near}:"
+        yield Finding("parameter-file-node", cause, lines_of.at(near), fix)
+    elif any(is_node(str(key), names) for key in content):
+        cause = (
+            f"In {shown} the line `ros__parameters:` is missing between the node's name and its parameters."
+        )
+        fix = "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it"
+        yield Finding("parameter-file-node", cause, at(shown, 1), fix)
 
 
 def _readers(name: str, files: Iterable[PythonSource]) -> Iterator[PythonSource]:

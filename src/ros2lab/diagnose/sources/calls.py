@@ -327,11 +327,7 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     if heads & {"int", "QoSProfile"}:
         return number.partition(".")[0] if is_number else f"int({text})" * (kind is None)
     if "bool" in heads:
-        return (
-            str(literal not in (0, None) and str(literal).lower() not in _UNTRUE)
-            if literal is not None
-            else "True"
-        )
+        return str(str(literal).lower() not in _UNTRUE)
     return _as_text(value, kind) if heads & TAKES["str"] else ""
 
 
