@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -103,6 +104,24 @@ def test_a_fault_ends_with_1(tmp_path: Path) -> None:
     done = run(folder=root)
     assert done.returncode == 1
     assert "setup-cfg-missing" in done.stdout
+
+
+def test_where_what_runs_is_a_copy_a_build_is_told(tmp_path: Path) -> None:
+    """Beside the fix, and not before it is asked for."""
+    files = Files.right(NAMES[0])
+    files.change("robot_controller/status_publisher.py", "super().__init__(", "super().__int__(")
+    root = files.write(tmp_path)
+    told = "after a change, build again: colcon build --packages-select robot_controller"
+    assert told not in run(folder=root).stdout
+    prefix = root / "install/robot_controller"
+    marker = prefix / "share/ament_index/resource_index/packages/robot_controller"
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    package = root / "src/robot_controller/robot_controller"
+    shutil.copytree(package, prefix / "lib/python3.12/site-packages/robot_controller")
+    assert told in run(folder=root).stdout
+    assert told in run("--up-to", "fix", folder=root).stdout
+    assert told not in run("--up-to", "place", folder=root).stdout
 
 
 def test_what_reading_finds_is_told_where_nothing_can_be_run(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from workspace_files import NAMES, Files
 from deadlines import DEADLINE
 from ros2lab import environment
 from ros2lab.diagnose import Finding, of_text, of_workspace
+from ros2lab.diagnose.packaging.installed import to_build
 from ros2lab.workspace import Workspace
 
 
@@ -32,6 +33,40 @@ def workspace(built: Path, tmp_path: Path) -> Path:
 
 def codes(findings: list[Finding]) -> list[str]:
     return [finding.code for finding in findings]
+
+
+def told_to_build(root: Path, place: str, fix: str) -> str:
+    """Return the command that is told to follow a fix of a file of the package."""
+    (package,) = (root / "src").iterdir()
+    return to_build(root, [Finding("x", "It is wrong.", f"src/{package.name}/{place}" if place else "", fix)])
+
+
+@pytest.mark.parametrize(
+    ("place", "fix", "is_told"),
+    [
+        ("robot_controller/status_publisher.py:3", "write x", True),
+        ("launch/robot.launch.py:9", "write x", True),
+        ("config/robot.yaml", "write x", True),
+        ("setup.py:20", "write x", True),
+        ("setup.py:20", "write x, and build again", False),
+        ("robot_controller/status_publisher.py:3", "", False),
+        ("package.xml:9", "write x", False),
+        ("notes.py", "write x", False),
+        ("not_there.py:1", "write x", False),
+        ("", "source install/setup.bash", False),
+    ],
+)
+def test_a_build_follows_a_change_of_what_runs_as_a_copy(
+    workspace: Path, place: str, fix: str, is_told: bool
+) -> None:
+    (workspace / "src/robot_controller/notes.py").touch()
+    command = "colcon build --packages-select robot_controller"
+    assert told_to_build(workspace, place, fix) == (command if is_told else "")
+
+
+def test_where_nothing_is_built_no_build_is_told(tmp_path: Path) -> None:
+    root = Files.right(NAMES[0]).write(tmp_path / "ws")
+    assert told_to_build(root, "robot_controller/status_publisher.py:3", "write x") == ""
 
 
 def test_a_fresh_build_is_right(workspace: Path) -> None:
@@ -93,6 +128,14 @@ def test_a_linked_build_is_stale_by_its_entry_points_alone(tmp_path: Path) -> No
     path = root / "src/my_bot/my_bot/talker.py"
     path.write_text(path.read_text() + "def speak():\n    pass\n")
     assert of_workspace(root) == []
+    assert [
+        told_to_build(root, place, "write x")
+        for place in ("my_bot/talker.py:3", "launch/robot.launch.py", "setup.py")
+    ] == [
+        "",
+        "",
+        "colcon build --packages-select my_bot",
+    ]
     setup = root / "src/my_bot/setup.py"
     setup.write_text(setup.read_text().replace("talker:main", "talker:speak"))
     assert codes(of_workspace(root)) == ["install-stale"]

@@ -75,6 +75,8 @@ def diagnose(
         print(json.dumps([*map(_documented, shown)], indent=2))
     else:
         _show(shown, looked_at)
+        if up_to in (None, Step.FIX):
+            _tell_of_the_build(shown, root)
         if shown and story and up_to is None:
             print(f"What the nodes did: {story}")
         if shown and up_to and (step := next_step(findings[0], up_to)):
@@ -186,6 +188,13 @@ def _run(root: Path, read: Sequence[Finding]) -> tuple[Sequence[Finding], list[F
         f"It ran the installed nodes for a few seconds. {story}",
         visible(story, LONGEST),
     )
+
+
+def _tell_of_the_build(findings: Sequence[Finding], root: Path | None) -> None:
+    from ros2lab.diagnose.packaging.installed import to_build  # noqa: PLC0415
+
+    if root is not None and (command := to_build(root.absolute(), findings)):
+        print(f"What runs is a copy of the source: after a change, build again: {command}")
 
 
 def _show(findings: Sequence[Finding], looked_at: str) -> None:

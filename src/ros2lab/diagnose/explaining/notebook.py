@@ -42,7 +42,8 @@ def explain_cell(result: Any) -> None:
         if finding is not None:
             from IPython.display import display
 
-            display(Explanation(finding, is_folded=_is_in_exercise(error)))  # type: ignore[no-untyped-call]
+            shown = Explanation(finding, _then(error, finding), is_folded=_is_in_exercise(error))
+            display(shown)  # type: ignore[no-untyped-call]
     except Exception:
         # The student has an error already; one of ours would not help.
         return
@@ -106,6 +107,14 @@ def _workspace_of(terminal_folder: str) -> Path | None:
     return workspace_around(folder) if folder.is_dir() else None
 
 
+def _then(error: BaseException, finding: Finding) -> str:
+    """Return what must follow a fix of what a terminal printed: a build, where what runs is a copy."""
+    from ros2lab.diagnose.packaging.installed import to_build
+
+    root = _workspace_of(error.folder) if hasattr(error, "folder") else None
+    return to_build(root.absolute(), [finding]) if root else ""
+
+
 def _is_in_exercise(error: BaseException) -> bool:
     """Return whether a command failed in a workspace in which findings are told step by step."""
     from ros2lab import course
@@ -116,14 +125,22 @@ def _is_in_exercise(error: BaseException) -> bool:
 
 
 class Explanation:
-    """A finding as a notebook shows it; if it is folded, all but its cause is hidden until it is clicked."""
+    """A finding as a notebook shows it; if it is folded, all but its cause is hidden until it is clicked.
 
-    def __init__(self, finding: Finding, *, is_folded: bool = False) -> None:
-        self.finding, self.is_folded = finding, is_folded
+    Args:
+        finding: the finding.
+        then: the command that must follow the fix; empty if none must.
+        is_folded: whether it is folded.
+    """
+
+    def __init__(self, finding: Finding, then: str = "", *, is_folded: bool = False) -> None:
+        self.finding, self.then, self.is_folded = finding, then, is_folded
 
     @property
     def _rows(self) -> list[tuple[str, str]]:
         rows = [("Cause", self.finding.cause), ("Place", self.finding.place), ("Fix", self.finding.fix)]
+        if self.then:
+            rows.append(("Then", f"build again, for what runs is a copy of the source: {self.then}"))
         return [(name, text) for name, text in rows if text]
 
     def __repr__(self) -> str:

@@ -6,13 +6,13 @@ import configparser
 import filecmp
 import os
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.sources.interfaces import INDEX
-from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.package import SourcePackage, discover
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 _BUILD = "colcon build --packages-select"
@@ -51,6 +51,27 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
         place = changed[0] if changed else package.shown("setup.py")
         about = (*(PurePosixPath(shown).name for shown in changed), *missing)
         yield Finding("install-stale", cause, place, fix, about)
+
+
+def to_build(root: Path, findings: Iterable[Finding]) -> str:
+    """Return the command that makes changes of what findings are about take effect; empty if they do by themselves.
+
+    What runs is a copy of a source unless it was built with links; a fix that tells of a build needs no other.
+    """
+    mended = (finding for finding in findings if finding.fix and "build" not in finding.fix)
+    paths = {root / finding.place.partition(":")[0] for finding in mended}
+    names = [p.name for p in discover(root)[0] if any(_is_copied(root, p, path) for path in paths)]
+    return f"{_BUILD} {' '.join(names)}" if names else ""
+
+
+def _is_copied(root: Path, package: SourcePackage, path: Path) -> bool:
+    """Return whether a file is one of a package, and what runs is a copy of it; nothing runs a package.xml."""
+    prefix = prefix_of(root, package.name)
+    is_own = path.is_file() and path.is_relative_to(package.folder) and path.name != "package.xml"
+    if prefix is None or not is_own:
+        return False
+    copies = (copy for copy in prefix.rglob(path.name) if not copy.is_symlink())
+    return path.name in ("setup.py", "setup.cfg") or any(copies)
 
 
 def prefix_of(root: Path, name: str) -> Path | None:
