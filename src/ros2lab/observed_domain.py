@@ -34,6 +34,7 @@ from ros2lab import environment, every_node
 from ros2lab.domain_lease import discovery, leased
 from ros2lab.listener import Listener
 from ros2lab.node_process import NodeProcess
+from ros2lab.processor_share import processor_share
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.scratch import scratch_folder
 from ros2lab.topics import TopicLog, find_type
@@ -62,8 +63,7 @@ class ObservedDomain:
     Attributes:
         number: of the domain.
         node: listens; it is spun while `wait` waits.
-        patience: how long to wait for what a running node does at once, such as to answer, in s. A node that
-            sleeps does not answer; on a busy machine one that spins takes long.
+        patience: how long to wait for what a node that spins does at once, such as to answer, in s.
         simulated: what the simulated clock shows, in s.
         is_restless: whether something was still received when `settle` gave up.
 
@@ -300,7 +300,7 @@ class ObservedDomain:
 
         Args:
             names: of the nodes.
-            timeout: for the answers, in s.
+            timeout: for the answers, in s; longer on a busy machine, where a node waits for its turn.
             times: how often each is asked, at once.
 
         Returns:
@@ -327,7 +327,7 @@ class ObservedDomain:
             who: [client.call_async(request) for request in (*before, self.request(who[1]))]
             for who, client in clients.items()
         }
-        self.wait(lambda: self.has_lost() or _all_done(answers.values()), timeout)
+        self.wait(lambda: self.has_lost() or _all_done(answers.values()), timeout / processor_share())
         if self.has_lost():
             self.wait(lambda: _all_done(answers.values()), LATE)
         for who, futures in answers.items():
