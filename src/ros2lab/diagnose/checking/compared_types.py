@@ -80,8 +80,16 @@ def _compared(source: PythonSource) -> Iterator[_Compared]:
             constants = [operand for operand in others if isinstance(operand, ast.Constant)]
             families = {_family_of(constant.value) for constant in constants}
             is_asked = len(constants) == len(others) and len(families) == 1 and "" not in families
-            if is_asked and not isinstance(side, ast.Constant):
+            is_known = families == {"a string"} and _is_text(side)
+            if is_asked and not is_known and not isinstance(side, ast.Constant):
                 yield _Compared(node, side, constants, is_equal)
+
+
+def _is_text(side: ast.expr) -> bool:
+    """Return whether a side is a string whatever surrounds it, as in the guard of a program."""
+    return isinstance(side, ast.JoinedStr) or (
+        isinstance(side, ast.Name) and side.id in ("__name__", "__file__")
+    )
 
 
 def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
