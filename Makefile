@@ -28,7 +28,8 @@ lab: ## open the course in JupyterLab
 	$(call install,student)
 	@.venv/bin/ros2lab lab $(if $(PORT),--port '$(PORT)')
 
-# Debian's packages come beside Python's, and mypy works beside the tests: each has one core.
+# Debian's packages come beside Python's, and mypy works beside the tests: each has one core. In a new clone, one
+# process compiles the tests before eight would do the same at once.
 test: ## run the tests, unit to browser
 	@tools/system_commands chromium zsh bwrap=bubblewrap mmdebstrap & debian=$$!; \
 	($(call bootstrap,development)); installed=$$?; \
@@ -38,6 +39,7 @@ test: ## run the tests, unit to browser
 	.venv/bin/lint-imports --no-cache --no-logo
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md deploy/*/README.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy & mypy=$$!; \
+	test -e tests/terminal/__pycache__ || .venv/bin/python -m pytest --collect-only -qq >/dev/null; \
 	.venv/bin/python -m pytest --numprocesses 8 --dist worksteal $(thorough); tests=$$?; \
 	wait $$mypy && exit $$tests
 
