@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 
 import evidences
@@ -21,6 +22,7 @@ WRONG = "ros2 run robot_controller nobody"
 OPTION = f"{RUNS[0]} --ros-args -p status_period:=0.5"
 
 
+@functools.cache  # one subset of commands is compared with many others
 def share(true: tuple[str, ...], *false: str, misgiven: tuple[str, ...] = ()) -> float:
     """Return the share of the points for a README's commands."""
     commands = {**dict.fromkeys(true, True), **dict.fromkeys((*false, *misgiven), False)}
