@@ -12,7 +12,7 @@ from ros2lab.diagnose import net
 from ros2lab.grading.evidence import Evidence, Files
 from ros2lab.grading.reading import files
 from ros2lab.grading.reading.unread import OF_CODE, read_all
-from ros2lab.grading.receiving.submission import receive
+from ros2lab.grading.receiving.submission import Submission, receive
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 
@@ -47,22 +47,30 @@ def test_what_nobody_can_follow_is_said_as_before() -> None:
         read_all({"setup": _entangled})
 
 
+@pytest.fixture(scope="module")
+def received(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Submission, Files]:
+    """Return where the reference was received, what it is, and all facts about it."""
+    root = tmp_path_factory.mktemp("received") / "alone"
+    root.mkdir()
+    submission = receive(REFERENCE, root)
+    return root, submission, files.look(root, submission)
+
+
 @pytest.mark.parametrize(
     "name", ["described", "written_ends", "running", "manifest_facts", "_findings", "declared_in"]
 )
 def test_files_are_read_but_for_what_fails(
-    name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    name: str, monkeypatch: pytest.MonkeyPatch, received: tuple[Path, Submission, Files]
 ) -> None:
     """All other facts are those that they were, and a note names what is missing."""
-    submission = receive(REFERENCE, tmp_path)
-    whole = files.look(tmp_path, submission)
+    root, submission, whole = received
 
     def broken(*_: object) -> None:
         raise ZeroDivisionError
 
     monkeypatch.delenv(net.STRICT)
     monkeypatch.setattr(files, name, broken)
-    some = files.look(tmp_path, submission)
+    some = files.look(root, submission)
     assert some.unread
     different = {one for one in FACTS if getattr(some, one) != getattr(whole, one)}
     assert different <= some.unread.keys()
