@@ -87,10 +87,11 @@ class TestExtension:
         ("imports", "spared"),
         [
             ("from setuptools import setup", 1),
-            ("import setuptools\nsetup = setuptools.setup", 1),
-            (
+            pytest.param("import setuptools\nsetup = setuptools.setup", 1, marks=pytest.mark.thorough),
+            pytest.param(
                 "try:\n    from setuptools import setup\nexcept ImportError:\n    from distutils.core import setup",
                 1,
+                marks=pytest.mark.thorough,
             ),
             ("# setuptools has it, too\nfrom distutils.core import setup", 0),
         ],
