@@ -20,11 +20,10 @@ from ros2lab.grading.watching.keyboard import MOST_RUNS, Keyboard, Search, answe
 from ros2lab.grading.watching.observe import SHOWN, Observer
 from ros2lab.grading.watching.rounds import watch
 
-BEGIN = """
-import sys, rclpy
-from geometry_msgs.msg import Twist
-"""
+BEGIN = "import sys\n"  # what ends at its question has imported nothing that takes long
 REST = """
+import rclpy
+from geometry_msgs.msg import Twist
 rclpy.init()
 node = rclpy.create_node("velocity_publisher")
 publisher = node.create_publisher(Twist, "/cmd_vel", 10)
@@ -33,7 +32,7 @@ rclpy.spin(node)
 """
 BROKEN = "raise AttributeError('it never worked')\n"
 PROGRAMS = {
-    "asks_for_a_number": f"{BEGIN}speed = float(input('speed? '))\n{REST}",
+    "asks_for_a_number": f"{BEGIN}import rclpy\nspeed = float(input('speed? '))\n{REST}",
     "asks_for_two": f"{BEGIN}x, y = map(int, input().split(','))\n{REST}",
     "asks_for_two_by_turns": f"{BEGIN}x = float(input())\ny = float(input())\n{REST}",
     "asks_for_a_word": f"{BEGIN}assert input() == 'forward'\n{REST}",

@@ -77,7 +77,13 @@ def test_whatever_is_heavy_to_read_ends(read: Callable[[Texts | Path], Reading],
 DEEP = f"COUNT = {' + '.join(['1'] * 900)}\n"
 
 
-@pytest.mark.parametrize("file", ["robot_controller/status_publisher.py", "test/test_status.py"])
+@pytest.mark.parametrize(
+    "file",
+    [
+        "robot_controller/status_publisher.py",
+        pytest.param("test/test_status.py", marks=pytest.mark.thorough),
+    ],
+)
 def test_what_is_nested_too_deeply_for_us_is_not_read_and_that_is_said(
     read: Callable[[Texts | Path], Reading], file: str
 ) -> None:
