@@ -978,7 +978,14 @@ def test_a_managed_node_is_told_to_begin(observer: Observer, is_willing: bool) -
     assert "/status/change_state" in run.given
 
 
-@pytest.mark.parametrize("way", [*_LOCKS])
+@pytest.mark.parametrize(
+    "way",
+    # What lies in /tmp and at home is shared by two other ways, too.
+    [
+        pytest.param(way, marks=pytest.mark.thorough if way in ("new_file", "foreign_home") else ())
+        for way in _LOCKS
+    ],
+)
 def test_programs_that_lock_each_other_out_are_seen_to(observer: Observer, way: str) -> None:
     """Alone each goes on; beside each other one has ended before any command."""
     both = [program(f"{way}_first"), program(f"{way}_too")]
