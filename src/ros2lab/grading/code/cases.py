@@ -70,15 +70,23 @@ def text_of(node: ast.AST) -> str:
         return f"#{id(node)}"
 
 
+def is_leaf(expression: ast.AST) -> bool:
+    """Return whether an expression is a name, an attribute or a call, and no conversion such as `bool(…)`."""
+    match expression:
+        case ast.Call(func=ast.Name(id=name), args=[_], keywords=[]) if name in _CONVERSIONS:
+            return False
+        case ast.Name(ctx=ast.Load()) | ast.Attribute(ctx=ast.Load()) | ast.Call():
+            return True
+    return False
+
+
 def leaves(expression: ast.AST) -> Iterator[ast.expr]:
     """Yield the names, attributes and calls that an expression is made of."""
     match expression:
-        case ast.Name(ctx=ast.Load()) | ast.Attribute(ctx=ast.Load()):
+        case ast.expr() if is_leaf(expression):
             yield expression
-        case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in _CONVERSIONS:
+        case ast.Call(args=[inner]):
             yield from leaves(inner)
-        case ast.Call():
-            yield expression
         case ast.Lambda() | ast.ListComp() | ast.SetComp() | ast.DictComp() | ast.GeneratorExp():
             return
         case _:
@@ -146,7 +154,7 @@ def value_of(expression: ast.expr, case: Case) -> Any:
 
 
 def _value(node: ast.expr, case: Case) -> Any:  # noqa: PLR0911 -- a table
-    if isinstance(node, COMPUTED) and (text := text_of(node)) in case:
+    if case and isinstance(node, COMPUTED) and (text := text_of(node)) in case:
         return case[text]
     match node:
         case ast.Constant(value=known):

@@ -28,6 +28,7 @@ from ros2lab.grading.code.cases import (
     Given,
     Member,
     changed,
+    is_leaf,
     is_truth,
     leaves,
     parted,
@@ -94,7 +95,7 @@ class Possible:
             return ANY
         self._depth += 1
         try:
-            if [*leaves(expression)] == [expression]:
+            if is_leaf(expression):
                 return frozenset(
                     alternative for value in self._of_leaf(expression) for alternative in parted(value)
                 )
@@ -176,7 +177,7 @@ class Possible:
             name = self._function(self.scopes[expression][0], expression.func)
             if known := computed(expression, name, self.range_of):
                 return known
-        if [*leaves(expression)] == [expression]:
+        if is_leaf(expression):
             return joined(map(range_within, self._of_leaf(expression)))
         return computed(expression, name, self.range_of)
 
