@@ -172,10 +172,12 @@ _MOVE = re.compile(r"\bmv ('[^']+'|\S+) ('[^']+'|[^\s,;)`]+)")
 
 
 def without_loss(finding: Finding, root: Path) -> Finding:
-    """Return a finding that tells of each file that its `mv` would write over."""
-    taken = [to for _, to in _MOVE.findall(finding.fix) if (root / to.strip("'")).is_file()]
-    told = "".join(f"; look first which of the two is needed: there is a {to} already" for to in taken)
-    return replace(finding, fix=finding.fix + told) if told else finding
+    """Return a finding that tells of each file that its `mv` would write over, before the command itself."""
+    fix = finding.fix
+    for old, new in _MOVE.findall(fix):
+        if (root / new.strip("'")).is_file():
+            fix = f"there is a {new} already: compare it with {old} first, and delete the one that is not needed; if that is {new}, {fix}"
+    return replace(finding, fix=fix)
 
 
 def ranked(findings: Iterable[Finding]) -> list[Finding]:
