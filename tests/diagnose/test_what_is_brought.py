@@ -260,6 +260,11 @@ CMAKE = "project(my_bot)\nfind_package(ament_cmake REQUIRED)\n{}ament_package()\
         ("install(DIRECTORY launch DESTINATION share/my_bot)\n", "write `install(PROGRAMS scripts/one.py scripts/two.py DESTINATION"),
         ("install(PROGRAMS scripts/one.py scripts/two.py DESTINATION lib/my_bot)\n", ""),
         ("install(DIRECTORY scripts DESTINATION lib/my_bot)\n", ""),
+        ('rosidl_generate_interfaces(${PROJECT_NAME} "msg/Pose.msg")\n', ""),
+        ("add_executable(driver src/driver.cpp)\n", ""),
+        ("add_library(driver src/driver.cpp)\ninstall(TARGETS driver DESTINATION lib/my_bot)\n", ""),
+        ("ament_python_install_package(my_bot)\n", ""),
+        ("if(BUILD_TESTING)\n  find_package(ament_lint_auto REQUIRED)\nendif()\n", "touch src/my_bot/COLCON_IGNORE, then mv "),
     ],
 )  # fmt: skip
 def test_a_package_of_cmake_that_installs_files_installs_its_programs_too(
@@ -275,6 +280,27 @@ def test_a_package_of_cmake_that_installs_files_installs_its_programs_too(
     fixes = proposed(files, tmp_path, "build-type-cmake")
     assert len(fixes) == bool(fix)
     assert all(found.startswith(fix) for found in fixes)
+
+
+@pytest.mark.parametrize(("folder", "is_of_interfaces"), [("my_bot", False), ("bot", False), ("bot", True)])
+def test_a_package_of_cmake_without_anything_to_make_is_made_anew(
+    tmp_path: Path, folder: str, is_of_interfaces: bool
+) -> None:
+    """Its folder may have another name; one of interfaces has something to make, whichever of its files are there."""
+    group = "<member_of_group>rosidl_interface_packages</member_of_group>" * is_of_interfaces
+    files = (
+        right().change("package.xml", "ament_python", "ament_cmake").put("CMakeLists.txt", CMAKE.format(""))
+    )
+    files.change("package.xml", "  <export>", f"  {group}\n  <export>")
+    node = files.texts[files.path("node")]
+    texts = {f"scripts/{name}.py": node for name in ("one", "two")}
+    texts |= {name: files.texts[files.path(name)] for name in ("package.xml", "CMakeLists.txt")}
+    files.texts = {f"src/{folder}/{name}": text for name, text in texts.items()}
+    fixes = proposed(files, tmp_path, "build-type-cmake")
+    assert len(fixes) != is_of_interfaces
+    for fix in fixes:
+        assert f"mv src/{folder} src/{folder}_old" in fix
+        assert fix.endswith(f"copy one.py, two.py from src/{folder}_old/scripts into src/my_bot/my_bot")
 
 
 NOT_RUN = "class Gain:\n    pass\n"
@@ -399,4 +425,6 @@ def test_a_move_over_a_file_says_so(tmp_path: Path, is_there: bool) -> None:
     if is_there:
         files.texts["src/my_pkg/my_pkg/my_node.py"] = "LIMIT = 1\n"
     (fix,) = proposed(files, tmp_path, "entry-points-missing")
-    assert fix.endswith("there is a src/my_pkg/my_pkg/my_node.py already") is is_there
+    told, _, rest = fix.partition("mv src/my_pkg/my_pkg/my-node.py ")
+    assert rest.startswith("src/my_pkg/my_pkg/my_node.py")
+    assert told.startswith("there is a src/my_pkg/my_pkg/my_node.py already") is is_there

@@ -15,6 +15,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from shlex import quote
 
+from portable_ros2.new_package import NewPackage
 from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.build_order import needed
@@ -209,8 +210,11 @@ def _not_installed_by_cmake(package: SourcePackage, shown: str, files: Sequence[
     create = f"ros2 pkg create {name} --build-type ament_python"
     create += f" --dependencies {' '.join(needs)}" if needs else ""
     folder = package.shown("").rstrip("/")
+    beside, inner = folder.rpartition("/")[0] or ".", file.rpartition("/")[0]
+    shown_files = ", ".join(path.rpartition("/")[2] for path in files)
+    old, new = f"{folder}_old/{inner}".rstrip("/"), f"{beside}/{name}/{name}".removeprefix("./")
     cause = f"{name} is a CMake package, which `ros2 pkg create` makes without --build-type ament_python, but {file} in it is Python."
-    fix = f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(folder.rpartition('/')[0] or '.')} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}"
+    fix = f"touch {quote(f'{folder}/COLCON_IGNORE')}, then mv {quote(folder)} {quote(f'{folder}_old')}, then cd {quote(beside)} && {create}, and copy {shown_files} from {old} into {new}"
     yield Finding("build-type-cmake", cause, place, fix)
 
 
@@ -228,8 +232,11 @@ def _is_program(path: Path) -> bool:
     )
 
 
+_COMMAND = re.compile(r"^\s*(\w+)\s*\(", re.MULTILINE)
+
+
 def _python_alone(package: SourcePackage) -> list[str]:
-    """Return the Python files that a CMake package, with nothing to compile, does not install, those of one folder."""
+    """Return the Python files that a CMake package does not install, those of one folder; none if it has, or names, anything to compile."""
     endings = ("cpp", "c", "cc", "msg", "srv", "action")
     compiled = [path for ending in endings for path in package.folder.rglob(f"*.{ending}")]
     folders = (
@@ -241,8 +248,11 @@ def _python_alone(package: SourcePackage) -> list[str]:
     names = ("__init__.py", "setup.py")
     files = [path for folder in folders for path in sorted(folder.glob("*.py")) if path.name not in names]
     text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
-    is_told = ".py" in text or "ament_python" in text or "catkin_python" in text
-    if compiled or is_told or _installs_by_folder(text, files, package):
+    # What `ros2 pkg create` writes makes nothing yet.
+    begun = NewPackage("new", "ament_cmake", 3, "", "", "", "", []).render("ament_cmake/CMakeLists.txt")
+    makes = {*_COMMAND.findall(text.lower())} - {*_COMMAND.findall(begun), "install"}
+    groups = package.manifest.member_of_groups if package.manifest else ()
+    if compiled or makes or groups or ".py" in text or _installs_by_folder(text, files, package):
         return []
     return [p.relative_to(package.folder).as_posix() for p in files if p.parent == files[0].parent]
 
