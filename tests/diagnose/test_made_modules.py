@@ -158,3 +158,13 @@ def test_a_package_of_the_workspace_comes_before_a_similar_one(
     }
     found = [f.cause for f in of_workspace(files.write(tmp_path)) if f.code == "module-missing"]
     assert found == ([NEAR.format(line.split()[1].partition(".")[0], near)] if near else [])
+
+
+def test_a_cmake_file_that_colcon_does_not_read_makes_no_messages(tmp_path: Path) -> None:
+    files = (
+        Files.right(NAME).put("CMakeLists.txt", CMAKE.format(NAME.package)).put("msg/Wrist.msg", "int32 x\n")
+    )
+    files.change("node", "import rclpy\n", "import rclpy\nfrom PACKAGE.msg import Wrist\n")
+    ((code, fix),) = missing(files, tmp_path)
+    assert code == "module-missing"
+    assert fix.startswith("put the .msg files into a separate ament_cmake package")

@@ -26,6 +26,8 @@ def is_made(package: SourcePackage, module: str) -> bool:
     what is installed. An installed copy alone does not count: it may be of a file that has been renamed since.
     """
     texts = [read_text(package.folder / name) for name in _CONFIGURATIONS]
+    if package.build_type == "ament_python":
+        texts[-1] = ""  # colcon does not read it
     if _INTERFACE.search(module) and "rosidl_generate_interfaces" in texts[-1]:
         return True
     leaf = module.rpartition(".")[2]
