@@ -231,6 +231,9 @@ class Camera(Node):
             rclpy.shutdown()
             LINE
 
+    def is_alive(self):
+        return rclpy.ok()
+
 
 def main():
     rclpy.init()
@@ -248,6 +251,9 @@ def main():
         ("raise", "rclpy.spin(node)", False),
         ("sys.exit(1)", "rclpy.spin(node)", False),
         ("pass", "if rclpy.ok():\n        rclpy.spin(node)", False),
+        ("pass", "if node.is_alive():\n        rclpy.spin(node)", False),
+        ("pass", "if not rclpy.ok():\n        return\n    rclpy.spin(node)", False),
+        ("return", "try:\n        rclpy.spin(node)\n    finally:\n        print(rclpy.ok())", True),
         ("pass", "try:\n        rclpy.spin(node)\n    except Exception:\n        pass", False),
         ("pass", "print(node.port)", False),
     ],

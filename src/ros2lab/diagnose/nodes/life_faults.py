@@ -154,10 +154,11 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
 
 def _shut_down_at_first(source: PythonSource, function: Function) -> Iterator[Finding]:
     """Yield shutdowns in a constructor that goes on, or returns to a program that spins then."""
-    named = {source.resolve(call.func): call for call in source.calls}
-    spin = named.get("rclpy.spin")
-    if spin is None or "rclpy.ok" in named or may_be_caught(source, spin.lineno, TypeError):
+    spin = next((call for call in source.calls if source.resolve(call.func) == "rclpy.spin"), None)
+    if spin is None or may_be_caught(source, spin.lineno, TypeError):
         return
+    if not is_always_reached(source.function_at(spin.lineno) or source.tree, spin):
+        return  # it may ask whether rclpy still runs
     for block in (block for node in (function, *own_nodes(function)) for block in blocks(node)):
         for number, statement in enumerate(block):
             called = statement.value if isinstance(statement, ast.Expr) else None
