@@ -78,8 +78,11 @@ def of_class(more: str, *loop: str) -> str:
         of_class("pass", "node.click()", "time.sleep(0.1)", "rclpy.spin_once(node)"),
         of_class("pass", *BEATS),
         FUNCTIONS.format(loop="pub.publish(Int32())\n        rclpy.spin_once(node)"),
+        of_class("pass", "node.click()", "break\n    rclpy.spin_once(node)"),
+        of_class("pass", "break\n    for _ in range(3):\n        rclpy.spin_once(node)"),
+        of_class("pass", "node.turn()").replace("    def click", "    def turn(self):\n        rclpy.spin_once(self)\n\n    def click"),
     ],
-)
+)  # fmt: skip
 def test_a_loop_that_stands_still(tmp_path: Path, written: str) -> None:
     assert "callback-waits" in codes(tmp_path, written)
 
@@ -93,6 +96,9 @@ def test_a_loop_that_stands_still(tmp_path: Path, written: str) -> None:
         of_class(TAKES, "rclpy.spin_once(node)", "time.sleep(0.01)"),
         of_class("pass", "rclpy.spin_once(node)"),
         of_class(TIMED, "rclpy.spin_once(node)", "node.get_name()"),
+        of_class("pass", "break\n    rclpy.spin_once(node, timeout_sec=1.0)"),
+        of_class(TAKES, "break\n    rclpy.spin_once(node)"),  # it waits for one message
+        of_class("pass", "break\n    rclpy.spin_once(node)").replace("rclpy.node.Node", "LifecycleNode").replace("class M", "from rclpy.lifecycle import LifecycleNode\n\n\nclass M"),
         of_class(TAKES, "rclpy.spin_once(node)", "node.click()", "break"),
         of_class("self.listener = TransformListener(Buffer(), self)", "rclpy.spin_once(node)", "node.click()").replace("class M", "from tf2_ros import Buffer, TransformListener\n\n\nclass M"),
         of_class(TAKES, *BEATS).replace("rclpy.node.Node", "Clocked").replace("class M", "from tick import Clocked\n\n\nclass M"),
@@ -148,5 +154,5 @@ def test_the_story_of_a_run_without_messages_names_the_loop(tmp_path: Path) -> N
         notes=[],
     )
     said = told_of(Seen(look, assignments.load(), [run], []), run, set())
-    assert "the loop stands still until then (" in said
+    assert "until then the loop stands still (" in said
     assert "rclpy.spin_once(node, timeout_sec=0.1) instead of" in said

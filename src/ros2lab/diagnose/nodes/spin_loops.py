@@ -12,7 +12,7 @@ from ros2lab.diagnose.sources.one_run import goes_on_forever
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes, walk
 
 CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
-_RARE = frozenset(("create_rate", "create_guard_condition", "ActionClient", "ActionServer"))
+_RARE = frozenset(("create_rate", "create_guard_condition", "create_task", "ActionClient", "ActionServer"))
 _SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its timers
 
 
@@ -25,21 +25,32 @@ def _turning(entrance: Entrance) -> Iterator[tuple[ast.While, Call]]:
             yield loop, inside[0]
 
 
+def _turns(entrance: Entrance) -> Iterator[tuple[ast.While | None, Call]]:
+    """Yield the endless loops that spin once in each round, and then each spin_once in no such loop, without one."""
+    loops = [node for function in entrance.functions for node in own_nodes(function)]
+    inside = {id(node) for loop in loops if isinstance(loop, ast.While) for node in walk(loop)}
+    yield from _turning(entrance)
+    yield from (
+        (None, turn) for turn in entrance.calls if turn.short == "spin_once" and id(turn.call) not in inside
+    )
+
+
 def stands_still(entrance: Entrance, *, gets_nothing: bool = False) -> Iterator[Finding]:
-    """Yield a loop in which each round waits until a message comes, or for ever.
+    """Yield a spin_once that waits until a message comes, in each round of a loop, or for ever.
 
     Without a rhythm of its own it may mean to answer each message: then it is told only of a program that gets none.
     """
     ends = {call.short for call in entrance.calls} & {*CREATORS, *_RARE} - {"create_publisher"}
     takes_messages = entrance.has_callbacks
     is_known = _is_seen_whole(entrance) and ends == ({"create_subscription"} if takes_messages else set())
-    for loop, turn in _turning(entrance) if is_known else ():
+    for loop, turn in _turns(entrance) if is_known else ():
         places = 2 if turn.name == "rclpy.spin_once" else 0
         is_limited = bool(turn.call.args[places:]) or any(
             k.arg in ("timeout_sec", None) for k in turn.call.keywords
         )
-        calls = [n for n in walk(loop) if isinstance(n, ast.Call) and n is not turn.call]
+        calls = [n for n in walk(loop or turn.call) if isinstance(n, ast.Call) and n is not turn.call]
         has_work = any(last_name(call.func) not in ("sleep", "ok") for call in calls)
+        has_work |= loop is None and not takes_messages
         is_paced = _is_paced(entrance, turn.source, calls)
         if is_limited or not has_work or (takes_messages and not is_paced and not gets_nothing):
             continue
@@ -47,7 +58,7 @@ def stands_still(entrance: Entrance, *, gets_nothing: bool = False) -> Iterator[
         limit = ast.keyword("timeout_sec", ast.Constant(0 if sleeps else 0.1))
         limited = ast.Call(turn.call.func, turn.call.args, [*turn.call.keywords, limit])
         until = "a message comes" if takes_messages else "there is a callback to call, and this node has none"
-        cause = f"spin_once() without timeout_sec waits until {until}, and the loop stands still until then."
+        cause = f"spin_once() without timeout_sec waits until {until}; until then the {'loop' if loop else 'program'} stands still."
         fix = f"write {ast.unparse(limited)} instead of {ast.unparse(turn.call)}"
         yield Finding("callback-waits", cause, turn.source.at(turn.call), fix)
 
@@ -56,7 +67,8 @@ def _is_seen_whole(entrance: Entrance) -> bool:
     """Return whether nothing from elsewhere may give the nodes of a program more to call."""
     classes = entrance.sources.classes
     made = [classes[call.name] for call in entrance.calls if call.name in classes]
-    return not entrance.may_do_more and all(entrance.sources.lineage(owner)[2] for owner in made)
+    is_known = all(entrance.sources.lineage(o)[2] and not entrance.sources.is_managed(o) for o in made)
+    return is_known and not entrance.may_do_more
 
 
 def _is_paced(entrance: Entrance, source: PythonSource, calls: Iterable[ast.Call]) -> bool:
