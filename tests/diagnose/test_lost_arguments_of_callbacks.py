@@ -49,7 +49,7 @@ MADE = {
 
 
 def told(
-    folder: Path, kind: str, head: str, line: str, *, returned: str = "None", last: str = "pass"
+    folder: Path, kind: str, head: str, line: str, *, returned: str = "Fibonacci.Result()", last: str = "pass"
 ) -> list[tuple[str, str]]:
     words = {"MADE": MADE[kind], "DEF": head, "LINE": line, "RETURNED": returned, "LAST": last}
     text = TEXT
@@ -138,3 +138,29 @@ def test_another_name_that_a_callback_lacks_is_told_too(tmp_path: Path) -> None:
     line = "response.sum = request.a + stray + more"
     found = told(tmp_path, "service", "def done(self, request):", line, returned="response")
     assert sorted(code for code, _ in found) == ["callback-arguments", *["name-undefined"] * 2]
+
+
+@pytest.mark.parametrize(
+    ("line", "returned", "fix"),
+    [
+        ("goal.fail()", "Fibonacci.Result()", "write one of its methods: succeed(), abort() and canceled() end a goal"),
+        ("goal.suceed()", "Fibonacci.Result()", "write goal.succeed"),
+        ("print(goal.requets)", "Fibonacci.Result()", "write goal.request"),
+        ("goal.succeed()", "0", "write `return Fibonacci.Result()` instead of what line 19 returns"),
+        ("goal.succeed()", "None", "write `return Fibonacci.Result()` instead of what line 19 returns"),
+        ("goal.canceled()", "self.made", ""),
+        ("goal.count = 1; print(goal.count)", "Fibonacci.Result()", ""),
+        ("goal = goal.request; print(goal.order)", "Fibonacci.Result()", ""),
+        ("print(goal.goal_id, goal.is_active, goal.status)", "Fibonacci.Result()", ""),
+    ],
+)  # fmt: skip
+def test_what_an_execute_callback_does_with_its_goal(
+    tmp_path: Path, line: str, returned: str, fix: str
+) -> None:
+    text = (
+        TEXT.replace("MADE", MADE["action"]).replace("DEF", "def done(self, goal):").replace("LAST", "pass")
+    )
+    text = text.replace("LINE", line).replace("RETURNED", returned)
+    found = source_faults(sources_of(text, tmp_path))
+    codes = ("callback-arguments", "attribute-missing")
+    assert [finding.fix for finding in found if finding.code in codes] == [fix] * bool(fix)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, argument, own_nodes, parameters
+from ros2lab.diagnose.sources.static_value import dotted
 
 # What ROS calls the callbacks with; a subscription's may take the message's information, too.
 CALLED_WITH: Mapping[str, Sequence[str]] = {
@@ -27,12 +28,14 @@ class CalledBack:
     Attributes:
         by: what it was given to, such as `create_timer`.
         is_bound: whether it is called as a method, so that it gets self as well.
+        action: the type of the action that it executes, as that is written; empty if it executes none.
     """
 
     source: PythonSource
     function: Function
     by: str
     is_bound: bool
+    action: str = ""
 
     @property
     def accepts(self) -> range:
@@ -100,4 +103,6 @@ def executed(sources: NodeSources) -> Iterator[CalledBack]:
                         sources.resolve(source, given) or "", (source, None)
                     )
                 if function is not None:
-                    yield CalledBack(home, function, "ActionServer", isinstance(given, ast.Attribute))
+                    kind = argument(node, 1, "action_type")
+                    action = dotted(kind) or "" if kind else ""
+                    yield CalledBack(home, function, "ActionServer", isinstance(given, ast.Attribute), action)

@@ -16,8 +16,9 @@ from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.answered import plain_returns, unanswered
 from ros2lab.diagnose.sources.calls import meant_call
+from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.construction import given_to_super, lost_constructor, super_call
-from ros2lab.diagnose.sources.interfaces import fixed_node_properties, node_members
+from ros2lab.diagnose.sources.interfaces import fixed_node_properties, members_of, node_members
 from ros2lab.diagnose.sources.node_source import (
     CREATORS,
     NODE_CLASSES,
@@ -39,6 +40,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -238,12 +240,21 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         yield from _yield_fault(creation, function)
     if function is None or creation.method != "create_service" or len(parameters(function)) < 2:
         return
-    if fix := unanswered(function, parameters(function)[-1].arg):
-        cause = f"{function.name}() is a service callback but returns nothing, so the node crashes at the first request."
-        if plain := [*plain_returns(function)]:
-            said = ast.unparse(plain[0].value) if plain[0].value else "nothing"
-            cause = f"{function.name}() is a service callback but returns {said} on line {plain[0].lineno}, so the node crashes there."
-        yield Finding("callback-arguments", cause, creation.source.at(function), fix)
+    what, answer = "a service callback", parameters(function)[-1].arg
+    yield from _unanswered(creation.source, function, what, answer, "so the node crashes at a request")
+
+
+def _unanswered(
+    source: PythonSource, function: Function, what: str, answer: str, effect: str
+) -> Iterator[Finding]:
+    """Yield a callback that gives ROS no answer, or a plain value instead of one."""
+    if fix := unanswered(function, answer):
+        said = next(
+            (f"{ast.unparse(n)[7:] or 'nothing'} on line {n.lineno}" for n in plain_returns(function)),
+            "nothing",
+        )
+        cause = f"{function.name}() is {what} but returns {said}, {effect}."
+        yield Finding("callback-arguments", cause, source.at(function), fix)
 
 
 def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
@@ -322,7 +333,7 @@ def _fits(creation: Creation, accepts: range) -> bool:
 
 
 def _action_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield callbacks of an action server that do not take the goal's handle."""
+    """Yield callbacks of an action server that do not take the goal's handle, misuse it, or return no result."""
     for called in executed(sources):
         function = called.function
         if len(called.lacks) == 1:
@@ -330,6 +341,32 @@ def _action_faults(sources: NodeSources) -> Iterator[Finding]:
             cause = f"{function.name} takes ({', '.join(names) or 'nothing'}), but ActionServer calls it with {called.lacks[0]}."
             fix = f"write {_def(function)} {function.name}({', '.join([*names, *called.lacks])}):"
             yield Finding("callback-arguments", cause, called.source.at(function), fix)
+        elif not function.decorator_list and len(parameters(function)) == 1 + called.is_bound:
+            yield from _handle_faults(called.source, function, parameters(function)[-1].arg)
+            if called.action and called.action.partition(".")[0] in called.source.names:
+                what, answer = "the execute callback of an action", f"{called.action}.Result()"
+                yield from _unanswered(called.source, function, what, answer, "so the client gets no result")
+
+
+def _handle_faults(source: PythonSource, function: Function, handle: str) -> Iterator[Finding]:
+    """Yield the methods that an execute callback asks of a goal's handle and that it does not have."""
+    members = members_of("rclpy.action.server", "ServerGoalHandle")
+    asked = [n for n in own_nodes(function) if isinstance(n, ast.Attribute)]
+    asked = [n for n in asked if getattr(n.value, "id", "") == handle and n.attr not in members]
+    is_open = handle in names_bound(own_nodes(function)) or not members
+    set_on = {n.attr for n in source.nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)}
+    for node in asked if not is_open else ():
+        if node.attr in set_on | {*dir(object)} or may_be_caught(source, node.lineno, AttributeError):
+            continue
+        public = sorted(name for name in members if not name.startswith("_"))
+        near = nearest(node.attr, public)
+        fix = (
+            f"write {handle}.{near}"
+            if near
+            else "write one of its methods: succeed(), abort() and canceled() end a goal"
+        )
+        cause = f"{handle}, the handle of a goal, has no {node.attr}."
+        yield Finding("attribute-missing", cause, source.at(node), fix)
 
 
 def _def(function: Function) -> str:
