@@ -178,6 +178,9 @@ HELD = "self.motor = Motor()\nself.create_timer(1.0, self.tick)"
         (robot("self.view = cv2.undistort(image, 3)"), "name-undefined", "write a line above it that gives image its value"),
         (robot("self.sum = self.add(1, 2)", "def add(a, b):\n    return a + b"), "callback-arguments", "write `def add(self, a, b):`"),
         (robot("self.create_timer(1.0, self.tick)", "def tick(self):\n    self.destroy()"), "attribute-missing", "write self.destroy_node, or define self.destroy in __init__"),
+        (robot("self.create_timer(1.0, self.tikc)", "def tick(self):\n    pass"), "attribute-missing", "write self.tick, or define tikc"),
+        (robot("self.create_timer(1.0, self.tick)\nself.create_timer(1.0, callback=self.tikc)", "def tick(self):\n    pass"), "attribute-missing", "define tikc, or fix its spelling"),
+        (robot("self.create_timer(self.period, self.tick)", "def tick(self):\n    pass"), "attribute-missing", "set self.period in __init__, or fix its spelling"),
     ],
 )  # fmt: skip
 def test_a_fix_does_not_make_another_fault(tmp_path: Path, text: str, code: str, fix: str) -> None:

@@ -15,6 +15,7 @@ from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
+    last_name,
     names_read,
     own_nodes,
     parameters,
@@ -42,7 +43,11 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
         cause = f"{owner.definition.name} has no {what} {name}: {holder} has it."
         fix = f"write {holder}.{name} instead of self.{name}"
         return Finding("attribute-missing", cause, owner.source.at(node), fix)
-    if not is_called:
+    if _is_callback(owner.source, node):
+        what = "method"
+        uses = [n.attr for n in walk(owner.definition) if is_self_attribute(n)]
+        close = None if close in uses else close  # that one is called back, or called, for something else
+    elif not is_called:
         fix = f"set self.{name} in __init__, or fix its spelling"
         close = _as_used(owner, node, close) if close else None
     meant = f" Did you mean {close}?" if close else ""
@@ -54,8 +59,20 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
         cause, fix = told
         guess = None if is_disabled else guess
     elif close:
-        fix = f"write self.{close}, or define self.{name} in __init__"
+        fix = f"write self.{close}, or define {name if what == 'method' and not is_called else f'self.{name} in __init__'}"
     return Finding("attribute-missing", cause, owner.source.at(node), fix, guess=guess)
+
+
+def _is_callback(source: PythonSource, node: ast.Attribute) -> bool:
+    """Return whether an attribute is given to a call as what is to be called back."""
+    given = source.above(node)
+    call = source.above(given) if isinstance(given, ast.keyword) else given
+    if not isinstance(call, ast.Call) or call.func is node:
+        return False
+    signature = signature_of(source, call)
+    names = [place.name for place in signature.places] if signature else [last_name(call.func)]
+    names = [str(given.arg)] if isinstance(given, ast.keyword) else names[call.args.index(node) :]
+    return "".join(names[:1]).endswith("callback")
 
 
 def _nearest_member(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> str | None:
