@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-import pytest
+from pathlib import Path
 
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values
 from ros2lab.diagnose.sources.python_source import PythonSource
 
@@ -73,3 +77,19 @@ def test_words_in_one_item_are_taken_apart_unless_they_may_be_an_options_value(w
     found = [*joined_words(PythonSource("launch_file", "a.launch.py", text))]
     assert len(found) == bool(said)
     assert all(one.fix.startswith(f"write {said} instead of") for one in found)
+
+
+@pytest.mark.parametrize(
+    ("given", "codes"),
+    [
+        ("node_executable='driver'", ["launch-argument"]),
+        ("\n    node_executable='driver',\n    node_name='d'", ["launch-argument"]),
+        ("executable='driver', node_name='d'", ["launch-argument"]),
+        ("", ["argument-missing"]),
+    ],
+)
+def test_an_older_keyword_is_told_once(tmp_path: Path, given: str, codes: list[str]) -> None:
+    text = f"from launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n\ndef generate_launch_description():\n    return LaunchDescription([Node(package='my_bot', {given})])\n"
+    files = Files.right(NAMES[1]).put("launch/robot.launch.py", text)
+    found = [one.code for one in of_workspace(files.write(tmp_path))]
+    assert [code for code in found if code in ("launch-argument", "argument-missing")] == codes

@@ -87,7 +87,7 @@ def older_keywords(source: PythonSource) -> Iterator[Finding]:
             cause = f"{' and '.join(renamed)} {are} of older versions of ROS; now {now} {' and '.join(renamed.values())}."
             old = [keyword for keyword in call.keywords if keyword.arg in renamed]
             fixes = [f"{renamed[k.arg]}= instead of {k.arg}= on line {k.value.lineno}" for k in old if k.arg]
-            yield Finding("launch-argument", cause, source.at(old[0].value), f"write {', and '.join(fixes)}")
+            yield Finding("launch-argument", cause, source.at(call), f"write {', and '.join(fixes)}")
 
 
 def _words(item: ast.expr, *, is_program: bool) -> list[str]:
