@@ -85,3 +85,15 @@ def test_a_right_name_is_not_to_be_corrected(tmp_path: Path, name: str, depends:
     (found,) = told(tmp_path, logs(f"FindPackageShare('{name}')"), depends=depends)
     assert found.code == "launch-package"
     assert found.fix == fix
+
+
+def test_what_an_included_file_lacks_is_told_of_that_file_alone(tmp_path: Path) -> None:
+    files = right_workspace()
+    text = files.texts[files.path(LAUNCH)]
+    joined = "PathJoinSubstitution([FindPackageShare('my_bot'), 'launch', 'robot.launch.py'])"
+    imports = "from launch import LaunchDescription\nfrom launch.actions import IncludeLaunchDescription\nfrom launch.substitutions import PathJoinSubstitution\nfrom launch_ros.substitutions import FindPackageShare\n"
+    outer = f"{imports}\n\ndef generate_launch_description():\n    return LaunchDescription([IncludeLaunchDescription({joined})])\n"
+    lacking = "from ament_index_python.packages import get_package_share_directory as share\nJOY = share('teleop_twist_joy')\n"
+    files.put(LAUNCH, f"{lacking}{text}").put("launch/all.launch.py", outer)
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "launch-package"]
+    assert [one.place for one in found] == ["src/my_bot/launch/robot.launch.py:2"]

@@ -370,7 +370,13 @@ def _lacking(
     here = own_module(path, name, packages) if is_module and not is_right else None
     if is_later and not near and not here:
         return
-    place = at(file.shown, line_with(read_text(path), f"'{name}'", f'"{name}"', f" {name}") or told["line"])
+    written = (f"'{name}'", f'"{name}"', f" {name}")
+    place = at(file.shown, line_with(read_text(path), *written) or told["line"])
+    if place == file.shown:  # a file that this one includes names it
+        files = ((home, other) for home in packages for other in home.launch_files)
+        lines = ((home, other, line_with(read_text(other), *written)) for home, other in files)
+        named = (at(h.shown(str(o.relative_to(h.folder))), line) for h, o, line in lines if line)
+        place = next(named, place)
     fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
     if here:
         cause, fix = here
