@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 from pathlib import Path
@@ -231,6 +232,18 @@ def test_a_marker_that_is_not_installed_is_made_first_where_it_is_missing(
     subprocess.run(command, shell=True, check=True, cwd=root)
     package = root / "src/robot_controller"
     assert (package / line.partition("['")[2].partition("']")[0]).is_file()
+
+
+def test_data_files_that_are_not_there_are_written_whole(tmp_path: Path) -> None:
+    files = Files.right(NAMES[0])
+    setup = files.texts[files.path("setup.py")]
+    files.change("setup.py", setup[setup.index("    data_files=") : setup.index("    install_requires")], "")
+    fixes = [f.fix for f in of_workspace(files.write(tmp_path)) if "data_files" in f.fix]
+    lists = [fix.partition("data_files=")[2].partition(",` in setup()")[0] for fix in fixes]
+    folders = [[folder for folder, _ in ast.literal_eval(rows)] for rows in lists]
+    usual = ["share/ament_index/resource_index/packages", "share/robot_controller"]
+    assert {(*usual,), (*usual, "share/robot_controller/launch")} <= {*map(tuple, folders)}
+    assert all(row[:2] == usual for row in folders)
 
 
 @pytest.mark.parametrize(

@@ -163,7 +163,7 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         cause = "setup.py does not install the marker file that ROS uses to find the package."
         if package.build_type == "ament_python":  # no other way to build it makes the marker
             cause = f"{cause[:-1]}; colcon does it for you with a warning."
-        fix = f"{made}add ('{INDEX}', ['{marker}']) to data_files"
+        fix = f"{made}{_added(package, setup, INDEX, marker)}"
         yield Finding("marker-not-installed", cause, place, fix)
     installed = {file for _, files in setup.data_files for file in files}
     # `ros2 launch` finds a file by its name, so a copy of an installed one need not be installed.
@@ -209,9 +209,18 @@ def _touched(package: SourcePackage, file: str) -> str:
     return f"{make}touch {quote(package.shown(file))}"
 
 
+def _added(package: SourcePackage, setup: SetupScript, folder: str, file: str) -> str:
+    """Say how to install a file in a folder, with what every package installs if there are no data_files yet."""
+    usual = {INDEX: f"resource/{package.name}", f"share/{package.name}": "package.xml"}
+    if "data_files" in setup.keywords:
+        return f"add ('{folder}', ['{file}']) to data_files"
+    rows = [f"('{target}', ['{name}'])" for target, name in (usual | {folder: file}).items()]
+    return f"write `data_files=[{', '.join(rows)}],` in setup()"
+
+
 def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
     """Return why a file is not installed: a pattern is misspelt, or no line of setup.py names it."""
-    if dead := dead_pattern(package, setup, path):
+    if " " not in path.name and (dead := dead_pattern(package, setup, path)):
         return dead
     relative = path.relative_to(package.folder).as_posix()
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
@@ -224,7 +233,7 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
     target = (
         lies_in if lies_in.startswith(f"{folder}/") else folder
     )  # what lies below a folder stays below it
-    fix = f"add ('share/{package.name}/{target}', ['{relative}']) to data_files and build again"
+    fix = f"{_added(package, setup, f'share/{package.name}/{target}', relative)} and build again"
     if " " in path.name:
         cause = (
             f"{relative} is not in data_files in setup.py, so it is not installed; and its name has a space."
@@ -239,7 +248,7 @@ def _without_spaces(package: SourcePackage, setup: SetupScript, path: Path, fold
     """Say how to rename a file whose name has a space, and to install it then."""
     better = path.with_name(re.sub(r" +(?=\.)|(?<=\.) +", "", path.name).strip().replace(" ", "_"))
     relative, new = (file.relative_to(package.folder).as_posix() for file in (path, better))
-    row = f", add ('share/{package.name}/{folder}', ['{new}']) to data_files"
+    row = f", {_added(package, setup, f'share/{package.name}/{folder}', new)}"
     is_matched = any(fnmatchcase(new, pattern.text) for pattern in setup.patterns)
     return f"mv {quote(package.shown(relative))} {quote(package.shown(new))}{'' if is_matched else row}, and build again"
 
