@@ -15,10 +15,10 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from shlex import quote
 
-from portable_ros2.new_package import NewPackage
 from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.build_order import needed
+from ros2lab.diagnose.packaging.cmake_files import named_by_cmake, python_alone
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import build_type_written, repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
@@ -76,6 +76,8 @@ def manifest_faults(
         yield _of_ros_1(package)
         return
     yield from _build_type_faults(package, shown)
+    if package.is_built_by_cmake:
+        yield from named_by_cmake(package)
     yield from _dependency_faults(package, shown, workspace_names)
     yield from _undeclared(package, {*workspace_names} - {*plain}, homes or {})
 
@@ -160,7 +162,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         cause = f"package.xml has the build type {kind}, which needs a CMakeLists.txt, but {'this is a Python package' if is_python else 'there is none'}."
         found = _with_build_type("build-type-cmake", cause, package, "ament_python")
         yield found if is_python else replace(found, fix=create)
-    elif kind in (None, "ament_cmake") and (files := _python_alone(package)):
+    elif kind in (None, "ament_cmake") and (files := python_alone(package)):
         yield from _not_installed_by_cmake(package, shown, files)
 
 
@@ -230,43 +232,6 @@ def _is_program(path: Path) -> bool:
     return text.startswith("#!") or any(
         node.name == "main" if isinstance(node, Function) else not isinstance(node, defining) for node in acts
     )
-
-
-_COMMAND = re.compile(r"^\s*(\w+)\s*\(", re.MULTILINE)
-
-
-def _python_alone(package: SourcePackage) -> list[str]:
-    """Return the Python files that a CMake package does not install, those of one folder; none if it has, or names, anything to compile."""
-    endings = ("cpp", "c", "cc", "msg", "srv", "action")
-    compiled = [path for ending in endings for path in package.folder.rglob(f"*.{ending}")]
-    folders = (
-        package.folder / "src",
-        package.folder / "scripts",
-        package.folder / package.name,
-        package.folder,
-    )
-    names = ("__init__.py", "setup.py")
-    files = [path for folder in folders for path in sorted(folder.glob("*.py")) if path.name not in names]
-    text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
-    # What `ros2 pkg create` writes makes nothing yet.
-    begun = NewPackage("new", "ament_cmake", 3, "", "", "", "", []).render("ament_cmake/CMakeLists.txt")
-    makes = {*_COMMAND.findall(text.lower())} - {*_COMMAND.findall(begun), "install"}
-    groups = package.manifest.member_of_groups if package.manifest else ()
-    if compiled or makes or groups or ".py" in text or _installs_by_folder(text, files, package):
-        return []
-    return [p.relative_to(package.folder).as_posix() for p in files if p.parent == files[0].parent]
-
-
-def _installs_by_folder(text: str, files: Collection[Path], package: SourcePackage) -> bool:
-    """Return whether a CMakeLists.txt may install files by the name of their folder, or by a variable."""
-    for command in re.findall(r"\binstall\s*\(([^()]*)\)", text):
-        taken = set(
-            re.findall(r"[\w.-]+|\$\{", re.sub(r"\b(?:LIBRARY|RUNTIME)?\s*DESTINATION\s+\S+", "", command))
-        )
-        names = {part for path in files for part in path.relative_to(package.folder).with_suffix("").parts}
-        if "${" in taken or "." in taken or names & taken:
-            return True
-    return False
 
 
 def _dependency_faults(

@@ -1,0 +1,34 @@
+"""The files that a CMakeLists.txt takes are there, or are told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+
+CMAKE = "project(my_bot)\nfind_package(ament_cmake REQUIRED)\n{}ament_package()\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "lost"),
+    [
+        ('rosidl_generate_interfaces(${PROJECT_NAME}\n  "msg/Pose.msg"\n  "srv/Go.srv"\n  DEPENDENCIES std_msgs\n)', "msg/Pose.msg, srv/Go.srv"),
+        ("add_executable(driver src/driver.cpp src/there.cpp)", "src/driver.cpp"),
+        ("install(PROGRAMS scripts/one.py DESTINATION lib/${PROJECT_NAME})", "scripts/one.py"),
+        ("add_executable(driver src/there.cpp)", ""),
+        ("# add_executable(driver src/driver.cpp)", ""),
+        ("add_executable(driver ${CMAKE_BINARY_DIR}/src/driver.cpp ${SOURCES})", ""),
+        ("if(WITH_DRIVER)\n  add_executable(driver src/driver.cpp)\nendif()", ""),
+        ("if(A)\n  if(B)\n    add_executable(driver src/driver.cpp)\n  endif()\nendif()", ""),
+        ("if(BUILD_TESTING)\nendif()\nadd_library(driver src/driver.cpp)", "src/driver.cpp"),
+        ("install(FILES config/a.py DESTINATION share/${PROJECT_NAME} OPTIONAL)", ""),
+    ],
+)  # fmt: skip
+def test_a_file_that_cmake_takes_is_there(tmp_path: Path, line: str, lost: str) -> None:
+    files = Files.right(NAMES[1]).change("package.xml", "ament_python", "ament_cmake")
+    files.put("CMakeLists.txt", CMAKE.format(f"{line}\n")).put("src/there.cpp", "int main() {}\n")
+    found = [f.cause for f in of_workspace(files.write(tmp_path)) if f.code == "data-file-missing"]
+    assert [cause.startswith(f"CMakeLists.txt takes {lost}, but") for cause in found] == [True] * bool(lost)
