@@ -68,6 +68,12 @@ WRONG = [
     ),
     ("", "for singer in (Singer('alto'), Singer('bass')):\n    rclpy.spin(singer)"),
     ("", TWO + "rclpy.spin(alto)"),
+    (SINGLE, TWO + "ex = SingleThreadedExecutor()\nex.add_node(alto)\nex.spin()"),
+    (
+        SINGLE,
+        TWO
+        + "ex = SingleThreadedExecutor()\nex.add_node(bass)\ntry:\n    while rclpy.ok():\n        ex.spin_once()\nfinally:\n    alto.destroy_node()",
+    ),
     ("", TWO + THREAD.format("alto") + "rclpy.spin(bass)"),
     ("", TWO + THREAD.format("alto") + THREAD.format("bass")),
     ("", "for singer in (Singer('alto'), Singer('bass')):\n    " + THREAD.format("singer")),
@@ -78,6 +84,16 @@ RIGHT = [
         SINGLE,
         TWO
         + "for singer in (alto, bass):\n    threading.Thread(target=rclpy.spin, args=(singer, SingleThreadedExecutor())).start()",
+    ),
+    (SINGLE, TWO + "ex = SingleThreadedExecutor()\nlist(map(ex.add_node, (alto, bass)))\nex.spin()"),
+    (
+        SINGLE,
+        TWO
+        + "ex = SingleThreadedExecutor()\nother = SingleThreadedExecutor()\nex.add_node(alto)\nother.add_node(bass)\nthreading.Thread(target=other.spin).start()\nex.spin()",
+    ),
+    (
+        SINGLE,
+        "ex = SingleThreadedExecutor()\nbass = Node('bass')\nalto = Singer('alto')\nex.add_node(alto)\nex.spin()\nbass.destroy_node()",
     ),
     ("", TWO + "while rclpy.ok():\n    for singer in (alto, bass):\n        rclpy.spin_once(singer)"),
 ]
@@ -101,7 +117,7 @@ def applied(text: str, fix: str) -> str:
     top = re.search(r"with `([^`]+)` at the top", fix)
     changed = dict(lines)
     for rows, how, first, last in re.findall(
-        r"((?:`[^`]+`(?:, | and )?)+) (instead of|above|below the loop, after|on) lines? (\d+)(?: to (\d+))?",
+        r"((?:`[^`]+`(?:, | and )?)+) (instead of|above|below|below the loop, after|on) lines? (\d+)(?: to (\d+))?",
         fix,
     ):
         written, number = re.findall("`([^`]+)`", rows), int(first)
@@ -113,7 +129,8 @@ def applied(text: str, fix: str) -> str:
         elif how == "above":
             changed[number] = f"{indented(number, *written)}\n{changed[number]}"
         else:
-            changed[number] = f"{changed[number]}\n{indented(number - 1, *written)}"
+            depth = number if how == "below" else number - 1
+            changed[number] = f"{changed[number]}\n{indented(depth, *written)}"
     for number in map(int, re.findall(r"remove line (\d+)", fix)):
         changed[number] = ""
     for number, below in re.findall(r"move line (\d+) below line (\d+)", fix):

@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
-from ros2lab.diagnose.finding import Finding, lines_in_words
+from ros2lab.diagnose.finding import Finding, in_a_row, lines_in_words
 from ros2lab.diagnose.nodes.import_work import import_work
 from ros2lab.diagnose.nodes.one_executor import joined, joined_after, spun_together
 from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, rests, stands_still
@@ -15,7 +15,14 @@ from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
 from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    given_to,
+    last_name,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in
@@ -24,7 +31,7 @@ from ros2lab.diagnose.sources.syntax_parts import calls_in
 _WAITING = frozenset(
     ("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep", "input")
 )
-_SPINS_ITSELF = re.compile(r"spin|Executor|Thread")
+_SPINS_ITSELF = re.compile(r"spin|add_node|Executor|Thread")
 
 
 def entrance_faults(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]:
@@ -203,7 +210,7 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
 
 def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
     """Yield an executor that is spun without any nodes."""
-    shorts = {call.short for call in entrance.calls}
+    named = {last_name(node) for function in entrance.functions for node in walk(function)}
     made = [
         call
         for call in entrance.calls
@@ -213,7 +220,7 @@ def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
     if (
         made
         and of_executor
-        and not {"add_node", "spin_once"} & shorts
+        and not {"add_node", "spin_once"} & named
         and len(of_executor) == len(entrance.spins)
     ):
         spin = of_executor[0]
@@ -239,30 +246,46 @@ def _is_the_only_turn(entrance: Entrance, turn: Call) -> bool:
 
 
 def _left_out(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a node that is made but never used, while another one is spun."""
+    """Yield a node that is made but never used, while others are spun."""
     for spin in entrance.spins:
-        if spin.name != "rclpy.spin" or not spin.call.args:
-            continue
-        given = spin.call.args[0]
-        if isinstance(given, ast.Name) and given.id in unbound_names(spin.source, spin.function):
+        spun, added = _spun_by(spin)
+        texts = [*dict.fromkeys(map(ast.unparse, spun))]
+        if not texts or {*texts} & {*unbound_names(spin.source, spin.function)}:
             continue  # the node may be meant
         left = [
             (node, name, owner)
             for node, name, owner in _made_nodes(entrance, spin)
-            if name != ast.unparse(given) and _needs_spin(entrance, owner) and not _is_used(spin, name)
+            if name not in texts and _needs_spin(entrance, owner) and not _is_used(spin, name)
             if not any(
                 _SPINS_ITSELF.search(ast.dump(c.definition)) for c in entrance.sources.lineage(owner)[0]
             )
         ]
         for node, name, owner in left:
-            cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {ast.unparse(given)}."
-            fix = spun_together(spin.source, spin.call, [other for _, other, _ in left])
-            if entrance.sources.resolve(spin.source, given) == owner.name:
+            cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {in_a_row(texts)}."
+            code, fix = "spin-missing", ""
+            if added:
+                code, whole = "not-spinning", ast.unparse(added[-1].func)
+                fix = f"write `{whole}({name})` below line {added[-1].lineno}, `{ast.unparse(added[-1])}`"
+            elif entrance.sources.resolve(spin.source, spun[0]) == owner.name:
                 cause = (
                     f"`{ast.unparse(spin.call)}` is given the class instead of {name}, the node made from it."
                 )
                 fix = f"write rclpy.spin({name})"
-            yield Finding("spin-missing", cause, spin.source.at(node), fix)
+            fix = fix or spun_together(spin.source, spin.call, [other for _, other, _ in left])
+            yield Finding(code, cause, spin.source.at(node), fix)
+
+
+def _spun_by(spin: Call) -> tuple[list[ast.expr], list[ast.Call]]:
+    """Return the nodes that a call spins, and the calls that add them to its executor."""
+    if spin.name == "rclpy.spin":
+        return spin.call.args[:1], []
+    executor = ast.unparse(spin.call.func).rpartition(".")[0]
+    added = [
+        call
+        for call in calls_in(own_nodes(spin.function))
+        if ast.unparse(call.func) == f"{executor}.add_node"
+    ]
+    return [node for call in added for node in given_to(call)], added
 
 
 def _made_nodes(entrance: Entrance, spin: Call) -> Iterator[tuple[ast.Assign, str, NodeClass]]:
