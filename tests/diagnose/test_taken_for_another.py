@@ -193,6 +193,20 @@ def test_a_name_that_a_launch_file_gives_to_several_nodes(tmp_path: Path, made: 
     assert (codes(files, tmp_path).get("name-twice") == fix) == is_told
 
 
+@pytest.mark.parametrize(
+    ("made", "told"), [("[Left(), Right()]", {"name-twice"}), ("[Left()]", {"parameter-file-node"})]
+)
+def test_the_parameters_that_nodes_of_one_name_do_not_get_are_told_with_it(
+    tmp_path: Path, made: str, told: set[str]
+) -> None:
+    files = Files.right(NAME)
+    files.texts[files.path("driver")] = TWO.replace("MADE", made)
+    named = "executable='DRIVER', parameters=[config], name='pair'"
+    files.change("launch/robot.launch.py", "executable='DRIVER'", named)
+    files.texts[files.path("config/robot.yaml")] = "left:\n  ros__parameters:\n    speed: 1.0\n"
+    assert codes(files, tmp_path).keys() & {"name-twice", "parameter-file-node"} == told
+
+
 @pytest.mark.parametrize("other", ["topic", "topic + '_out'"])
 def test_a_node_that_answers_itself_on_a_topic_in_a_variable(tmp_path: Path, other: str) -> None:
     files = Files.right(NAME)

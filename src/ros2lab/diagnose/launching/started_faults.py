@@ -6,7 +6,7 @@ import ast
 import functools
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -176,27 +176,27 @@ def started_faults(file: LaunchFile, packages: Packages, *, is_alone: bool) -> I
     They are alone if nothing but the workspace's own nodes is ever started with them.
     """
     nodes = started_in(file, packages)
-    yield from _parameters(nodes)
-    yield from _renamed(nodes)
+    renamed = {id(node): told for node in nodes if (told := _renamed(node))}
+    # What is told of such a name also mends the sections that no node of that name takes.
+    yield from _parameters(nodes, but=renamed)
+    yield from renamed.values()
     if len(nodes) == len(file.nodes):  # otherwise another program may have the other end of a topic
         yield from _without_clock(nodes) if is_alone else ()
         yield from _started_twice(nodes)
         yield from _apart(nodes)
 
 
-def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield a name given to a program that makes several nodes, all of which get that name."""
-    for node in nodes:
-        _, function = node.sources.functions.get(f"{node.module}.{node.function}", (None, None))
-        is_node = functools.partial(_is_node, node.sources, node.sources.sources[node.module])
-        calls = calls_in_one_run(function, is_node) if function else []
-        made = [ast.unparse(call.func) for call in _at_once(node.sources.sources[node.module], calls)]
-        name = node.launched.name
-        is_for_all = "use_global_arguments" not in node.sources.sources[node.module].text
-        if isinstance(name, str) and len(made) > 1 and is_for_all:
-            cause = f"The launch file names {node.launched.executable} {name!r}, but that program makes {len(made)} nodes ({', '.join(made)}): name= renames every one of them, so they all have the same name."
-            fix = f"remove name={name!r}, so that each node keeps the name from its code"
-            yield Finding("name-twice", cause, node.launched.place, fix, (str(node.launched.executable),))
+def _renamed(node: Started) -> Finding | None:
+    """Return a name given to a program that makes several nodes, all of which get that name; else None."""
+    name, source = node.launched.name, node.sources.sources[node.module]
+    _, function = node.sources.functions.get(f"{node.module}.{node.function}", (None, None))
+    calls = calls_in_one_run(function, functools.partial(_is_node, node.sources, source)) if function else []
+    made = [ast.unparse(call.func) for call in _at_once(source, calls)]
+    if not isinstance(name, str) or len(made) < 2 or "use_global_arguments" in source.text:
+        return None
+    cause = f"The launch file names {node.launched.executable} {name!r}, but that program makes {len(made)} nodes ({', '.join(made)}): name= renames every one of them, so they all have the same name."
+    fix = f"remove name={name!r}, so that each node keeps the name from its code"
+    return Finding("name-twice", cause, node.launched.place, fix, (str(node.launched.executable),))
 
 
 def _at_once(source: PythonSource, calls: Sequence[ast.Call]) -> list[ast.Call]:
@@ -250,8 +250,11 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
             yield Finding("period", cause, place, fix)
 
 
-def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield a section of a parameter file that no node takes, where some node takes none of its sections."""
+def _parameters(nodes: Sequence[Started], *, but: Collection[int]) -> Iterator[Finding]:
+    """Yield a section of a parameter file that no node takes, where some node takes none of its sections.
+
+    Nothing is told of what is meant for some nodes, given by `id`.
+    """
     given: dict[tuple[str, str], list[Started]] = {}
     for node in nodes:
         for package, path in node.launched.files:
@@ -267,7 +270,7 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
         is_only_one = len(takers) == 1 and len(unused) == len(keys) == 1
         for key in unused:
             meant = _meant(key, without) or (takers[0] if is_only_one else None)
-            if meant is None:
+            if meant is None or id(meant) in but:
                 continue
             names = dict.fromkeys(taker.runs_as for taker in without if taker.module == meant.module)
             cause = (
