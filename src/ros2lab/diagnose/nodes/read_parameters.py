@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.message_faults import message_faults
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource, children, walk
+from ros2lab.diagnose.sources.parameter_file import kind_of
+from ros2lab.diagnose.sources.python_source import PythonSource, argument, children, walk
 from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of
 
 
 def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -96,9 +99,6 @@ def _own_names(sources: NodeSources, source: PythonSource, owner: NodeClass | No
     return declared_in(sources, sources.together(source.name), skipped) or ()
 
 
-_FIELDS = {bool: "bool_value", int: "integer_value", float: "double_value", str: "string_value"}
-
-
 # A default that suits how the value is used.
 _BY_USE = {
     "double_value": "1.0",
@@ -107,6 +107,7 @@ _BY_USE = {
     "bool_value": "False",
     "float": "1.0",
     "int": "1",
+    "range": "1",
     "str": "''",
     "bool": "False",
     "create_timer": "1.0",
@@ -141,25 +142,84 @@ def _default_by_name(nodes: Iterable[ast.AST], target: ast.expr) -> str | None:
     return next(filter(None, (default_by_use(nodes, load, follows=False) for load in loads)), None)
 
 
+# The Python type of what each field of a ParameterValue holds; of lists, of their items.
+_FIELDS: Mapping[str, Callable[[Any], Any]] = {
+    "bool_value": bool,
+    "integer_value": int,
+    "double_value": float,
+    "string_value": str,
+    "bool_array_value": bool,
+    "integer_array_value": int,
+    "double_array_value": float,
+    "string_array_value": str,
+}
+
+
 def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:
     """Yield parameter values that are read from the field of another type, which is always empty."""
     for source in sources.sources.values():
         for node in source.nodes:
-            match node:
-                case ast.Attribute(
-                    attr=field,
-                    value=ast.Call(
-                        func=ast.Attribute(
-                            attr="get_parameter_value",
-                            value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[given]),
-                        )
-                    ),
-                ) if field in _FIELDS.values():
+            name = _read_from(sources, source, node) if isinstance(node, ast.Attribute) else None
+            default = declared.get(name, UNKNOWN) if name else UNKNOWN
+            right = f"{kind_of(default)}_value".lower()
+            if isinstance(node, ast.Attribute) and right in _FIELDS and right != node.attr:
+                cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {node.attr} is always 0 or empty."
+                place, fix = source.at(node), f"write .{right} instead of .{node.attr}"
+                new = _as_in(node.attr, default)
+                if new is not None and not _suits(sources, source, node, right):
+                    for home, value in _defaults(sources, name, default):
+                        place, fix = home.at(value), f"write {new!r} instead of {ast.unparse(value)}"
+                        cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}, but {source.at(node)} reads {node.attr}, which is always 0 or empty."
+                yield Finding("parameter-type", cause, place, fix)
+
+
+def _read_from(sources: NodeSources, source: PythonSource, node: ast.Attribute) -> str | None:
+    """Return the parameter from one of whose fields an expression reads; None if it is none, or not known."""
+    match source.written(node.value) if node.attr in _FIELDS else None:
+        case ast.Call(func=ast.Attribute(attr="get_parameter_value", value=parameter)):
+            match source.written(parameter):
+                case ast.Call(
+                    func=ast.Attribute(attr="get_parameter" | "declare_parameter"), args=[given, *_]
+                ):
                     name = sources.value(source, given)
-                    default = declared.get(name, UNKNOWN) if isinstance(name, str) else UNKNOWN
-                    right = _FIELDS.get(type(default), field)
-                    if right != field:
-                        cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {field} is always 0 or empty."
-                        yield Finding(
-                            "parameter-type", cause, source.at(node), f"write .{right} instead of .{field}"
-                        )
+                    return name if isinstance(name, str) else None
+    return None
+
+
+def _as_in(field: str, default: Any) -> Any:
+    """Return a default as a value of the type of a field; None if that would be another value."""
+    kind = _FIELDS[field]
+    if isinstance(default, list) != ("array" in field):
+        return None
+    with contextlib.suppress(ValueError, TypeError):
+        new = [*map(kind, default)] if isinstance(default, list) else kind(default)
+        is_same = new == default or kind is str or (isinstance(default, str) and kind is not bool)
+        return new if is_same else None
+    return None
+
+
+def _suits(sources: NodeSources, source: PythonSource, node: ast.Attribute, right: str) -> bool:
+    """Return whether the field that has the value suits its use, so that it is to be read; the declaration else."""
+    if use := default_by_use(source.nodes, node):
+        return f"{kind_of(ast.literal_eval(use))}_value".lower() == right
+    lines = source.text.splitlines(keepends=True)
+    end = (node.end_lineno or node.lineno) - 1
+    line = lines[end].encode()
+    before, after = line[: node.end_col_offset], line[node.end_col_offset :]
+    lines[end] = (before.removesuffix(node.attr.encode()) + right.encode() + after).decode()
+    read = PythonSource(source.name, source.shown, "".join(lines), source.is_package)
+    copy = NodeSources({**sources.sources, source.name: read})
+    return len([*message_faults(copy)]) < len([*message_faults(sources)])
+
+
+def _defaults(
+    sources: NodeSources, name: str | None, default: Any
+) -> Iterator[tuple[PythonSource, ast.expr]]:
+    """Yield where a parameter's default is written, each with its file."""
+    for source in sources.sources.values():
+        for call in calls_of(source.nodes, "declare_parameter"):
+            value = argument(call, 1, "value")
+            if value and sources.value(source, argument(call, 0, "name")) == name:
+                written = source.written(value)
+                if sources.value(source, written) == default:
+                    yield source, written
