@@ -71,6 +71,11 @@ def entity_repair(text: str, *, is_xml: bool) -> Slip | None:
     return xml_repair(text, _ENTITIES) if is_xml else yaml_repair(text, _ENTITIES, _check)
 
 
+def words_below(name: str) -> list[str]:
+    """Return the attributes of the items of an attribute that is a list, such as `name` and `value` of `param`."""
+    return [*_BELOW.get(name, _PAIR)]
+
+
 def _check(node: yaml.Node) -> None:
     keys = [key.value for key, _ in node.value] if isinstance(node, yaml.MappingNode) else []
     if "launch" not in keys:

@@ -17,6 +17,7 @@ from typing import Any
 
 from ros2lab.diagnose.finding import SAID, Finding, at, line_with
 from ros2lab.diagnose.launching import launch_child
+from ros2lab.diagnose.launching.entity_shapes import shapes
 from ros2lab.diagnose.launching.in_vain import set_late, unknown_arguments
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
@@ -253,7 +254,18 @@ def _refusals(
         yield _refused(path, file, tag, [fault for fault in told["faults"] if fault["tag"] == tag])
     if told["error"] and not tags:
         read = [*_unread(packages)] if told["error"].get("is_yaml") else []
-        yield from read or [_refusal(file, told["error"])]
+        yield from read or [_reshaped(path, file, told["error"], packages) or _refusal(file, told["error"])]
+
+
+def _reshaped(
+    path: Path, file: LaunchFile, error: Mapping[str, Any], packages: Sequence[SourcePackage]
+) -> Finding | None:
+    """Return how to write a value in YAML whose shape launch refuses, so that launch loads the file; else None."""
+    ways = [*shapes(error["message"], read_text(path))] if path.suffix in (".yaml", ".yml") else []
+    counts = load_copies(path, [way.text.encode() for way in ways], packages)
+    good = next((way for way, count in zip(ways, counts, strict=True) if count is not None), None)
+    said = replace(_refusal(file, error), place=at(file.shown, ways[0].line)) if ways else None
+    return replace(said, fix=good.told) if said and good else said
 
 
 def _refused(path: Path, file: LaunchFile, tag: str, faults: Sequence[Mapping[str, Any]]) -> Finding:
