@@ -69,7 +69,7 @@ def first(line: str, error: str, root: Path) -> Finding:
         ("self.create_subscription(String, 'x', self.receive_for, None)", QOS.format("NoneType"), "is given None", "`self.create_subscription(String, 'x', self.receive_for, 10)`"),
         ("self.create_subscription(String, 'x', self.receive, self.tracker)", QOS.format("a.Tracker"), "takes a QoSProfile or an integer", "`self.create_subscription(String, 'x', self.receive, 10)`"),
         ("self.out = self.create_publisher(String, 'x', self.tracker)", QOS.format("a.Tracker"), "`self.tracker` is a Tracker", "`self.create_publisher(String, 'x', 10)`"),
-        ("self.create_service(Trigger, 'x', logged, qos_profile=self.tracker)", OF_SERVICE.format("Tracker"), "`self.tracker` is a Tracker", "`self.create_service(Trigger, 'x', lambda request, response: logged(request, response, self.tracker))`"),
+        ("self.create_service(Trigger, 'x', logged, qos_profile=self.tracker)", OF_SERVICE.format("Tracker"), "`qos_profile=self.tracker` is a Tracker", "`self.create_service(Trigger, 'x', lambda request, response: logged(request, response, self.tracker))`"),
         ("self.create_timer(self.receive, 1.0)", "TypeError: float() argument must be a string or a real number, not 'method'", "", "`self.create_timer(1.0, self.receive)`"),
     ],
 )  # fmt: skip

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from workspace_files import NAMES, Files
 from deadlines import DEADLINE
 from ros2lab.cli import app
 from ros2lab.diagnose.explaining.steps import go_step_by_step
+from ros2lab.diagnose.finding import Finding, merged
 
 
 def typed(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
@@ -69,7 +71,7 @@ def test_a_launch_file_that_could_not_be_loaded_is_named(
     )
     root = files.write(tmp_path / "ws")
     said = run(str(root), folder=tmp_path).stdout
-    assert "robot.launch.py only the text, because launch could not load it" in said
+    assert "robot.launch.py only the text, because launch could not load it by itself" in said
 
 
 def test_a_text_without_an_error_leads_to_the_files(tmp_path: Path) -> None:
@@ -209,3 +211,16 @@ def test_what_is_quoted_gives_a_terminal_no_codes(tmp_path: Path) -> None:
         done = run(*arguments, folder=root, text=text)
         assert done.stderr == ""
         assert not {"\x1b", "\x9b", "\u202e"} & {*done.stdout}
+
+
+def test_what_is_the_same_on_several_lines_is_told_once() -> None:
+    one = Finding("message-field", "Twist has no field x.", "src/a.py:3", "write linear.x")
+    same, other = replace(one, place="src/a.py:7"), replace(one, place="src/b.py:7")
+    bare = Finding("not-built", "It is not built.", "", "build it")
+    assert merged([one, same, bare, other]) == [
+        replace(one, fix="write linear.x; likewise on line 7"),
+        bare,
+        other,
+    ]
+    without = [replace(finding, fix="") for finding in (one, same, replace(one, place="src/a.py:9"))]
+    assert merged(without) == [replace(one, fix="likewise on lines 7 and 9")]

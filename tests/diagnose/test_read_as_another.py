@@ -44,7 +44,7 @@ def found(default: str, field: str, use: str, read: str = READ) -> list[Finding]
         ("1", "double_value", "print(v)", "write 1.0 instead of 1"),
         ("1.0", "integer_value", "for one in range(v):\n    print(one)", "write 1 instead of 1.0"),
         ("1.0", "integer_value", TO_INT, "write 1 instead of 1.0"),
-        ("1.0", "integer_value", TO_FLOAT, "write .double_value instead of .integer_value"),
+        ("1.0", "integer_value", "print(1 / v)", "write .double_value instead of .integer_value"),
         ("0.5", "integer_value", TO_INT, "write .double_value instead of .integer_value"),
         ("'3'", "integer_value", TO_INT, "write 3 instead of '3'"),
         ("'three'", "integer_value", TO_INT, "write .string_value instead of .integer_value"),

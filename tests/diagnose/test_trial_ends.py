@@ -13,7 +13,7 @@ from test_trial import FAILED, STRING, build, run_of
 from ros2lab import assignments
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.evidence import Clock, CommandSeen, Heard, Run
 from ros2lab.trial import try_out
 from ros2lab.trial.run import _why_none, own_file
 from ros2lab.trial.seen import Seen, seen_faults
@@ -312,3 +312,48 @@ def test_a_program_that_no_launch_file_starts_has_the_parameter_file_that_names_
     (package,) = Look(workspace.write(tmp_path)).packages
     words = own_file(package, "status_publisher")
     assert words[1:] == (["--params-file", str(package.folder / "config/lamp.yaml")] if is_given else [])
+
+
+@pytest.mark.parametrize(
+    ("clock", "times", "said"),
+    [
+        ("stepped", [0.3, 0.5, 0.8, 1.0], ", about one every 0.23 s"),  # of a timer with 0.25 s
+        ("stepped", [0.2, 0.3, 0.5, 0.6, 0.8, 0.9], ", about one every 0.14 s"),
+        ("stepped", [0.4, 0.7, 1.1, 1.4], ", about one every 0.33 s"),
+        ("stepped", [0.1, 0.2, 0.3], ", one every 0.1 s or more often"),
+        ("stepped", [2.0, 4.0], ", about one every 2 s"),
+        ("stepped", [2.0], ""),
+        ("real", [0.25, 0.5, 0.76, 1.0], ", one every 0.25 s"),
+    ],
+)
+def test_a_rhythm_is_told_as_exactly_as_it_was_measured(
+    tmp_path: Path, clock: Clock, times: list[float], said: str
+) -> None:
+    heard = Heard(STRING, "/status_publisher", times, [{"data": "a"}] * len(times), len(times))
+    run = replace(run_of("status_publisher", "/news", STRING, heard), clock=clock)
+    look = Look(right_workspace().write(tmp_path))
+    story = told_of(Seen(look, assignments.load(), [run], []), run, frozenset())
+    assert f"published {len(times)} message{'s' * (len(times) > 1)} on /news{said}." in story
+
+
+@pytest.mark.parametrize(
+    ("line", "log", "said"),
+    [
+        ("self.create_client(Trigger, '/bake')", [], "status_publisher calls /bake, which no program here offers."),
+        ("self.create_service(Trigger, 'bake', print)", [], "status_publisher offers /bake."),
+        ("self.create_service(Trigger, 'bake', print)\n        self.create_client(Trigger, 'bake')", [], "status_publisher offers /bake; calls /bake."),
+        ("pass", [["INFO", "ready"]], "status_publisher printed 'ready'."),
+        ("pass", [], "status_publisher neither published nor subscribed to anything."),
+    ],
+)  # fmt: skip
+def test_what_a_program_did_without_a_topic(
+    tmp_path: Path, line: str, log: list[list[str]], said: str
+) -> None:
+    files = right_workspace()
+    files.texts[files.path("node")] = (
+        "from rclpy.node import Node\nfrom std_srvs.srv import Trigger\n\n\n"
+        f"class Cook(Node):\n    def __init__(self):\n        super().__init__('cook')\n        {line}\n\n\ndef main():\n    Cook()\n"
+    )
+    run = replace(run_of("status_publisher", "/news", STRING, None), publishes={}, log=log)
+    seen = Seen(Look(files.write(tmp_path)), assignments.load(), [run], [])
+    assert told_of(seen, run, frozenset()).startswith(said)

@@ -185,6 +185,24 @@ def ranked(findings: Iterable[Finding]) -> list[Finding]:
     return sorted(dict.fromkeys(findings), key=lambda finding: _STAGE_OF[finding.code])
 
 
+def merged(findings: Iterable[Finding]) -> list[Finding]:
+    """Return the findings with those that differ only in their lines told once."""
+    found: dict[Finding, list[str]] = {}
+    for finding in findings:
+        file, _, line = finding.place.rpartition(":")
+        found.setdefault(replace(finding, place=file) if line.isdigit() else finding, []).append(line)
+    return [
+        replace(one, place=f"{one.place}:{line}", fix="; ".join(filter(None, [one.fix, _likewise(more)])))
+        if line.isdigit()
+        else one
+        for one, (line, *more) in found.items()
+    ]
+
+
+def _likewise(lines: Sequence[str]) -> str:
+    return f"likewise on line{'s' * (len(lines) > 1)} {in_a_row(lines)}" if lines else ""
+
+
 def stops_build(finding: Finding) -> bool:
     """Return whether a finding keeps colcon from building the package."""
     return _STAGE_OF[finding.code] <= _STAGE_OF["data-file-missing"]

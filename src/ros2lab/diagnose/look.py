@@ -85,7 +85,9 @@ def seen_of(root: Path) -> str:
     built = "and at what is installed" if is_built else "which has not been built yet"
     only_read = [file.shown for file in look.launch_files if not file.is_loaded]
     unloaded = (
-        f" (of {', '.join(only_read)} only the text, because launch could not load it)" if only_read else ""
+        f" (of {', '.join(only_read)} only the text, because launch could not load it by itself)"
+        if only_read
+        else ""
     )
     return f"{files} files of {names}{unloaded}, {built}"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
@@ -11,6 +12,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Heard, Run
 from ros2lab.grading.judging.player import finds_no_keyboard
+from ros2lab.grading.watching.quiet import STEP
 from ros2lab.rhythm import median_gap
 from ros2lab.trial.ends import lacks_arguments, word_that_ended
 from ros2lab.trial.unmade import unmade_notes
@@ -29,7 +31,7 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
         called: the functions that were called in any run.
     """
     name, heard = run.programs[0], seen.heard(run)
-    parts = [_published(topic, stretches, run.quiet.get(topic)) for topic, stretches in heard.items()]
+    parts = [_published(topic, stretches, run) for topic, stretches in heard.items()]
     silent = [topic for topic in run.publishes if topic not in heard and not topic.endswith(OF_MANAGED)]
     parts += [f"has a publisher on {topic}, but published nothing there" for topic in silent]
     parts += [f"subscribed to {topic}{_missed(seen, run, topic, called)}" for topic in run.subscribes]
@@ -37,9 +39,11 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
         word = word_that_ended(run)
         alone = _ended(seen, run.ended.get(name) or "")
         parts.append(alone if word is None else f"ended when it was sent {word!r}")
-    parts += _offered(seen, seen.main(name))
+    parts += _served(seen, seen.main(name))
     parts += [f"uses {topic}, which is not watched here" for topic in seen.unwatched(seen.main(name))]
-    parts = [*parts, *_unserved(seen, seen.main(name))] or ["neither published nor subscribed to anything"]
+    if run.log and not run.publishes and not run.subscribes:
+        parts.append(f"printed {run.log[-1][1]!r}")
+    parts = parts or ["neither published nor subscribed to anything"]
     shown = f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
     return " ".join([shown, *_standing(seen, run, called), *_unshown(seen, seen.main(name), called)])
 
@@ -80,29 +84,28 @@ def _unshown(seen: Seen, file: str, called: Called) -> list[str]:
     return found
 
 
-def _offered(seen: Seen, file: str) -> list[str]:
-    """Return what is said of the services and actions that a file offers."""
-    ends = [end for package in seen.look.packages for end in service_ends(seen.look.sources(package))]
-    own = (end for end in ends if end.is_server and end.name and end.creation.source.shown == file)
-    return [f"offers /{name}" for name in dict.fromkeys(end.name.lstrip("/") for end in own)]
-
-
-def _unserved(seen: Seen, file: str) -> list[str]:
-    """Return what is said of the services and actions that a file calls and nobody in the workspace offers."""
+def _served(seen: Seen, file: str) -> Iterator[str]:
+    """Yield what is said of the services and actions that a file offers or calls."""
     ends = [end for package in seen.look.packages for end in service_ends(seen.look.sources(package))]
     served = {end.name for end in ends if end.is_server}
-    lone = [end for end in ends if not end.is_server and end.name and end.name not in served]
-    return [
-        f"calls /{end.name}, which no program here offers"
-        for end in lone
-        if end.creation.source.shown == file
-    ]
+    own = (end for end in ends if end.name and end.creation.source.shown == file)
+    for name, is_server in dict.fromkeys((end.name.lstrip("/"), end.is_server) for end in own):
+        lone = ", which no program here offers" * (not {name, f"/{name}"} & served)
+        yield f"offers /{name}" if is_server else f"calls /{name}{lone}"
 
 
-def _published(topic: str, stretches: list[Heard], quiet: Heard | None) -> str:
+def _published(topic: str, stretches: list[Heard], run: Run) -> str:
     count = sum(stretch.count for stretch in stretches)
-    gap = median_gap(quiet.times) if quiet else None
-    pace = f", one every {gap:.3g} s" if gap else ""
+    times = run.quiet[topic].times if topic in run.quiet else []
+    gap, pace = median_gap(times), ""
+    if gap:
+        pace = f", one every {gap:.3g} s"
+    if gap and run.clock != "real":
+        # The clock steps from message to message: a single time between two is off by up to a step.
+        mean = (times[-1] - times[0]) / (len(times) - 1)
+        pace = (
+            f", about one every {mean:.2g} s" if mean > 1.05 * STEP else f", one every {STEP} s or more often"
+        )
     return f"published {count} message{'s' * (count != 1)} on {topic}{pace}"
 
 
@@ -122,5 +125,7 @@ def _missed(seen: Seen, run: Run, topic: str, called: Called) -> str:
     if is_known and not is_called:
         return ", but received nothing there"
     return (
-        ", on which it was sent words to see what it does" if topic == run.commanded and run.commands else ""
+        ", where it was also sent texts, to see what it does"
+        if topic == run.commanded and run.commands
+        else ""
     )

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.entrance_faults import second_spins
+from ros2lab.diagnose.nodes.entrance_faults import left_out, second_spins
 from ros2lab.diagnose.nodes.executors import two_executors
 from ros2lab.diagnose.printed.error_text import Frame
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
@@ -36,7 +36,9 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding | None:
     if spot is not None and (told := waited_for(seen, spot)):
         return told
     if found is not None:
-        told = next(two_executors(found), None) or next(second_spins(found), None) or _left_out(found, node)
+        left = [one for one in left_out(found, is_unspun=True) if one.code == "not-spinning"]
+        told = next(two_executors(found), None) or next(second_spins(found), None)
+        told = told or (left[0] if len(left) == 1 else None)
         if told := told or _waiting(found, run, spot, is_called_back=is_called_back):
             return told
         if not _may_miss(found, run):
@@ -169,36 +171,6 @@ def _kept(entrance: Entrance) -> str:
     return "node"
 
 
-def _left_out(entrance: Entrance, node: str) -> Finding | None:
-    """Return the fault of a node that is made but not added to the executor; None if that is not certain."""
-    adding = [call for call in entrance.calls if call.short == "add_node"]
-    if not adding:
-        return None
-    function = adding[-1].function
-    added = {
-        n.id for call in adding for given in call.call.args for n in walk(given) if isinstance(n, ast.Name)
-    }
-    for loop in walk(function):
-        if isinstance(loop, ast.For) and any(call.call in {*walk(loop)} for call in adding):
-            added |= {n.id for n in walk(loop.iter) if isinstance(n, ast.Name)}
-    made = [
-        (n.targets[0].id, n)
-        for n in walk(function)
-        if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name) and _is_node(entrance, n.value)
-    ]
-    left = [(name, statement) for name, statement in made if name not in added]
-    if len(left) != 1 or len(made) == 1:
-        return None
-    (name, statement), last = left[0], adding[-1]
-    executor = ast.unparse(last.call.func).removesuffix(".add_node")
-    return Finding(
-        "not-spinning",
-        f"{name} is made here but never added to {executor}, so no callback of the node {node} is called.",
-        last.source.at(statement),
-        f"write `{executor}.add_node({name})` below line {last.call.lineno}, `{ast.unparse(last.call)}`",
-    )
-
-
 def _only_publishes(entrance: Entrance, node: str) -> bool:
     """Return whether a node of no class of its own is used only for what calls nothing back, such as publishers."""
     for made in filter(entrance.makes_node, entrance.calls):
@@ -211,8 +183,3 @@ def _only_publishes(entrance: Entrance, node: str) -> bool:
         names = [n.attr if isinstance(n, ast.Attribute) else "create_" for n in asked]
         return all(name == "create_publisher" or not name.startswith(("create_", "add_")) for name in names)
     return False
-
-
-def _is_node(entrance: Entrance, value: ast.expr) -> bool:
-    """Return whether an expression makes a node."""
-    return any(call.call is value and entrance.makes_node(call) for call in entrance.calls)

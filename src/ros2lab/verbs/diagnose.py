@@ -202,8 +202,10 @@ def _show(findings: Sequence[Finding], looked_at: str) -> None:
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
+    from ros2lab.diagnose.finding import merged  # noqa: PLC0415
     from ros2lab.grading.reports.shown import visible  # noqa: PLC0415
 
+    findings = merged(findings)
     console = Console(soft_wrap=not sys.stdout.isatty())
     if not findings:
         console.print(Text(visible(f"Nothing was found. {looked_at}", LONGEST)))

@@ -76,8 +76,9 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     call = call_at(spot, int(row["column"]) - 1, rule)
     short = owner.rpartition(".")[2]
     at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
-    if at_fault:
-        said["value"] = ast.unparse(at_fault)
+    if call and at_fault:
+        named = (keyword for keyword in call.keywords if keyword.arg and keyword.value is at_fault)
+        said["value"] = ast.unparse(next(named, at_fault))
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)

@@ -120,7 +120,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         r"Logger severity cannot be changed between calls",
         "python-error",
         "rclpy remembers the severity of each logging line, but this line logs sometimes with one severity and sometimes with another.",
-        "write a separate line for each severity, with the logger of this line: one that calls .info(...) and another one that calls .warning(...)",
+        "log on a line of its own for each severity, such as `self.get_logger().info(...)` in one branch of an `if` and `self.get_logger().error(...)` in another",
     ),
     meaning(
         r"UnknownROSArgsError: \[(?P<name>.*)\]",

@@ -142,7 +142,7 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
         yield from _unspun_loop(entrance)
     yield from rests(entrance)
     yield from _idle_executor(entrance)
-    yield from _left_out(entrance)
+    yield from left_out(entrance)
     yield from second_spins(entrance)
 
 
@@ -245,20 +245,18 @@ def _is_the_only_turn(entrance: Entrance, turn: Call) -> bool:
     return is_own and not turn.is_repeated and asked <= {"destroy_node"}
 
 
-def _left_out(entrance: Entrance) -> Iterator[Finding]:
-    """Yield a node that is made but never used, while others are spun."""
+def left_out(entrance: Entrance, *, is_unspun: bool = False) -> Iterator[Finding]:
+    """Yield a node that is made but never used, while others are spun; also one that is used, if it is known not to be spun."""
     for spin in entrance.spins:
         spun, added = _spun_by(spin)
         texts = [*dict.fromkeys(map(ast.unparse, spun))]
         if not texts or {*texts} & {*unbound_names(spin.source, spin.function)}:
             continue  # the node may be meant
+        made = (entry for entry in _made_nodes(entrance, spin) if entry[1] not in texts)
         left = [
             (node, name, owner)
-            for node, name, owner in _made_nodes(entrance, spin)
-            if name not in texts and _needs_spin(entrance, owner) and not _is_used(spin, name)
-            if not any(
-                _SPINS_ITSELF.search(ast.dump(c.definition)) for c in entrance.sources.lineage(owner)[0]
-            )
+            for node, name, owner in made
+            if is_unspun or (_needs_spin(entrance, owner) and not _is_used(spin, name))
         ]
         for node, name, owner in left:
             cause = f"{name} is made here but never spun: `{ast.unparse(spin.call)}` calls only the callbacks of {in_a_row(texts)}."
@@ -285,7 +283,9 @@ def _spun_by(spin: Call) -> tuple[list[ast.expr], list[ast.Call]]:
         for call in calls_in(own_nodes(spin.function))
         if ast.unparse(call.func) == f"{executor}.add_node"
     ]
-    return [node for call in added for node in given_to(call)], added
+    loops = [n for n in own_nodes(spin.function) if isinstance(n, ast.For) and {*added} & {*walk(n)}]
+    spun = [node for call in added for node in given_to(call)]
+    return [*spun, *(n for loop in loops for n in walk(loop.iter) if isinstance(n, ast.Name))], added
 
 
 def _made_nodes(entrance: Entrance, spin: Call) -> Iterator[tuple[ast.Assign, str, NodeClass]]:
@@ -299,8 +299,12 @@ def _made_nodes(entrance: Entrance, spin: Call) -> Iterator[tuple[ast.Assign, st
 
 
 def _needs_spin(entrance: Entrance, owner: NodeClass) -> bool:
-    """Return whether a node has callbacks, which only a spin calls."""
-    return any(made.owner is owner and made.method in CALLED_BACK for made in entrance.sources.creations)
+    """Return whether a node has callbacks, which only a spin calls, and does not see to that itself."""
+    family = (inner.definition for inner in entrance.sources.lineage(owner)[0])
+    has_callbacks = any(
+        made.owner is owner and made.method in CALLED_BACK for made in entrance.sources.creations
+    )
+    return has_callbacks and not any(_SPINS_ITSELF.search(ast.dump(definition)) for definition in family)
 
 
 def _is_used(spin: Call, name: str) -> bool:

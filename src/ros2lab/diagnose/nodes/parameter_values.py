@@ -102,7 +102,7 @@ def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
     if wanted == "INTEGER" and kind == "DOUBLE" and is_number:
         return f"declare {name} with a default of type DOUBLE, such as declare_parameter('{name}', {number}): a parameter keeps the type of its default"
     if wanted == "BYTE_ARRAY" and kind.endswith("ARRAY"):
-        return f"write declare_parameter('{name}', Parameter.Type.{kind}) in the node, with `from rclpy.parameter import Parameter`: an empty list as the default does not say what type its items have"
+        return f"write declare_parameter('{name}', Parameter.Type.{kind}) in the node, with `from rclpy.parameter import Parameter`: an empty list as the default does not say what type its items have; such a parameter has no value until it is given one, and reading it before that fails"
     if wanted == "DOUBLE_ARRAY" and kind == "INTEGER_ARRAY":
         points = re.sub(r"-?\d+", lambda number: f"{number[0]}.0", value)
         return f"write each number with a decimal point: {name}: {points}"

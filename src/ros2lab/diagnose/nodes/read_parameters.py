@@ -9,7 +9,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.message_faults import message_faults
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.parameter_file import kind_of
@@ -142,17 +141,9 @@ def _default_by_name(nodes: Iterable[ast.AST], target: ast.expr) -> str | None:
     return next(filter(None, (default_by_use(nodes, load, follows=False) for load in loads)), None)
 
 
-# The Python type of what each field of a ParameterValue holds; of lists, of their items.
-_FIELDS: Mapping[str, Callable[[Any], Any]] = {
-    "bool_value": bool,
-    "integer_value": int,
-    "double_value": float,
-    "string_value": str,
-    "bool_array_value": bool,
-    "integer_array_value": int,
-    "double_array_value": float,
-    "string_array_value": str,
-}
+# The Python type of what each field of a ParameterValue holds, by the first word of its name.
+_TYPES: Mapping[str, Callable[[Any], Any]] = {"bool": bool, "integer": int, "double": float, "string": str}
+_FIELD = re.compile(rf"({'|'.join(_TYPES)})(_array)?_value")
 
 
 def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:
@@ -161,21 +152,28 @@ def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Itera
         for node in source.nodes:
             name = _read_from(sources, source, node) if isinstance(node, ast.Attribute) else None
             default = declared.get(name, UNKNOWN) if name else UNKNOWN
-            right = f"{kind_of(default)}_value".lower()
-            if isinstance(node, ast.Attribute) and right in _FIELDS and right != node.attr:
-                cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {node.attr} is always 0 or empty."
-                place, fix = source.at(node), f"write .{right} instead of .{node.attr}"
-                new = _as_in(node.attr, default)
-                if new is not None and not _suits(sources, source, node, right):
-                    for home, value in _defaults(sources, name, default):
-                        place, fix = home.at(value), f"write {new!r} instead of {ast.unparse(value)}"
-                        cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}, but {source.at(node)} reads {node.attr}, which is always 0 or empty."
-                yield Finding("parameter-type", cause, place, fix)
+            right = _field_of(default)
+            if not isinstance(node, ast.Attribute) or not _FIELD.fullmatch(right) or right == node.attr:
+                continue
+            cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {node.attr} is always 0 or empty."
+            place, fix = source.at(node), f"write .{right} instead of .{node.attr}"
+            # A field that is asked for by name is meant, unless its use needs what was declared.
+            use, new = default_by_use(source.nodes, node), _as_in(node.attr, default)
+            if new is not None and (use is None or _field_of(ast.literal_eval(use)) != right):
+                for home, value in _defaults(sources, name, default):
+                    place, fix = home.at(value), f"write {new!r} instead of {ast.unparse(value)}"
+                    cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}, but {source.at(node)} reads {node.attr}, which is always 0 or empty."
+            yield Finding("parameter-type", cause, place, fix)
+
+
+def _field_of(value: Any) -> str:
+    """Return the field of a ParameterValue in which a value is."""
+    return f"{kind_of(value)}_value".lower()
 
 
 def _read_from(sources: NodeSources, source: PythonSource, node: ast.Attribute) -> str | None:
     """Return the parameter from one of whose fields an expression reads; None if it is none, or not known."""
-    match source.written(node.value) if node.attr in _FIELDS else None:
+    match source.written(node.value) if _FIELD.fullmatch(node.attr) else None:
         case ast.Call(func=ast.Attribute(attr="get_parameter_value", value=parameter)):
             match source.written(parameter):
                 case ast.Call(
@@ -188,7 +186,7 @@ def _read_from(sources: NodeSources, source: PythonSource, node: ast.Attribute) 
 
 def _as_in(field: str, default: Any) -> Any:
     """Return a default as a value of the type of a field; None if that would be another value."""
-    kind = _FIELDS[field]
+    kind = _TYPES[field.partition("_")[0]]
     if isinstance(default, list) != ("array" in field):
         return None
     with contextlib.suppress(ValueError, TypeError):
@@ -196,20 +194,6 @@ def _as_in(field: str, default: Any) -> Any:
         is_same = new == default or kind is str or (isinstance(default, str) and kind is not bool)
         return new if is_same else None
     return None
-
-
-def _suits(sources: NodeSources, source: PythonSource, node: ast.Attribute, right: str) -> bool:
-    """Return whether the field that has the value suits its use, so that it is to be read; the declaration else."""
-    if use := default_by_use(source.nodes, node):
-        return f"{kind_of(ast.literal_eval(use))}_value".lower() == right
-    lines = source.text.splitlines(keepends=True)
-    end = (node.end_lineno or node.lineno) - 1
-    line = lines[end].encode()
-    before, after = line[: node.end_col_offset], line[node.end_col_offset :]
-    lines[end] = (before.removesuffix(node.attr.encode()) + right.encode() + after).decode()
-    read = PythonSource(source.name, source.shown, "".join(lines), source.is_package)
-    copy = NodeSources({**sources.sources, source.name: read})
-    return len([*message_faults(copy)]) < len([*message_faults(sources)])
 
 
 def _defaults(
