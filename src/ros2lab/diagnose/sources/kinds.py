@@ -157,8 +157,8 @@ class Scope:
             return name
         if not isinstance(node.func, ast.Attribute):
             return None
-        if node.func.attr in ("get_parameter", "get_parameter_value"):
-            return PARAMETER if node.func.attr == "get_parameter" else "rcl_interfaces.msg.ParameterValue"
+        if node.func.attr == "get_parameter":
+            return PARAMETER
         if node.func.attr == "create_publisher":
             message = self.kinds.sources.resolve(self.source, argument(node, 0, "msg_type"))
             return f"{PUBLISHER}{message}" if interfaces.is_interface(message) else None
