@@ -280,3 +280,62 @@ def test_a_dependency_under_a_condition_is_declared(tmp_path: Path) -> None:
 def test_a_key_of_rosdep_may_have_dots(tmp_path: Path, key: str) -> None:
     files = Files.right(NAMES[1]).change("package.xml", RCLPY, f"{RCLPY}\n  <depend>{key}</depend>")
     assert of_workspace(files.write(tmp_path)) == []
+
+
+GIVEN = {
+    "entry_points": "{'console_scripts': ['talker = my_bot.talker:main', 'ears = my_bot.ears:main', 'wheels = my_bot.wheels:main']}",
+    "packages": "find_packages(exclude=['test'])",
+}
+
+
+def with_setup(keyword: str, *, inner: str = "", before: str = "", after: str = "") -> Files:
+    """Return a package whose setup() is not given a keyword as it was, but has its value where it is put."""
+    files = Files.right(NAMES[1])
+    text = re.sub(
+        rf"    {keyword}=(?:\{{.*?\n    \}}|.*?),\n",
+        f"    {inner}\n" * bool(inner),
+        files.texts[files.path("setup.py")],
+        count=1,
+        flags=re.S,
+    )
+    text = text.replace("setup(\n", f"{before}\nsetup(\n") + after
+    return files.put("setup.py", text.replace("VALUE", GIVEN[keyword]))
+
+
+@pytest.mark.parametrize(
+    ("keyword", "places"),
+    [
+        ("entry_points", {"after": "entry_points = VALUE,\n"}),
+        ("entry_points", {"after": "entry_points = VALUE\n"}),
+        ("entry_points", {"before": "entry_points = VALUE\n"}),
+        ("entry_points", {"before": "args = {'entry_points': VALUE}\n"}),
+        ("entry_points", {"before": "args = dict(entry_points=VALUE)\n"}),
+        ("entry_points", {"inner": "extras_require={'test': ['pytest'], 'entry_points': VALUE},"}),
+        ("packages", {"after": "packages = VALUE\n"}),
+    ],
+)
+def test_what_setup_is_not_given_is_put_into_its_parentheses(
+    tmp_path: Path, keyword: str, places: dict[str, str]
+) -> None:
+    files = with_setup(keyword, **places)
+    (found,) = of_workspace(files.write(tmp_path / "first"))
+    wanted = f"{keyword}={GIVEN[keyword]},"
+    assert (found.code, found.fix.startswith(f"write `{wanted}` behind `setup(`")) == ("setup-value", True)
+    text = files.texts[files.path("setup.py")].splitlines()
+    assert keyword in text[int(found.place.rpartition(":")[2]) - 1]
+    text.insert(int(re.findall(r"line (\d+)", found.fix)[-1]), wanted)
+    text = [line for line in text if not line.startswith(f"{keyword} = ")]
+    assert of_workspace(files.put("setup.py", "\n".join(text)).write(tmp_path / "fixed")) == []
+
+
+@pytest.mark.parametrize(
+    "places",
+    [
+        {"before": "entry_points = VALUE\n", "inner": "entry_points=entry_points,"},
+        {"before": "args = {'entry_points': VALUE}\n", "inner": "**args,"},
+        {"before": "args = dict(entry_points=VALUE)\n", "inner": "**args,"},
+        {"before": "def args():\n    return {'entry_points': VALUE}\n\n", "inner": "**args(),"},
+    ],
+)
+def test_what_setup_is_given_by_another_name_is_left_alone(tmp_path: Path, places: dict[str, str]) -> None:
+    assert of_workspace(with_setup("entry_points", **places).write(tmp_path)) == []

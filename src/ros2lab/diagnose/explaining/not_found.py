@@ -268,6 +268,9 @@ def _own_module(name: str, place: str, look: Look) -> Finding | None:
                 fix = "use it in a %%terminal cell, after source install/setup.bash there"
                 return Finding("not-sourced", cause, place, fix)
             if module == name:
+                lists = (f for f in look.findings if "packages" in f.about and f.code == "setup-value")
+                if found := next((f for f in lists if f.place.startswith(package.shown("setup.py"))), None):
+                    return found
                 cause = f"{name} is in {package.shown('')} but not where the package is installed, or this terminal does not look there."
                 fix = f"run colcon build --packages-select {package.name} in the workspace, and source install/setup.bash"
                 return Finding("install-stale", cause, place, fix)

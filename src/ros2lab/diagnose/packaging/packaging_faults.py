@@ -52,8 +52,9 @@ def packaging_faults(
     yield from _undefined(package, setup)
     yield from refused_keywords(setup.source)
     yield from path_faults(setup.source)
-    yield from comma_faults(setup.source, "setup-syntax")
-    if not setup.is_called:
+    told = {setup.source.at(node.end_lineno) for node, _ in setup.beside.values()}
+    yield from (one for one in comma_faults(setup.source, "setup-syntax") if one.place not in told)
+    if setup.call is None:
         cause = "setup.py never calls setup(), so nothing is installed."
         fix = "call setup(...) from setuptools"
         yield Finding("setup-missing", cause, setup.source.shown, fix)

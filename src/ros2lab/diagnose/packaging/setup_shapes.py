@@ -107,6 +107,11 @@ def _named(package: SourcePackage, name: str) -> str:
 
 def _keywords(setup: SetupScript) -> Iterator[Finding]:
     asked = _asked(setup)
+    start = setup.call.lineno if setup.call else 0
+    for keyword, (node, _) in setup.beside.items():
+        cause = f"In setup.py, {keyword} is written where it is no argument of setup(), so setuptools does not see it."
+        fix = f"write `{keyword}={ast.unparse(node)},` behind `setup(` on line {start}, and remove it here"
+        yield Finding("setup-value", cause, setup.source.at(node), fix, (keyword,))
     for keyword in _GROUPS:
         if line := setup.lines.get(keyword):
             cause = f"In setup.py, {keyword} is next to entry_points in setup(), but belongs inside it."
@@ -148,6 +153,8 @@ def as_meant(package: SourcePackage, setup: SetupScript) -> tuple[SourcePackage,
     groups = {group: setup.keywords[group] for group in _GROUPS if group in setup.lines}
     if groups and "entry_points" not in setup.keywords:
         keywords["entry_points"], lines["entry_points"] = groups, min(setup.lines[group] for group in groups)
+    keywords |= {keyword: value for keyword, (_, value) in setup.beside.items()}
+    lines |= {keyword: node.lineno for keyword, (node, _) in setup.beside.items()}
     if not keywords:
         return package, setup
     meant = SourcePackage(package.folder, package.root)

@@ -57,12 +57,15 @@ class SetupScript:
         keywords: the keyword arguments of `setup()`; a value may be or contain `UNKNOWN`.
         targets: the expression of each folder in data_files.
         patterns: the calls of glob whose patterns are known.
+        call: the call of `setup()`; None if there is none.
+        beside: what the file has outside of its arguments under the name of one that it is not given.
     """
 
     source: PythonSource
     keywords: dict[str, Any] = field(default_factory=dict)
     lines: dict[str, int] = field(default_factory=dict)
-    is_called: bool = False
+    call: ast.Call | None = None
+    beside: dict[str, tuple[ast.expr, Any]] = field(default_factory=dict)
     targets: dict[str, ast.expr] = field(default_factory=dict)
     patterns: list[Pattern] = field(default_factory=list)
 
@@ -177,14 +180,31 @@ def read_setup(folder: Path, shown: str) -> SetupScript | None:
             _take_keywords(script, call, names, known)
             break
         _follow(statement, names, known)
-    if not script.is_called:
+    if script.call is None:
         # The call may be in a function or below a condition.
         for node in source.nodes:
             if isinstance(node, ast.Call) and _is_setup(source, node.func):
                 _take_keywords(script, node, names, known)
                 break
     _take_configuration(script, folder)
+    for keyword, value in _named_values(source):
+        if script.call and keyword in _KEYWORDS[1:] and keyword not in script.keywords:
+            script.beside[keyword] = value, evaluate(value, names, known)
     return script
+
+
+def _named_values(source: PythonSource) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the values of variables, dictionaries and arguments with their names; a comma at the end does not count."""
+    for node in source.nodes:
+        match node:
+            case (
+                ast.Assign(targets=[ast.Name(id=name)], value=ast.Tuple(elts=[value]) | value)
+                | ast.keyword(arg=str(name), value=value)
+            ):
+                yield name, value
+            case ast.Dict(keys=keys, values=values):
+                pairs = zip(keys, values, strict=True)
+                yield from ((str(key.value), value) for key, value in pairs if isinstance(key, ast.Constant))
 
 
 def _take_configuration(script: SetupScript, folder: Path) -> None:
@@ -258,7 +278,7 @@ def _setup_call(source: PythonSource, statement: ast.stmt) -> ast.Call | None:
 
 
 def _take_keywords(script: SetupScript, call: ast.Call, names: dict[str, Any], calls: dict[str, Any]) -> None:
-    script.is_called = True
+    script.call = call
     for node in script.source.nodes:
         if isinstance(node, (ast.Tuple, ast.List)) and len(node.elts) == 2:
             target = evaluate(node.elts[0], names, calls)
@@ -293,15 +313,9 @@ def _follow(statement: ast.stmt, names: dict[str, Any], calls: dict[str, Any]) -
             else:
                 _forget(target, names)
         return
-    if isinstance(statement, ast.AugAssign) and isinstance(statement.op, ast.Add):
-        target_name = dotted(statement.target)
-        sum_node = ast.BinOp(statement.target, ast.Add(), statement.value)
-        if isinstance(statement.target, ast.Name) and target_name in names:
-            value = evaluate(statement.value, names, calls)
-            before = names[target_name]
-            is_pair = isinstance(before, list) and isinstance(value, list)
-            names[target_name] = [*before, *value] if is_pair else evaluate(sum_node, names, calls)
-            return
+    if isinstance(statement, ast.AugAssign) and (name := dotted(statement.target)) in names:
+        names[name] = evaluate(ast.BinOp(statement.target, statement.op, statement.value), names, calls)
+        return
     call = statement.value if isinstance(statement, ast.Expr) else None
     if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and len(call.args) == 1:
         owner = names.get(dotted(call.func.value) or "")

@@ -93,7 +93,7 @@ class Package(SourcePackage):
     def setup(self) -> SetupScript | None:
         """Its setup.py, with arguments from setup.cfg and pyproject.toml if it does not have them itself."""
         script = super().setup
-        if script is not None and script.is_called:
+        if script is not None and script.call:
             for name, value in self._configured():
                 if not script.keywords.get(name):
                     script.keywords[name] = value

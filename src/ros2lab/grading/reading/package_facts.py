@@ -149,7 +149,7 @@ def setup_facts(package: Package) -> dict[str, bool]:
         renamed.name = str(name)
         renamed_facts = _packaging_facts(renamed, setup)
         facts |= renamed_facts if sum(renamed_facts.values()) > sum(facts.values()) else {}
-    if not setup.is_called:
+    if setup.call is None:
         text = "\n".join(read_text(package.folder / name) for name in ("setup.py", "setup.cfg"))
         facts |= {fact: word in text for fact, word in _TRACES.items()}
         facts["is_described"] &= not is_to_be_done(text)
