@@ -587,3 +587,13 @@ def test_dashes_are_told_once_and_as_setuptools_takes_them(tmp_path: Path) -> No
         finding.fix
         == "write script_dir instead of script-dir, and on line 4 install_scripts instead of install-scripts"
     )
+
+
+@pytest.mark.parametrize("comma", ["", ","])
+@pytest.mark.parametrize("keyword", ["parameters=[{'period': 1.0}]", "remappings=[('/a', '/b')]"])
+def test_what_is_written_below_a_node_is_moved_into_it(tmp_path: Path, keyword: str, comma: str) -> None:
+    text = "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n\ndef generate_launch_description():\n"
+    text += f"    one = Node(package='my_bot', executable='talker')\n    {keyword}{comma}\n    return LaunchDescription([one])\n"
+    files = right().put("launch/one.launch.py", text)
+    assert found(files, tmp_path, "launch-unused") == [f"add {keyword} to the Node on line 6"]
+    assert "comma-tuple" not in {one.code for one in of_workspace(tmp_path)}

@@ -15,7 +15,14 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import blocks, is_steady, may_leave
-from ros2lab.diagnose.sources.python_source import PythonSource, children, given_to, last_name, own_nodes
+from ros2lab.diagnose.sources.python_source import (
+    PythonSource,
+    children,
+    given_to,
+    last_name,
+    names_read,
+    own_nodes,
+)
 from ros2lab.diagnose.sources.spelling import nearest
 
 _SHARES = frozenset(("get_package_share_directory", "FindPackageShare", "get_package_share_path"))
@@ -109,8 +116,14 @@ def _not_callable(source: PythonSource, called: ast.expr) -> Iterator[Finding]:
 
 
 def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
+    read = names_read(source.nodes)
     for node in source.nodes:
         made = node.value if isinstance(node, (ast.Assign, ast.Return)) else None
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)]) if name not in read and source.function_at(
+                node.lineno
+            ):
+                continue  # nothing is made of it, with or without the comma
         if made is not None and is_by_comma(source, made) and not _is_taken_apart(source, node):
             yield tuple_by_comma(source, made)
 

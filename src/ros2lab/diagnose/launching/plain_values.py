@@ -128,14 +128,14 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
     inside = [statement for n in source.nodes if isinstance(n, Function) for statement in ast.walk(n)]
     for node in inside:
         match node:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value) if (
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Tuple(elts=[value]) | value) if (
                 name not in read and not name.startswith("_")
             ):
-                keyword, written = _place_for(source, name, value)
+                calls = _node_calls(source)
+                is_late = any(call.lineno < node.lineno for call in calls)
+                keyword, written = _place_for(source, ast.unparse(value) if is_late else name, value)
                 if keyword:
-                    free = [
-                        call for call in _node_calls(source) if keyword not in {k.arg for k in call.keywords}
-                    ]
+                    free = [call for call in calls if keyword not in {k.arg for k in call.keywords}]
                     if len(free) > 1 or ".yaml" in ast.unparse(value):
                         free = [call for call in free if _is_offered(source, call, value)]
                     argument = _argument_of(source, value)
