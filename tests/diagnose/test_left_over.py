@@ -54,3 +54,35 @@ def test_which_program_an_odd_entry_point_makes_is_not_guessed(
     files = Files.right(NAMES[0]).change("setup.py", *change)
     made = f"{NAMES[0].module} = {PACKAGE}.{NAMES[0].module}:main{NAMES[0].listener}"
     assert not left_over(files.write(tmp_path), made, NAMES[0].driver)
+
+
+@pytest.mark.parametrize(
+    ("listed", "does"),
+    [
+        ("", "can still be started"),
+        ("[console_scripts]\nold = p.old:main\n", "can still be started"),
+        ("[console_scripts]\nnew = p.old:main\n", "ends in StopIteration"),
+    ],
+)
+def test_what_starting_it_does_is_told_by_what_was_built_last(tmp_path: Path, listed: str, does: str) -> None:
+    root = Files.right(NAMES[0]).write(tmp_path)
+    built = root / "install" / PACKAGE / "lib/python3.11/site-packages" / f"{PACKAGE}-0.1.0-py3.11.egg-info"
+    built.mkdir(parents=True)
+    (built / "entry_points.txt").write_text(listed)
+    (found,) = left_over(root, "old")
+    assert does in found.cause
+    assert NAMES[0].listener in found.cause
+
+
+@pytest.mark.parametrize(("name", "is_told"), [(NAMES[0].module, True), ("others", False)])
+def test_an_installed_folder_that_hides_a_file_is_removed(
+    tmp_path: Path, name: str, *, is_told: bool
+) -> None:
+    root = Files.right(NAMES[0]).write(tmp_path)
+    old = root / "install" / PACKAGE / "lib/python3.11/site-packages" / PACKAGE / name
+    old.mkdir(parents=True)
+    (old / "__init__.py").touch()
+    assert not left_over(root)
+    told = [finding.fix for finding in Look(root).findings if "left over" in finding.cause]
+    fix = f"rm -r build/{PACKAGE} {old.relative_to(root)}, then colcon build --packages-select {PACKAGE}"
+    assert told == [fix] * is_told

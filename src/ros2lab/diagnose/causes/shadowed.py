@@ -11,6 +11,7 @@ from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.code.imports import bound_names
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.taken_names import hidden_files
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.spots import place_of
 from ros2lab.diagnose.sources.interfaces import importable_names, is_module
@@ -38,6 +39,9 @@ def of_shadow(error: ErrorText, look: Look) -> Finding | None:
     """
     for report in reversed(error.reports):
         module, name = module_and_name(report)
+        for finding in hidden_files(look.packages):
+            if {module, name} <= {*finding.about}:
+                return finding
         if not module or name not in _known(module, look):
             continue
         is_inner = is_module(f"{module}.{name}")  # the file may only have to import it

@@ -135,6 +135,7 @@ def names_of(
 def bound_names(source: PythonSource) -> frozenset[str]:
     """Return the names that a file binds at its top level, as far as they are known; empty if they are not."""
     is_open = any(imported.local == "*" for imported in source.imports) or source.fault is not None
+    is_open |= source.hidden is not None  # which may be meant
     names = {node.id for node in source.nodes if isinstance(node, ast.Name)}
     binds = {node.name for node in source.tree.body if isinstance(node, ast.FunctionDef)}
     is_open = is_open or bool(names & {"exec", "globals"}) or "__getattr__" in binds

@@ -69,6 +69,10 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
             if (called := alike(package.folder, f"{folder}/__init__.py"))
             else f"touch {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
         )
+        if package.has(f"{folder}.py"):
+            old, new = package.shown(folder), package.shown(f"{folder}_parts")
+            cause = f"The folder {folder} and the file {folder}.py are both {name} for Python, which imports the file and nothing of the folder, as it has no __init__.py."
+            fix = f"mv {quote(old)} {quote(new)} && touch {quote(new)}/__init__.py, write {name}_parts instead of {name} where something of the folder is imported, and build again"
         return Finding("init-file-missing", cause, package.shown(f"{folder}/__init__.py"), fix)
     inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
     below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}

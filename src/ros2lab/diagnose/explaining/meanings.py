@@ -189,8 +189,8 @@ MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"module '(?P<module>[\w.]+)' has no attribute 'main'",
         "entry-point-function install-stale",
-        "The executable calls main() in {module}, but there is no such function.",
-        "define main(args=None) in that file, save it and build again",
+        "The executable calls main() in {module}, but the module that Python imports has no such function.",
+        "define main(args=None) in {module}, save it and build again",
     ),
     meaning(
         r"module '(?P<module>[\w.]+)' has no attribute '(?P<name>\w+)'",

@@ -5,9 +5,12 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+from shlex import quote
 
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.code.bound_names import global_names
+from ros2lab.diagnose.finding import Finding, at, in_a_row
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.interfaces import fixed_node_properties, method_of, node_members
@@ -19,6 +22,7 @@ from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by
 
 def taken_packages(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
     """Yield Python packages with the name of one in another package, or of a standard module."""
+    yield from hidden_files(packages)
     yield from _same_modules(packages)
     yield from _hides_pythons(packages)
 
@@ -48,6 +52,36 @@ def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
             cause = f"The Python package {name} has the same name as a standard-library module; libraries that import that get this one."
             fix = f"rename it, for example to my_{name}: the folder {package.shown(name)}, and every use in setup.py, setup.cfg, package.xml, resource and the imports"
             yield Finding("name-shadowed", cause, package.shown(name), fix)
+
+
+def hidden_files(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
+    """Yield files that something asks for a name, although Python imports a folder of the same name instead."""
+    asked = [
+        (*imported.target.rpartition("."), source.at(imported.line))
+        for package in packages
+        for source in package.sources.values()
+        for imported in source.imports
+    ]
+    for package in packages:
+        shown = package.setup.source.shown if package.setup else ""
+        asked += [(point.module, "", point.function, at(shown, point.line)) for point in package.points]
+    for package in packages:
+        for module, source in package.sources.items():
+            if file := source.hidden:
+                there = {name.removeprefix(f"{module}.") for name in package.sources}
+                lost = global_names(package.read(file, module)) - global_names(source) - there
+                uses = {place: name for home, _, name, place in asked if home == module and name in lost}
+                if uses:
+                    yield _hidden_file(package, file, module, uses)
+
+
+def _hidden_file(package: SourcePackage, file: Path, module: str, uses: Mapping[str, str]) -> Finding:
+    """Say that Python imports the folder beside a file, and how to give the file another name."""
+    old, new = (package.shown(str(file.with_name(name))) for name in (file.name, f"{file.stem}_node.py"))
+    name = next(iter(uses.values()))
+    cause = f"{file.name} and the folder {file.stem} beside it are both {module} for Python, which imports the folder, and that has no {name}."
+    fix = f"mv {quote(old)} {quote(new)}, write {module}_node instead of {module} in {in_a_row([*uses])}, and build again"
+    return Finding("name-shadowed", cause, old, fix, (module, *uses.values()))
 
 
 def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tuple[str, Finding]]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import configparser
 import filecmp
+import itertools
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from shlex import quote
 
-from ros2lab.diagnose.finding import Finding, shown_path
+from ros2lab.diagnose.finding import Finding, in_a_row, shown_path
 from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.diagnose.sources.package import SourcePackage, discover
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
@@ -38,6 +39,7 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
         yield Finding("edited-in-install", cause, str(copy), fix)
     yield from _links(root, package, prefix)
     yield from _left_over(root, package, prefix)
+    yield from _hides_new(root, package, prefix)
     changed = [shown for shown in _changed_files(prefix, package) if shown not in by_hand]
     missing = _new_executables(prefix, package)
     if changed or missing:
@@ -232,11 +234,30 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
         old += [
             path for f in sorted(folders) for path in f.glob("*.*") if path not in wanted and path.is_file()
         ]
+    listed = [*_metadata(prefix, package.name), *_linked_metadata(prefix, package.name)]
+    texts = "\n".join(read_text(folder / "entry_points.txt") for folder in listed)
     for path in old if points else ():
-        shown = shown_path(path, root)
-        cause = f"{shown} is left over from an earlier build: setup.py no longer names it, but it can still be started."
+        shown, is_program = shown_path(path, root), path.parent == lib
+        now = f", which now has {in_a_row(sorted(names))}," if is_program else ""
+        is_dead = is_program and texts.strip() and not re.search(rf"^{re.escape(path.name)}\s*=", texts, re.M)
+        does = "ends in StopIteration when it is started" if is_dead else "can still be started"
+        cause = (
+            f"{shown} is left over from an earlier build: setup.py{now} no longer names it, and it {does}."
+        )
         fix = f"rm {quote(shown)}; or name it in setup.py, if it is still wanted, and build again"
         yield Finding("left-over", cause, shown, fix)
+
+
+def _hides_new(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
+    """Yield installed folders of an earlier build that Python imports instead of a file of the same name."""
+    modules = (source for source in package.sources.values() if not source.is_package)
+    for source, folder in itertools.product(modules, site_packages(prefix)):
+        old = folder.joinpath(*source.name.split("."))
+        if (old / "__init__.py").is_file():
+            shown, build = shown_path(old, root), shown_path(root / "build" / package.name, root)
+            cause = f"The folder {shown} is left over from an earlier build, and Python imports it instead of {source.shown}."
+            fix = f"rm -r {quote(build)} {quote(shown)}, then {_BUILD} {package.name}"
+            yield Finding("install-stale", cause, source.shown, fix, (source.name,))
 
 
 def _last_built(prefix: Path, package: SourcePackage) -> Path | None:

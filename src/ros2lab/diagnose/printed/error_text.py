@@ -53,6 +53,7 @@ _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
 _INTERRUPTED = re.compile(r"^\^C|user interrupted with ctrl-c")
 _WRAPPED = re.compile(r"Invalid(?:Frontend)?LaunchFileError$")  # launch says why in the line above
 _COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
+_STARTS = re.compile(r"load_entry_point|next\(matches\)\.load")  # the lines of a script that setuptools makes
 _INSTALLED = re.compile(
     r"/(?:site|dist)-packages/(?!.*/)|^<(?:frozen|string)|/\.?venv/|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
 )
@@ -346,7 +347,7 @@ def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
 def own_frames(frames: Sequence[Frame]) -> list[Frame]:
     """Return the frames outside Python and the installed packages, the innermost first."""
     others = (frame for frame in reversed(frames) if not _INSTALLED.search(frame.file))
-    return [frame for frame in others if not _is_foreign(frame.file)]
+    return [frame for frame in others if not _is_foreign(frame.file) and not _STARTS.search(frame.text)]
 
 
 def _is_foreign(file: str) -> bool:

@@ -185,7 +185,8 @@ class SourcePackage:
                     continue
                 parts = [base, *relative.with_suffix("").parts]
                 name = ".".join(part for part in parts if part and part != "__init__")
-                found[name] = self.read(path, name)
+                if name not in found:  # Python imports a folder before a file of its name
+                    found[name] = self.read(path, name)
         return found
 
     def read(self, path: Path, name: str) -> PythonSource:

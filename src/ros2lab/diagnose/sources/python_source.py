@@ -196,6 +196,12 @@ class PythonSource:
         return found
 
     @property
+    def hidden(self) -> Path | None:
+        """The file that Python never imports, because the folder of this one has its name; None if there is none."""
+        file = self.path.parent.with_suffix(".py") if self.path and self.is_package else None
+        return file if file and "." in self.name and file.is_file() else None
+
+    @property
     def assigned(self) -> frozenset[str]:
         """The global names that its top-level assignments bind."""
         pairs = assignments(self.tree.body)
