@@ -118,14 +118,16 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             continue
         if asked := _lacking(uses, scope, name):
             fix = f"write `def {asked[0]}` here, if it is the one that {asked[1]} calls; otherwise remove one of the two"
-        elif len(given) > 1:
+        elif isinstance(first, Function) and _is_empty(first):
+            fix = f"remove the one on line {first.lineno}, which does nothing"
+        elif isinstance(statement, Function) and _is_empty(statement):
+            fix = "remove this one, if it is only a draft"
+        elif len({creation.function for creation in given}) == 1 < len(given) < 3:
             last = given[-1].call
             fix = (
                 f"write another name here, such as `def {name}_2`, and give self.{name}_2 to "
                 f"{given[-1].method} on line {last.lineno}"
             )
-        elif isinstance(first, Function) and _is_empty(first):
-            fix = f"remove the one on line {first.lineno}, which does nothing"
         elif isinstance(statement, Function) and name != "__init__":
             fix = f"move the lines from line {first.lineno} on into this one, or remove this one"
         else:
@@ -147,10 +149,12 @@ def _lacking(uses: Uses, scope: ast.AST, name: str) -> tuple[str, str] | None:
 
 
 def _is_empty(function: Function) -> bool:
-    """Return whether a function does nothing, or only prints a text."""
+    """Return whether a function does nothing, or only prints a text or says that it is to be written."""
     for node in function.body:
         match node:
             case ast.Pass() | ast.Return(value=None | ast.Constant()) | ast.Expr(value=ast.Constant()):
+                pass
+            case ast.Raise() if "NotImplementedError" in ast.unparse(node):
                 pass
             case ast.Expr(value=ast.Call(func=ast.Name(id="print"), args=given)) if all(
                 isinstance(value, ast.Constant) for value in given
