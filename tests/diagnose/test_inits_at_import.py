@@ -112,3 +112,34 @@ def test_a_program_is_not_reached_where_an_import_does_not_end(imports: str, top
 )
 def test_a_program_is_reached_where_each_import_ends_or_may_end(imports: str, top: str) -> None:
     assert "never-called" not in codes(imports, pk__fan=FAN.format(top=top))
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "    with Context() as own:\n        rclpy.create_node('a', context=own)\n",
+        "    own = Context()\n    own.init()\n    rclpy.create_node('a', context=own)\n",
+        "    own = Context()\n    rclpy.init(context=own)\n    rclpy.create_node('a', context=own)\n",
+        "    with ExitStack() as stack:\n        own = stack.enter_context(Context())\n        rclpy.create_node('a', context=own)\n",
+        "    rclpy.create_node('a', context=ready())\n",
+    ],
+)
+def test_a_context_of_its_own_may_be_initialized_elsewhere(body: str) -> None:
+    top = "import rclpy\nfrom contextlib import ExitStack\nfrom pk.more import ready\nfrom rclpy.context import Context\n"
+    told = found("", pk__own=f"{top}\n\ndef main():\n{body}")
+    assert ["pk.node" in one.place for one in told if one.code == "rclpy-init-missing"] == [True]
+
+
+@pytest.mark.parametrize(
+    ("below", "said"),
+    [
+        ("if __name__ == '__main__':\n    main()\n    rclpy.spin(node)\n", "never comes to line 12"),
+        ("if __name__ == '__main__':\n    main()\n", "never spins it, so"),
+    ],
+)
+def test_a_spin_that_only_python_reaches_is_named(below: str, said: str) -> None:
+    top = "import rclpy\nfrom rclpy.node import Node\n\ndef main():\n    global node\n    rclpy.init()\n    node = Node('own')\n    node.create_timer(1.0, print)\n\n"
+    told = found("", pk__own=f"{top}{below}")
+    (spin,) = [one for one in told if one.code == "spin-missing"]
+    assert said in spin.cause
+    assert ("remove line 12" in spin.fix) == ("line 12" in said)

@@ -76,7 +76,9 @@ def _init(entrance: Entrance) -> Iterator[Finding]:
     inits = [call for call in entrance.calls if call.name == "rclpy.init"]
     node = entrance.node
     assert node is not None
+    given = {keyword.arg for call in entrance.calls for keyword in call.call.keywords}
     is_called = any(call.short == "init" for call in entrance.calls) or entrance.inits_at_import
+    is_called |= "context" in given  # of which this says nothing
     if not entrance.may_do_more and not is_called:
         cause = "A node is made, but rclpy.init() is not called before it."
         yield Finding("rclpy-init-missing", cause, node.source.at(node.call), _init_written(entrance))
@@ -132,10 +134,18 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
     assert node is not None
     waits = entrance.may_do_more or any(call.short in _WAITING for call in entrance.calls)
     if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance):
-        cause = (
-            f"{name} makes a node but never spins it, so the program ends at once and no callback is called."
+        cause, fix = f"{name} makes a node but never spins it", _spin_of(entrance, node)
+        guards = (
+            n
+            for n in entrance.source.tree.body
+            if isinstance(n, ast.If) and "__name__" in ast.unparse(n.test)
         )
-        yield Finding("spin-missing", cause, node.source.at(node.call), _spin_of(entrance, node))
+        calls = calls_in(inner for guard in guards for inner in walk(guard))
+        if late := [call.lineno for call in calls if last_name(call.func) in SPINNING]:
+            cause += f": `ros2 run` calls {name}() alone and never comes to line {late[0]}"
+            fix += f", and remove line {late[0]}"
+        cause += ", so the program ends at once and no callback is called."
+        yield Finding("spin-missing", cause, node.source.at(node.call), fix)
     if not waits:
         yield from _one_turn(entrance)
     if not entrance.spins and not entrance.may_do_more and not _names_spin(entrance):
