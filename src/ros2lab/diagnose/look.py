@@ -82,7 +82,7 @@ def seen_of(root: Path) -> str:
     names = ", ".join(package.name for package in look.packages)
     files = sum(len(package.sources) for package in look.packages) + len(look.launch_files)
     is_built = any(prefix_of(look.root, package.name) for package in look.packages)
-    built = "and at what is installed" if is_built else "which has not been built yet"
+    built = "and at what is installed" if is_built else "and found nothing built in install"
     only_read = [file.shown for file in look.launch_files if not file.is_loaded]
     unloaded = (
         f" (of {', '.join(only_read)} only the text, because launch could not load it by itself)"

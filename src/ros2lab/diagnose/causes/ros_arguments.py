@@ -29,7 +29,7 @@ def of_ros_arguments(error: ErrorText, look: Look) -> Finding | None:
         if is_named and source and (reading := next(_readings(source), None)):
             node, written = reading
             more = "" if "rclpy" in source.names else ", with `import rclpy` at the top"
-            cause = f"`{ast.unparse(node)}` also reads --ros-args and what follows it: ros2 launch adds that to what the launch file gives, and it is meant for rclpy alone."
+            cause = f"`{ast.unparse(node)}` also reads --ros-args and what follows it, which is meant for rclpy alone."
             given = "; give its own arguments in the launch file, by arguments=[...]"
             is_item = not isinstance(node, ast.Call)
             return Finding(

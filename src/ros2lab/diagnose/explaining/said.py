@@ -242,7 +242,7 @@ def _missing(path: str, look: Look) -> Finding:
         cause = f"There is no {path} in the folder where this was typed; it is in {look.root}."
         return Finding(SAID, cause, "", f"cd {look.root}, and type it again")
     if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
-        cause = f"There is no {path}: the workspace {look.root} has not been built yet."
+        cause = f"There is no {path}: {look.root} has no folder install."
         return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
     dropped = (f for f in look.findings if f.code == "path-absolute" and f.cause.startswith(repr(path)))
     if found := of_shared_file(path, look) or next(dropped, None):
