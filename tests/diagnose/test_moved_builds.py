@@ -37,7 +37,7 @@ def test_a_workspace_that_was_built_elsewhere_is_built_anew(tmp_path: Path, firs
     failed = f"$ colcon build\n--- stderr: my_bot\npython3: can't open file '{root}/build/my_bot/setup.py': [Errno 2] No such file or directory\n---\nFailed   <<< my_bot [0.5s, exited with code 2]\n"
     for found in (of_workspace(root)[0], of_text(NOT_FOUND, root)[0], of_text(failed, root)[0]):
         assert found.code == "link-stale"
-        assert "the workspace was built in " in found.cause
+        assert "The workspace was built in " in found.cause
         assert found.fix == AGAIN
 
 

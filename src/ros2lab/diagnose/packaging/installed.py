@@ -196,13 +196,11 @@ def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding
         is_moved = target.is_absolute() and (is_first or not is_within)
         if whole.exists() and not (is_moved and package.name in target.parts):
             continue
-        why = "that has since been moved or renamed"
-        if is_moved:
-            why = f"the workspace was built in {first if is_first else 'another folder'} and has been moved or copied since"
+        cause = f"{shown_path(path, root)} points to {target}, but that has since been moved or renamed."
         again = f"rm -r {quote(shown_path(build, root))} {quote(shown_path(prefix, root))}, then {_BUILD} {package.name} --symlink-install"
         if is_moved:  # and with it what each package needs of the others
             again = "rm -rf build install log, then colcon build --symlink-install"
-        cause = f"{shown_path(path, root)} points to {target}, but {why}."
+            cause = f"The workspace was built in {first if is_first else 'another folder'} and has been moved or copied since, and its links lead to where it was."
         fix = f"{again}, then source install/setup.bash in a new terminal"
         yield Finding("link-stale", cause, shown_path(path, root), fix)
         return
