@@ -93,7 +93,7 @@ FAILS: dict[str, tuple[str, str, str, str]] = {
         "driver",
         "    rclpy.spin(node)\n",
         "    node.destroy()\n",
-        "write `node.destroy_node()`",
+        "write `node.destroy_node()` instead of `node.destroy()`",
     ),
     "the class for its object": (
         "driver",
