@@ -16,7 +16,10 @@ import signal
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 import rclpy
+import rclpy.action
+import rclpy.node
 from rclpy.executors import SingleThreadedExecutor
 
 
@@ -32,12 +35,23 @@ async def later():
     goodbye()
 
 
+class Asks(rclpy.node.Node):
+    def done(self, what: str, future: rclpy.Future) -> None:
+        print(what, future)
+
+    def ask(self, future: rclpy.Future):
+        LINE
+
+    def end(self) -> None:
+        print('end')
+
+
 executor = SingleThreadedExecutor()
 """
 
 
 def told(line: str, root: Path) -> list[str]:
-    files = Files.right(NAME).change("node", "import rclpy\n", f"{IMPORTS}{line}\n")
+    files = Files.right(NAME).change("node", "import rclpy\n", f"{IMPORTS.replace('LINE', line)}\n")
     return [one.fix for one in of_workspace(files.write(root)) if one.code == "callback-called"]
 
 
@@ -47,9 +61,23 @@ def told(line: str, root: Path) -> list[str]:
         ("threading.Thread(target=executor.spin()).start()", "write `target=executor.spin`"),
         ("threading.Thread(target=rclpy.spin(None))", "write `target=lambda: rclpy.spin(None)`"),
         ("threading.Timer(2.0, goodbye())", "write `goodbye`"),
-        ("signal.signal(signal.SIGINT, goodbye())", "write `goodbye`"),
+        ("signal.signal(signal.SIGINT, goodbye())", "write `lambda value, other: goodbye()`"),
         ("atexit.register(goodbye())", "write `goodbye`"),
         ("ThreadPoolExecutor().submit(goodbye())", "write `goodbye`"),
+        (
+            "future.add_done_callback(self.done('stop', future))",
+            "write `lambda future: self.done('stop', future)`",
+        ),
+        (
+            "future.add_done_callback(self.done('stop'))",
+            "write `lambda future: self.done('stop', future)`",
+        ),
+        ("future.add_done_callback(self.end())", "write `lambda value: self.end()`"),
+        (
+            "self.add_on_set_parameters_callback(self.end())",
+            "write `lambda value: self.end()`",
+        ),
+        ("self.context.on_shutdown(self.end())", "write `self.end`"),
     ],
 )
 def test_what_is_called_too_early_is_told(tmp_path: Path, line: str, fix: str) -> None:
@@ -61,6 +89,10 @@ def test_what_is_called_too_early_is_told(tmp_path: Path, line: str, fix: str) -
     [
         "threading.Thread(target=goodbye)",
         "threading.Thread(target=maker())",
+        "future.add_done_callback(partial(self.done, 'stop'))",
+        "future.add_done_callback(partial(self.done, what='stop'))",
+        "future.add_done_callback(partial(goodbye))",
+        "atexit.register(partial(self.end))",
         "threading.Thread(target=lambda: rclpy.spin(None))",
         "print(goodbye())",
         "sys.exit(goodbye())",

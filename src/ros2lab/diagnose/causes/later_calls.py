@@ -7,12 +7,13 @@ import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.checking.called_at_once import called_at_once, swapped_functions
+from ros2lab.diagnose.code.called_back import CALLED_WITH
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import place_of, source_of
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.own_functions import returned
+from ros2lab.diagnose.sources.own_functions import as_function, returned
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes
 
 _SAYS = re.compile(r"'(?P<kind>\w+)' object is not callable")
@@ -56,10 +57,9 @@ def _called_callbacks(every: list[NodeSources], *, gives_none: bool) -> Iterator
 
 def _finding(source: PythonSource, call: ast.Call, given: ast.Call) -> Finding:
     text, name = ast.unparse(given), getattr(call.func, "attr", "")
-    arguments = [*map(ast.unparse, (*given.args, *given.keywords))]
-    right = f"lambda: {text}" if arguments else ast.unparse(given.func)
+    right = as_function(None, given, CALLED_WITH.get(name, ()))[1]
     if name == "submit":
-        right = ", ".join([ast.unparse(given.func), *arguments])
+        right = ", ".join(map(ast.unparse, (given.func, *given.args, *given.keywords)))
     whole = ast.unparse(call).replace(text, right, 1)
     cause = f"`{text}` is called right here, so {name}() is given what it returns instead of a function to call later."
     return Finding("callback-called", cause, source.at(given), f"write `{whole}`")

@@ -21,8 +21,8 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.uses import is_log
 
-_NOTHING = re.compile(r"None|Never|NoReturn")
-_FUNCTION = re.compile(r"Expected `.*->.*`, found")
+_NOTHING = re.compile(r"`(?:None|Never|NoReturn)`")
+_FUNCTION = re.compile(r"Expected `(?:.*?\((?P<passed>[^.()]*), /\))?.*->.*`, found")
 
 
 @dataclass(frozen=True)
@@ -117,9 +117,12 @@ def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
     void = [g for g in given if g.is_void or _has(revealed, "revealed-type", g.call, _NOTHING)]
     others = [Edit(given_call.call, "object()").of(source) for given_call in void]
     for given_call, rows in zip(void, checked(source, others) if others else (), strict=True):
-        is_refused = _has(rows, "invalid-argument-type", given_call.call, _FUNCTION)
-        if is_refused or _is_callback(source, given_call):
-            yield _finding(source, given_call)
+        refused = _has(rows, "invalid-argument-type", given_call.call, _FUNCTION)
+        if refused:
+            kinds = re.sub(r"\[.*?\]", "", refused["passed"] or "")
+            yield _finding(source, given_call, len(re.findall(r"\w+(?: \| \w+)*", kinds)))
+        elif _is_callback(source, given_call):
+            yield _finding(source, given_call, 1)  # rclpy passes one value to those that have no types
 
 
 def _is_callback(source: PythonSource, given: _Given) -> bool:
@@ -135,14 +138,15 @@ def _is_callback(source: PythonSource, given: _Given) -> bool:
     return name.endswith("callback")
 
 
-def _has(rows: list[Row], rule: str, node: ast.expr, said: re.Pattern[str]) -> bool:
-    return any(row.line == node.lineno and row.rule == rule and said.search(row.said) for row in rows)
+def _has(rows: list[Row], rule: str, node: ast.expr, said: re.Pattern[str]) -> re.Match[str] | None:
+    found = (said.search(row.said) for row in rows if row.line == node.lineno and row.rule == rule)
+    return next(filter(None, found), None)
 
 
-def _finding(source: PythonSource, given: _Given) -> Finding:
+def _finding(source: PythonSource, given: _Given, passed: int) -> Finding:
     call, outer = given.call, ast.unparse(given.outer.func)
     text = ast.unparse(call)
-    clause, written = as_function(given.function, call, ())
+    clause, written = as_function(given.function, call, ["value", "other", "third"][:passed])
     cause = f"`{text}` is called right here, {clause}, but {outer}() needs a function to call later."
     fix = f"write `{f'{given.name}=' if given.name else ''}{written}`"
     return Finding("callback-called", cause, source.at(call), fix)

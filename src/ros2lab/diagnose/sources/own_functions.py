@@ -22,7 +22,7 @@ from ros2lab.diagnose.sources.python_source import (
     read_source,
     returns_value,
 )
-from ros2lab.diagnose.sources.syntax_parts import needed_by
+from ros2lab.diagnose.sources.syntax_parts import by_parameter, needed_by, own_parameters
 
 _Kind = TypeVar("_Kind", bound=ast.stmt)
 _FUNCTIONS: tuple[type[Function], ...] = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -189,12 +189,17 @@ def as_function(function: Function | None, call: ast.Call, passed: Sequence[str]
         clause = f"and without {' and '.join(missing)}"
     elif function and (returns_value(function) or isinstance(function, ast.AsyncFunctionDef)):
         clause = "so what it returns is passed on"
-    is_ready = not (call.args or call.keywords) or (function and len(needed_by(function)) == len(passed) > 0)
-    written = ast.unparse(call.func)
-    return (
-        clause,
-        written if is_ready else f"lambda{' ' * bool(passed)}{', '.join(passed)}: {ast.unparse(call)}",
-    )
+    is_bare, needed = not (call.args or call.keywords), needed_by(function) if function else []
+    is_ready = is_bare if function is None or not passed else len(needed) == len(passed)
+    if is_bare and function and len(needed) < len(passed):
+        is_ready = bool(function.args.vararg) or len(own_parameters(function)) >= len(passed)
+    if is_ready:
+        return clause, ast.unparse(call.func)
+    given = by_parameter(call, needed)
+    named = [ast.unparse(given[n]) for n in needed if isinstance(given.get(n), ast.Name)][-len(passed) :]
+    names = missing if len(missing) == len(passed) else named if len(named) == len(passed) else [*passed]
+    called = ast.Call(call.func, [*call.args, *map(ast.Name, missing * (names is missing))], call.keywords)
+    return clause, f"lambda {', '.join(names)}".strip() + f": {ast.unparse(called)}"
 
 
 def may_fall_through(function: Function) -> bool:
