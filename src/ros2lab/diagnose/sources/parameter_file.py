@@ -195,7 +195,9 @@ def check_parameters(node: yaml.Node) -> None:
             if not isinstance(key, yaml.ScalarNode):
                 reason = "there is a list or a mapping where a name should be"
                 raise _error(key, reason, "write a name before the colon")
-        _expect_nodes(node, is_top=True)
+        for empty in _expect_nodes(node, is_top=True):
+            fix = "write a parameter below it as `name: value`, or remove it and the node's name above it"
+            raise _value_error(empty, f"there is no parameter below this {BELOW}", fix)
 
 
 def _entries(node: yaml.Node) -> list[tuple[yaml.Node, yaml.Node]]:
@@ -204,8 +206,12 @@ def _entries(node: yaml.Node) -> list[tuple[yaml.Node, yaml.Node]]:
     return [*inner, *(entry for _, value in inner for entry in _entries(value))]
 
 
-def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
-    """Raise an error unless a mapping holds nodes and namespaces, with parameters below `ros__parameters`."""
+def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> list[yaml.Node]:
+    """Raise an error unless a mapping holds nodes and namespaces, with parameters below `ros__parameters`.
+
+    Return each `ros__parameters` with nothing below it: no slip of typing if all else is right.
+    """
+    empty = list[yaml.Node]()
     _expect_once(node)
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if key.value == BELOW:
@@ -215,13 +221,16 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
                     f"there is no node name above {BELOW}:",
                     f"write the node's name and a colon above it, and indent {BELOW}: and everything below it by two more spaces",
                 )
-            if not isinstance(value, yaml.MappingNode):
+            if isinstance(value, yaml.MappingNode):
+                _expect_parameters(value)
+            elif value.value:
                 reason = f"there is no `name: value` below {BELOW}:"
                 fix = "write each parameter below it as `name: value`, with a space after the colon"
-                raise _error(value if value.value else key, reason, fix)
-            _expect_parameters(value)
+                raise _error(value, reason, fix)
+            else:
+                empty.append(key)
         elif isinstance(value, yaml.MappingNode):
-            _expect_nodes(value)
+            empty += _expect_nodes(value)
         elif BELOW in str(value.value):
             raise _error(
                 value,
@@ -232,6 +241,7 @@ def _expect_nodes(node: yaml.Node, *, is_top: bool = False) -> None:
             raise _error(
                 key, f"{key.value} is not below {BELOW}:", f"indent it like the parameters below {BELOW}:"
             )
+    return empty
 
 
 def _expect_once(node: yaml.Node) -> None:
