@@ -119,6 +119,23 @@ def test_an_executable_that_calls_the_file_of_another(tmp_path: Path) -> None:
     assert codes(files, tmp_path)["entry-point-function"] == meant
 
 
+@pytest.mark.parametrize(
+    ("there", "named", "fix"),
+    [
+        ("", "print", "define main(args=None) in src/my_bot/my_bot/ears.py"),
+        ("def shown(image):\n    return image\n", "print", "define main(args=None) in src/my_bot/my_bot/ears.py"),
+        ("def run():\n    pass\n", "print", "ears.py has run"),
+        ("", "Node('ears')", "write 'ears = my_bot.looks:main'"),
+    ],
+)  # fmt: skip
+def test_the_main_of_another_program(tmp_path: Path, there: str, named: str, fix: str) -> None:
+    """Every program may have a main(), so that alone does not say that it is meant."""
+    files = Files.right(NAME).put("listener", there)
+    text = "from rclpy.node import Node\n\n\ndef main():\n    MADE\n"
+    files.put(f"{NAME.package}/looks.py", text.replace("MADE", named))
+    assert fix in codes(files, tmp_path)["entry-point-function"]
+
+
 def test_two_names_for_one_executable_are_right(tmp_path: Path) -> None:
     point = f"'{NAME.listener} = {NAME.package}.{NAME.listener}:main'"
     files = Files.right(NAME).change(

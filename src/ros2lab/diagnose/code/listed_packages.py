@@ -23,7 +23,7 @@ def not_built(package: SourcePackage, module: str) -> Finding | None:
     setup, names = package.setup, package.packages
     if setup is None or names is None or module == package.name:
         return None
-    path, parent = folder_of(package, module), module.rpartition(".")[0]
+    path, parent = package.folder_of(module), module.rpartition(".")[0]
     if package.folder not in path.parents:
         return None
     if path.is_dir() and any(path.glob("*.py")):
@@ -54,7 +54,7 @@ def _beside_setup(setup: SetupScript, module: str) -> Finding | None:
 def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding:
     """Return that setup.py does not install a Python package, and how to change that."""
     names = package.packages or []
-    folder = folder_of(package, name).relative_to(package.folder).as_posix()
+    folder = package.folder_of(name).relative_to(package.folder).as_posix()
     # A package that is listed by name is installed even without an __init__.py.
     cfg = package.setup_cfg
     in_cfg = (
@@ -77,7 +77,7 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
     inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
     below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}
     above = [name[:end] for end, sign in enumerate(name) if sign == "." and name[:end] not in names]
-    above = [outer for outer in above if (folder_of(package, outer) / "__init__.py").is_file()]
+    above = [outer for outer in above if (package.folder_of(outer) / "__init__.py").is_file()]
     written = _with(setup, [*above, name, *sorted(below - {name, *names})])
     fix = f"write {name!r} into the list of packages in setup.py"
     if not names:
@@ -164,7 +164,7 @@ def needed_packages(package: SourcePackage) -> Iterator[str]:
 def _homes_of(package: SourcePackage, named: str) -> Iterator[str]:
     """Yield the Python packages among the files of a package that must be installed for a module to be imported."""
     name, _, module = named.rpartition(".")
-    folder = folder_of(package, name)
+    folder = package.folder_of(name)
     if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
         yield name
     if package.folder in folder.parents and (folder / module / "__init__.py").is_file():
@@ -173,7 +173,7 @@ def _homes_of(package: SourcePackage, named: str) -> Iterator[str]:
 
 def _is_data(package: SourcePackage, name: str) -> bool:
     """Return whether setup.py installs the files of a Python package as data, or may do so."""
-    setup, folder = package.setup, folder_of(package, name).relative_to(package.folder).as_posix()
+    setup, folder = package.setup, package.folder_of(name).relative_to(package.folder).as_posix()
     files = (file for _, files in setup.data_files for file in files) if setup else ()
     is_open = setup is not None and not setup.are_data_files_known
     return is_open or any(file.startswith(f"{folder}/") for file in files)
@@ -185,10 +185,10 @@ def _is_package_data(package: SourcePackage, name: str) -> bool:
     given = keywords.get("package_data") or {}
     if (keywords.get("include_package_data") and package.has("MANIFEST.in")) or not is_known(given):
         return True
-    inner = {*map(str, folder_of(package, name).glob("*.py"))}
+    inner = {*map(str, package.folder_of(name).glob("*.py"))}
     for home in package.packages or ():
         patterns = [*given.get("", ()), *given.get("*", ()), *given.get(home, ())]
-        for found in (folder_of(package, home) / pattern for pattern in patterns):
+        for found in (package.folder_of(home) / pattern for pattern in patterns):
             if not inner.isdisjoint(glob.glob(str(found), recursive=True)):  # noqa: PTH207 -- a pattern may be one that Path refuses
                 return True
     return False
@@ -204,13 +204,3 @@ def _has_code(path: Path) -> bool:
         not (isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant))
         for statement in body
     )
-
-
-def folder_of(package: SourcePackage, name: str) -> Path:
-    """Return the folder in which setup.py looks for a Python package."""
-    mapping = package.package_dirs
-    if name in mapping:
-        return package.folder / mapping[name]
-    top, _, rest = name.partition(".")
-    base = package.folder / mapping[top] if top in mapping else package.folder / mapping.get("", "") / top
-    return base.joinpath(*rest.split(".")) if rest else base

@@ -26,6 +26,7 @@ from ros2lab.diagnose.packaging.for_ros import programs
 from ros2lab.diagnose.packaging.setup_shapes import like
 from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.made_modules import is_made
+from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.own_functions import what_a_call_makes
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -288,7 +289,9 @@ def _missing_function(package: SourcePackage, source: PythonSource, point: Entry
     homes = [name for name, file in sources.items() if not file.fault and _has(file, point.function)]
     homes = [name for name in homes if name not in taken and can_be_named(name)]
     own = {name.rpartition(".")[2]: name for name in homes}
-    home = own.get(point.name) or own.get(nearest(point.name, own) or "", homes[0] if len(homes) == 1 else "")
+    home = own.get(point.name) or own.get(nearest(point.name, own) or "", "")
+    # Every program may have a main(): another file is meant if it makes the node, or if no file is named.
+    home = home or "".join(n for n in homes if len(homes) == 1 and _may_be(source, sources[n], point.name))
     if (below := _below_guard(source)) is not None:
         cause = f"{calls} that file runs its code only under `if __name__ == '__main__':`, which is not true under `ros2 run`."
         fix = f"write `def {point.function}(args=None):` instead of that line, and at the end of the file that line with `{point.function}()` below it"
@@ -324,7 +327,7 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
     """Return a finding about an entry point whose module does not exist, with the module that was meant."""
     if meant := of_its_parts(package, point):
         return put_in_order(package, point, meant, place)
-    wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
+    wanted = package.folder_of(point.module).with_suffix(".py")
     listed = package.packages or ()
     installed = [n for n in package.sources if n != package.name and n.rpartition(".")[0] in listed]
     known = [name for name in installed if name.rpartition(".")[2] == wanted.stem]
@@ -384,7 +387,7 @@ def _no_such_module(
     cause = f"The entry point {point.name} names the module {point.module}, but {lacks}{said}"
     fix = f"write '{point.name} = {right}'{more}, and build again"
     if not right:
-        fix = f"create {package.shown(point.module.replace('.', '/'))}.py with the function {function}, or remove this entry point"
+        fix = f"create {package.shown(str(package.folder_of(point.module)))}.py with the function {function}, or remove this entry point"
     return Finding("entry-point-module", cause, place, fix, (close,) if close else ())
 
 
@@ -426,6 +429,10 @@ def _defined(body: Sequence[ast.stmt]) -> Iterator[ast.FunctionDef | ast.ClassDe
                 yield from _defined(getattr(node, field, ()))
             for handler in getattr(node, "handlers", ()):
                 yield from _defined(handler.body)
+
+
+def _may_be(named: PythonSource, other: PythonSource, executable: str) -> bool:
+    return named.is_package or executable in NodeSources({other.name: other}).node_names()
 
 
 def _indented(source: PythonSource, name: str) -> tuple[str, int] | None:

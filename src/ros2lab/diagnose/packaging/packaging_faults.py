@@ -15,7 +15,7 @@ from shlex import quote
 
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
-from ros2lab.diagnose.code.listed_packages import folder_of, needed_packages, not_listed
+from ros2lab.diagnose.code.listed_packages import needed_packages, not_listed
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.refused_keywords import refused_keywords
 from ros2lab.diagnose.code.syntax import syntax_finding
@@ -106,7 +106,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         return
     place = at(setup.source.shown, setup.line("packages"))
     for name in names:
-        if folder_of(package, name).is_dir():
+        if package.folder_of(name).is_dir():
             continue
         if len(parts := re.findall(r"[\w.]+", name)) > 1:
             cause = f"`packages` holds {name!r}, which is {len(parts)} names in one string; each needs its own quotes."
@@ -127,7 +127,7 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             yield Finding("package-folder-missing", cause, at(setup.source.shown, line), fix)
             continue
         if name != package.name and package.name in names:
-            left = [listed for listed in names if folder_of(package, listed).is_dir()]
+            left = [listed for listed in names if package.folder_of(listed).is_dir()]
             cause = f"setup.py installs the Python package {name}, but there is no folder {name} next to setup.py."
             yield Finding("package-folder-missing", cause, place, f"write packages={left!r}")
             continue

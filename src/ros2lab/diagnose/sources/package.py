@@ -193,6 +193,13 @@ class SourcePackage:
         """Return one of its Python files under its import name."""
         return read_source(path, name, self.shown(str(path.relative_to(self.folder))))
 
+    def folder_of(self, name: str) -> Path:
+        """Return the folder in which setup.py looks for a Python package, or for a module without its `.py`."""
+        mapping, above, _, last = self.package_dirs, *name.rpartition(".")
+        if name in mapping:
+            return self.folder / mapping[name]
+        return self.folder_of(above) / last if above else self.folder / mapping.get("", "") / name
+
     def _import_folders(self) -> Iterator[tuple[str, Path]]:
         """Yield the name and folder of each top-level Python package."""
         mapping = self.package_dirs
@@ -200,7 +207,7 @@ class SourcePackage:
         tops = {name.partition(".")[0] for name in names} if names is not None else set()
         tops |= {self.name, *(name for name in mapping if "." in name)}
         for top in sorted(tops):
-            folder = self.folder / mapping.get(top, Path(mapping.get("", "")) / top)
+            folder = self.folder_of(top)
             # Not the folder itself, and nothing outside it, as with a name such as `/usr`.
             if folder.is_dir() and self.folder.resolve() in folder.resolve().parents:
                 yield top, folder
