@@ -110,6 +110,58 @@ def test_a_package_in_another_folder_is_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("folders", "module", "inner"),
+    [
+        ("{'': 'src'}", "my_bot.gone", "src/my_bot"),
+        ("{'my_bot': 'code'}", "my_bot.gone", "code"),
+        ("{'my_bot': 'code'}", "my_bot.nodes.gone", "code"),
+        ("{'': 'python'}", "my_bot.gone", "python/my_bot"),
+        ("{}", "my_bot.gone", "my_bot"),
+    ],
+)
+def test_a_file_is_to_be_made_where_setup_py_looks_for_it(
+    tmp_path: Path, folders: str, module: str, inner: str
+) -> None:
+    files, home = Files.right(NAME), "src/my_bot/my_bot/"
+    files.texts = {n.replace(home, f"src/my_bot/{inner}/"): text for n, text in files.texts.items()}
+    packages = f"packages=[package_name],\n    package_dir={folders},"
+    files.change("setup.py", "packages=find_packages(exclude=['test']),", packages)
+    files.change(
+        "setup.py", "            'MODULE =", f"            'gone = {module}:main',\n            'MODULE ="
+    )
+    found = [f.fix for f in of_workspace(files.write(tmp_path)) if f.code == "entry-point-module"]
+    path = f"src/my_bot/{inner}/{module.partition('.')[2].replace('.', '/')}.py"
+    assert found == [f"create {path} with the function main, or remove this entry point"]
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("from all_interfaces import Wrist", "write `from all_interfaces.msg import Wrist`"),
+        ("from all_interfaces import Turn", "write `from all_interfaces.action import Turn`"),
+        ("from all_interfaces import Wrists", ""),
+        ("from all_interfaces.msg import Wrist", ""),
+        ("from all_interfaces.srv import Spin_Request", ""),
+        ("from all_interfaces import srv", ""),
+    ],
+)
+def test_an_interface_is_in_the_module_of_its_kind(tmp_path: Path, line: str, fix: str) -> None:
+    files = Files.right(NAME).put(f"{NAME.package}/near.py", "")
+    home = "src/all_interfaces"
+    files.texts |= {
+        f"{home}/CMakeLists.txt": CMAKE.format("all_interfaces"),
+        f"{home}/package.xml": MANIFEST.format("all_interfaces"),
+        f"{home}/msg/Wrist.msg": "float64 angle\n",
+        f"{home}/srv/Spin.srv": "---\n",
+        f"{home}/action/Turn.action": "---\n---\n",
+        f"{home}/all_interfaces/__init__.py": "",
+        f"{home}/all_interfaces/talk.py": f"{line}\n",
+    }
+    found = [f.fix for f in of_workspace(files.write(tmp_path)) if f.code == "import-wrong"]
+    assert [one for one in found if one.startswith("write")] == [fix] * bool(fix)
+
+
+@pytest.mark.parametrize(
     "imports", [i.replace("table", "tabel") for i in IMPORTS if i.endswith("LIMIT") or "as" in i]
 )
 @pytest.mark.parametrize("is_built", [False, True])

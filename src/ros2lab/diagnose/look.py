@@ -289,9 +289,22 @@ class Look:
         if package.folder not in self._sources:
             used = self._used if self.executables[package.name] is not None else set()
             made, written = partial(is_made, package), partial(written_modules, package)
-            beyond = Beyond(self.modules, made, written, package.is_built_by_cmake, self._names)
+            beyond = Beyond(
+                self.modules, made, written, package.is_built_by_cmake, self._names, self.interfaces
+            )
             self._sources[package.folder] = NodeSources(package.sources, used, beyond)
         return self._sources[package.folder]
+
+    @cached_property
+    def interfaces(self) -> dict[str, frozenset[str]]:
+        """The names of the interfaces that the packages hold, by their modules, such as `my_robot.srv`."""
+        files = [(package.name, path) for package in self.packages for path in package.own_files()]
+        found = [
+            (f"{name}{path.suffix}", path.stem)
+            for name, path in files
+            if path.suffix in (".msg", ".srv", ".action")
+        ]
+        return {home: frozenset(name for own, name in found if own == home) for home, _ in found}
 
     def sources_with(self, source: PythonSource) -> NodeSources:
         """Return the files of the package that has a file; the file alone if none has it."""

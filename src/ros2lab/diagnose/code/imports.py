@@ -96,7 +96,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
     is_run = any(name.rpartition(".")[0] == source.name for name in sources.used)
     # A script that is run by hand finds the files beside it first.
     beside = "" if is_run or "__main__" not in source.text else source.name.rpartition(".")[0]
-    yield from wrong_imports(source, names_of(source, own_modules, beside))
+    yield from wrong_imports(source, names_of(source, own_modules, sources.beyond.interfaces, beside))
     undefined = [*undefined_names(source)]
     lost = {id(called.function): called.lacks for called in (called_back(sources) if undefined else ())}
     for name, node in undefined:
@@ -115,7 +115,10 @@ def _made(sources: NodeSources, source: PythonSource) -> dict[str, PythonSource]
 
 
 def names_of(
-    source: PythonSource, modules: Mapping[str, PythonSource], beside: str = ""
+    source: PythonSource,
+    modules: Mapping[str, PythonSource],
+    interfaces: Mapping[str, frozenset[str]],
+    beside: str = "",
 ) -> dict[str, frozenset[str]]:
     """Return the names of each module that a file imports from, and what those below it define; none for the others.
 
@@ -123,6 +126,7 @@ def names_of(
     """
     asked = {source.absolute(node) for node in source.nodes if isinstance(node, ast.ImportFrom)}
     found = {name: frozenset[str]() for name in modules}
+    found |= {home: names for home, names in interfaces.items() if home not in asked}
     for name in (name for name in modules if name.rpartition(".")[0] in asked):
         found[name] = bound_names(modules[name]) - {imported.local for imported in modules[name].imports}
     for name in asked & found.keys():

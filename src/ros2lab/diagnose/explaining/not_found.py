@@ -242,7 +242,7 @@ def wrong_import(spot: Spot, groups: Mapping[str, str], look: Look) -> Finding |
         source = PythonSource("", "", f"from {groups['module']} import {groups['name']}")
     if source is None:
         return None
-    found = [*wrong_imports(source, names_of(source, look.modules), is_sure=True)]
+    found = [*wrong_imports(source, names_of(source, look.modules, look.interfaces), is_sure=True)]
     if spot.source is None:
         return replace(found[0], place="") if found else None
     here = {source.at(line) for line in spot.lines}

@@ -18,6 +18,7 @@ class Beyond:
         written: the last parts of the names of the modules that the build is seen to write.
         is_cmake: whether the build can make modules of messages, once it is told to.
         packages: the names of all packages of the workspace, of which some bring only messages.
+        interfaces: the names of the interfaces of the workspace, by their modules, such as `my_robot.srv`.
     """
 
     modules: Mapping[str, PythonSource] = field(default_factory=dict)
@@ -25,6 +26,7 @@ class Beyond:
     written: Callable[[], Collection[str]] = frozenset
     is_cmake: bool = False
     packages: Collection[str] = ()
+    interfaces: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
 NOTHING = Beyond()
