@@ -29,7 +29,21 @@ def told(folder: Path, action: str, *, depends: str = "") -> list[Finding]:
         files.change(
             "package.xml", "  <depend>rclpy", f"  <exec_depend>{depends}</exec_depend>\n  <depend>rclpy"
         )
+    files.change(LAUNCH, "\n\ndef generate", "\n\n# 'their_arm' and 'nav2_msgs' move the arm\ndef generate")
     return [found for found in of_workspace(files.write(folder)) if found.code in (SAID, "launch-package")]
+
+
+def test_what_an_included_file_lacks_is_told_there(tmp_path: Path) -> None:
+    files = right_workspace()
+    body = "from launch import LaunchDescription\nfrom launch.actions import IncludeLaunchDescription\nfrom launch_ros.actions import Node\nfrom launch_ros.substitutions import FindPackageShare\n\n\ndef generate_launch_description():\n    return LaunchDescription([ACTION])\n"
+    files.put(
+        "launch/inner.launch.py",
+        body.replace("ACTION", "Node(package=FindPackageShare('their_arm'), executable='a')"),
+    )
+    outer = "IncludeLaunchDescription([FindPackageShare('my_bot'), '/launch/inner.launch.py'])"
+    files.put("launch/outer.launch.py", body.replace("ACTION", outer))
+    found = [one.place for one in of_workspace(files.write(tmp_path)) if one.code == "launch-package"]
+    assert found == ["src/my_bot/launch/inner.launch.py:8"]
 
 
 def logs(what: str) -> str:
@@ -76,7 +90,8 @@ def test_a_slip_in_what_runs_later_is_told(tmp_path: Path, later: str) -> None:
 @pytest.mark.parametrize(
     ("name", "depends", "fix"),
     [
-        ("their_arm", "their_arm", "install it (sudo apt install ros-jazzy-their-arm), or put its source into src"),
+        ("nav2_msgs", "nav2_msgs", "install it (sudo apt install ros-jazzy-nav2-msgs), or put its source into src"),
+        ("their_arm", "their_arm", "install it (sudo apt install ros-jazzy-their-arm), if `apt-cache policy ros-jazzy-their-arm` names a version, or put its source into src; if their_arm is misspelt, correct it"),
         ("tf2_msgs_", "", "write tf2_msgs instead of tf2_msgs_"),
         ("their_arm", "", "install it (sudo apt install ros-jazzy-their-arm), if `apt-cache policy ros-jazzy-their-arm` names a version, or put its source into src; if their_arm is misspelt, correct it"),
     ],
@@ -85,6 +100,14 @@ def test_a_right_name_is_not_to_be_corrected(tmp_path: Path, name: str, depends:
     (found,) = told(tmp_path, logs(f"FindPackageShare('{name}')"), depends=depends)
     assert found.code == "launch-package"
     assert found.fix == fix
+    assert found.place.endswith(f":{line_of(tmp_path, name)}")
+
+
+def line_of(folder: Path, name: str) -> int:
+    """Return the line of the action that names a package, below a comment that names it, too."""
+    (path,) = folder.rglob("robot.launch.py")
+    lines = path.read_text().splitlines()
+    return next(n for n, line in enumerate(lines, 1) if f"FindPackageShare('{name}')" in line)
 
 
 def test_what_an_included_file_lacks_is_told_of_that_file_alone(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ SPIN = "        rclpy.spin(node)"
 Changes = list[tuple[str, str, str]]
 
 STARTED: list[tuple[Changes, str, str]] = [
-    ([(LAUNCH, "    return", f"    more = {STATUS}\n    return")], "launch-lost", "more"),
+    ([(LAUNCH, "    return", f"    more = {STATUS[:-1]}, name='more')\n    return")], "launch-lost", "more"),
     (
         [(LAUNCH, "executable='velocity_publisher'", "executable='velocity_publisher', name='driver'")],
         "parameter-file-node",

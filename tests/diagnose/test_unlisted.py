@@ -25,6 +25,7 @@ def generate_launch_description():
 """
 TALK = "Node(package='my_bot', executable='talker', parameters=[{'period': LaunchConfiguration('pace')}])"
 PLAIN = "Node(package='my_bot', executable='talker')"
+NAMED = "Node(package='my_bot', executable='talker', name='one')"
 PACE = "DeclareLaunchArgument('pace', default_value='7.5')"
 WRONG = [
     f"pace = {PACE}\nreturn LaunchDescription([\n    {TALK},\n])",
@@ -41,6 +42,7 @@ WRONG = [
     f"nodes = [{PLAIN}]\nreturn LaunchDescription()",
     f"# talk\ntalk = {PLAIN}\nnote = LogInfo(msg='up')\nreturn LaunchDescription([note])",
     f"talk = {PLAIN}\nnote = LogInfo(msg='up')\n# start talk as well\nreturn LaunchDescription([note])",
+    f"talk = {NAMED}\nother = {NAMED.replace('one', 'two')}\nreturn LaunchDescription([other])",
 ]
 RIGHT = [
     f"pace = {PACE}\ntalk = {TALK}\nreturn LaunchDescription([pace, talk])",
@@ -51,6 +53,9 @@ RIGHT = [
     f"talk = {PLAIN}\nnote = LogInfo(msg='up')\nreturn LaunchDescription([note])  # [note, talk]",
     f"ld = LaunchDescription()\ntalk = {PLAIN}\n#ld.add_action( talk )  # not today\nreturn ld",
     f"items = []\ntalk = {PLAIN}\n# items.append(talk)\nreturn LaunchDescription(items)",
+    f"talk = {PLAIN}\nnote = LogInfo(msg='up')\nreturn LaunchDescription([\n    note,\n    # talk: started in a terminal of its own\n])",
+    f"talk = {NAMED}\nother = {NAMED[:-1]}, output='screen')\nreturn LaunchDescription([other])",
+    f"talk = {TALK}\nnote = LogInfo(msg='up')\nreturn LaunchDescription([note])",
     f"talk = {PLAIN}\nnote = LogInfo(msg='up')\n# return LaunchDescription([note, talk])\nreturn LaunchDescription([note])",
 ]
 

@@ -238,7 +238,7 @@ def _never_added(source: PythonSource, lines: Sequence[int]) -> Iterator[Finding
                 ),
                 "launch never does it",
             )
-        if action.kind == "DeclareLaunchArgument" or action.is_commented_out:
+        if action.kind == "DeclareLaunchArgument" or action.is_left_out:
             continue
         if action.kind != "Node" or {call.lineno for call in action.made} & {*lines}:
             cause = f"{what} is made here but is not in the launch description, so {effect}."
@@ -382,13 +382,10 @@ def _lacking(
     here = own_module(path, name, packages) if is_module and not is_right else None
     if is_later and not near and not here:
         return
-    written = (f"'{name}'", f'"{name}"', f" {name}")
-    place = at(file.shown, line_with(read_text(path), *written) or told["line"])
-    if place == file.shown:  # a file that this one includes names it
-        files = ((home, other) for home in packages for other in home.launch_files)
-        lines = ((home, other, line_with(read_text(other), *written)) for home, other in files)
-        named = (at(h.shown(str(o.relative_to(h.folder))), line) for h, o, line in lines if line)
-        place = next(named, place)
+    line = told["line"] or _named_on(path, name)
+    if not line and any(_named_on(other, name) for home in packages for other in home.launch_files):
+        return  # it is told of the launch file that names it, which this one includes
+    place = at(file.shown, line)
     fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
     if here:
         cause, fix = here
@@ -396,12 +393,16 @@ def _lacking(
         cause = (
             f"{name} is {'not installed here' if is_right else 'neither in this workspace nor installed'}."
         )
-        fix = (
-            f"write {near} instead of {name}"
-            if near
-            else _how_to_get(name, is_module=is_module, is_right=is_right)
-        )
+        fix = f"write {near} instead of {name}" if near else _how_to_get(name, is_module=is_module)
     yield Finding("launch-package", f"{fails}: {cause}", place, fix, (name,))
+
+
+def _named_on(path: Path, name: str) -> int | None:
+    """Return the line where a launch file names a package: as a whole string in Python, quoted or spaced in others."""
+    if path.suffix != ".py":
+        return line_with(read_text(path), f"'{name}'", f'"{name}"', f" {name}")
+    texts = _texts(read_source(path, path.stem, path.name))
+    return next((node.lineno for node, text in texts if text == name), None)
 
 
 def _modules(packages: Sequence[SourcePackage]) -> set[str]:
@@ -411,11 +412,11 @@ def _modules(packages: Sequence[SourcePackage]) -> set[str]:
     return found.union(*(names for names in alone if isinstance(names, (list, tuple))))
 
 
-def _how_to_get(name: str, *, is_module: bool, is_right: bool) -> str:
+def _how_to_get(name: str, *, is_module: bool) -> str:
     """Say how what a launch file names may be installed; of a name that is not known, apt tells whether Jazzy has it."""
     top = name.partition(".")[0]
     apt = install_of(package_of(top) if is_module else top)
-    if is_right:
+    if top in PACKAGES:
         return f"install it ({apt}), or put its source into src"
     asked = f"if `apt-cache policy {apt.rpartition(' ')[2]}` names a version"
     how = f"install it ({apt}), {asked}, or put its source into src"

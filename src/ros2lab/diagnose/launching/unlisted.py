@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import lines_in_words
+from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.sources.commented_out import out_of_use
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 
@@ -29,14 +31,20 @@ class Unlisted:
         return last_name(self.made[0].func)
 
     @property
-    def is_commented_out(self) -> bool:
-        """Whether code below it that is out of use names it, so that it is left out on purpose."""
-        below = ast.parse("")
-        for number, text, _ in out_of_use(self.source.text):
-            if number > self._last and self.name in text:
-                with contextlib.suppress(SyntaxError, ValueError):
-                    below.body += ast.parse(text.strip()).body
-        return any(isinstance(n, ast.Name) and n.id == self.name for n in walk(below))
+    def is_left_out(self) -> bool:
+        """Whether it is left out on purpose: a comment in the list or code out of use below it names it, or the same node is started.
+
+        Launch would refuse one that reads an argument which the file does not declare.
+        """
+        source, names = self.source, re.compile(rf"\b{re.escape(self.name or '#')}\b")
+        lists = [c for c in source.calls if last_name(c.func) == "LaunchDescription"]
+        for number, text, _ in out_of_use(source.text):
+            is_inside = any(c.lineno <= number <= (c.end_lineno or 0) for c in lists)
+            if number > self._last and names.search(text) and (is_inside or _is_code(text)):
+                return True
+        asked = {n for c in self.made for n, _ in arguments_named(source, "LaunchConfiguration", within=c)}
+        same = [c for c in source.calls if c is not self.made[0] and _alike(c) == _alike(self.made[0]) != {}]
+        return bool(same) or not asked <= dict(arguments_named(source, "DeclareLaunchArgument")).keys()
 
     @property
     def listing(self) -> str:
@@ -109,6 +117,19 @@ class Unlisted:
         assigned = (n for n in own_nodes(home) if isinstance(n, ast.Assign))
         made = [n.lineno for n in assigned if ast.unparse(n.targets[0]) == name]
         return made[0] if made else item.lineno
+
+
+def _is_code(text: str) -> bool:
+    with contextlib.suppress(SyntaxError, ValueError):
+        return bool(ast.parse(text.strip()))
+    return False
+
+
+def _alike(call: ast.Call) -> dict[str, str]:
+    """Return what two calls have in common that start the same node; empty for other actions."""
+    given = {keyword.arg: ast.unparse(keyword.value) for keyword in call.keywords}
+    names = ("package", "executable", "name", "namespace")
+    return {name: given.get(name, "") for name in names} if "executable" in given else {}
 
 
 def unlisted(source: PythonSource) -> Iterator[Unlisted]:
