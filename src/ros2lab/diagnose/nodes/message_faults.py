@@ -10,6 +10,7 @@ from dataclasses import replace
 from ros2lab.diagnose.code.expression_faults import is_by_comma
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.rounded_off import rounded_off
+from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import fitting, meant_call
 from ros2lab.diagnose.sources.interfaces import field_kind, members_of
@@ -18,7 +19,7 @@ from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, K
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.sources.python_source import assignments
 from ros2lab.diagnose.sources.spelling import did_you_mean, nearest, with_article, write_instead
-from ros2lab.diagnose.sources.syntax_parts import equal_sides
+from ros2lab.diagnose.sources.syntax_parts import equal_sides, own_parameters
 
 _NUMBERS = frozenset(("bool", "int", "float"))
 # The kinds of values that a value of a plain kind can equal.
@@ -188,10 +189,31 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             fix = f"write `{short}.from_msg({ast.unparse(node.value)}).{name}` instead of `{ast.unparse(node)}`, with `from rclpy.{short.lower()} import {short}` at the top"
             yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
             return
+        if meant := _published(scope, node):
+            end, kind = meant
+            cause = (
+                f"{short} has no field {name}, but {_short(kind)} has, which is published on {end.topic!r}."
+            )
+            fix = f"write {_short(kind)} instead of {short} in the subscription on line {end.creation.call.lineno}, with `from {kind.rpartition('.')[0]} import {_short(kind)}`"
+            yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
+            return
         fits, why = _fitting_use(fields, scope, node)
         cause = f"{short} has no field {name}; it has {', '.join(fields) or 'none'}{why}.{did_you_mean(name, fits)}"
         fix = _deeper(fields, inner, name, node) if inner else _one_of(fits, name, scope, node)
         yield Finding("message-field", cause, scope.source.at(node), fix, (str(message),))
+
+
+def _published(scope: Scope, node: ast.AST) -> tuple[End, str] | None:
+    """Return the subscription of a callback, and the type published there that has a field which the message lacks."""
+    sources, function = scope.kinds.sources, scope.function
+    names = [parameter.arg for parameter in own_parameters(function)] if function else []
+    if not isinstance(node, ast.Attribute) or ast.unparse(node.value) not in names[:1]:
+        return None
+    ends, asked = ends_of(sources), [id(made) for made, called in sources.callbacks() if called is function]
+    kinds = {(end.topic, str(end.type)) for end in ends if end.is_publisher}
+    having = {topic: kind for topic, kind in kinds if node.attr in (interfaces.fields_of(kind) or ())}
+    found = (end for end in ends if id(end.creation) in asked and end.topic in having)
+    return next(((end, having[end.topic]) for end in found), None)
 
 
 def _fitting_use(fields: Mapping[str, str], scope: Scope, node: ast.AST) -> tuple[Mapping[str, str], str]:
