@@ -197,7 +197,7 @@ def test_a_keyword_that_python_refuses(right: str, wrong: str, fix: str | None) 
     [
         (
             "        self.pub = self.create_publisher(String, 'chatter', 10)\n",
-            "write `self.pub = self.create_publisher(String, 'pub', 10)` below line 8, in __init__()",
+            "write `self.pub = self.create_publisher(String, '...', 10)` below line 8, in __init__(), with the name that the others use instead of the dots",
         ),
         ("self.pub = self.c", "write `self.pub = self.create_publisher(String, 'chatter', 10)`"),
     ],

@@ -133,7 +133,8 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
         return None
     line = max(_constructed(definition), default=0)
     where = f"below line {line}, in __init__()" if line else "as the first line of __init__()"
-    return cause, f"write `self.{name} = {value}` {where}"
+    blank = ", with the name that the others use instead of the dots" * ("'...'" in value)
+    return cause, f"write `self.{name} = {value}` {where}{blank}"
 
 
 def _disabled(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[int, str]:
@@ -152,10 +153,11 @@ def _constructed(definition: ast.ClassDef) -> Iterator[int]:
 def _sender(source: PythonSource, definition: ast.ClassDef, name: str) -> str:
     """Return the creation of the publisher or the client that an attribute is used as; empty if it is none."""
     for method, kind in _sent(definition, name):
+        asked = kind.removesuffix(".Request")
+        if asked in source.names and method != "publish":
+            return f"self.create_client({asked}, '...')"
         if kind in source.names and method == "publish" and not _publishers(source, definition, kind):
-            return f"self.create_publisher({kind}, '{name.strip('_')}', 10)"
-        if kind.removesuffix(".Request") in source.names and method != "publish":
-            return f"self.create_client({kind.removesuffix('.Request')}, '{name.strip('_')}')"
+            return f"self.create_publisher({kind}, '...', 10)"
     return ""
 
 
