@@ -63,6 +63,24 @@ def test_the_launch_file_gives_a_parameter_under_both_spellings(tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
+    ("given", "fix"),
+    [
+        ("[config, {'speed': 1}]", "write 1.0 instead of 1"),
+        ("[config, {'speed': True}]", "write a number with a decimal point instead of True"),
+        ("[config, {'speed': [1.0]}]", "write a number with a decimal point instead of [1.0]"),
+        ("[config, {'speed': 1.0}]", ""),
+        ("[{'speed': 1}, config]", ""),
+        ("[config, {'speed': '1.0'}]", ""),
+        ("[{'use_sim_time': False}]", ""),
+    ],
+)
+def test_the_launch_file_gives_a_value_of_another_type(tmp_path: Path, given: str, fix: str) -> None:
+    look = Look(changed([(LAUNCH, "[config]", given)]).write(tmp_path), loads=True)
+    told = [finding for finding in look.findings if finding.code == "parameter-type"]
+    assert [finding.fix for finding in told] == [fix] * bool(fix)
+
+
+@pytest.mark.parametrize(
     "changes",
     [
         [],

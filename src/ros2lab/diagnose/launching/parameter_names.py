@@ -15,11 +15,12 @@ from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Packages, Started, started_in
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, is_node
-from ros2lab.diagnose.nodes.parameter_values import of_its_type
+from ros2lab.diagnose.nodes.parameter_values import of_its_type, type_in_words
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.parameter_file import line_of
+from ros2lab.diagnose.sources.parameter_file import kind_of, line_of
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import is_near_miss, may_mean, nearest, write_instead
+from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 # The sources of a package, and the module in which a node is made.
 _Home = tuple[NodeSources, str]
@@ -63,9 +64,10 @@ def set_back(started: list[Started]) -> Iterator[Finding]:
 
 
 def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
-    """Yield parameters that a launch file gives only to nodes that do not declare them."""
+    """Yield parameters that a launch file gives a node with another type, or only to nodes that do not declare them."""
     takers: dict[str, list[Started]] = {}
     for node in started_in(file, packages):
+        yield from _of_other_type(node)
         for name, _ in _flat(node.launched.values):
             takers.setdefault(name, []).append(node)
     given = Counter(name for node in file.nodes for name, _ in _flat(node.values))
@@ -77,6 +79,22 @@ def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
             value = dict(_flat(launched.values))[name]
             place = nodes[0].launched.place
             yield from _fault("The launch file", (name, value), launched.values, homes, place)
+
+
+def _of_other_type(node: Started) -> Iterator[Finding]:
+    """Yield parameters whose values in a launch file have another type than their node declares; none of texts, which launch reads."""
+    files, values = node.sources.around(node.module), dict[str, Any]()
+    for given in node.launched.given:
+        values = {**values, **given} if isinstance(given, Mapping) else {}  # a file may give another value
+    declared = (declared_in(files) if files else None) or {}
+    for name, value in ((name, value) for name, value in _flat(values) if not isinstance(value, str)):
+        wanted, kind = kind_of(declared.get(name, UNKNOWN)), kind_of(value)
+        if wanted and kind and wanted != kind:
+            cause = f"{node.launched.executable} declares {name} with {type_in_words(wanted)}, but the launch file gives it {value}, {type_in_words(kind)}, so the node does not start."
+            right = f"{value}.0" if (kind, wanted) == ("INTEGER", "DOUBLE") else type_in_words(wanted)
+            yield Finding(
+                "parameter-type", cause, node.launched.place, f"write {right} instead of {value}", (name,)
+            )
 
 
 def _homes(packages: Packages, launch_files: Sequence[LaunchFile]) -> Mapping[str, list[_Home]]:
