@@ -231,6 +231,27 @@ def test_a_setup_script_that_cmake_does_not_read(
 
 
 @pytest.mark.parametrize(
+    ("installs", "executable", "fix"),
+    [
+        ("install(PROGRAMS a/talk.py DESTINATION lib/a)\n", "talk", "write talk.py instead of talk"),
+        ("install(PROGRAMS\n  ${CMAKE_CURRENT_SOURCE_DIR}/a/talk.py\n  DESTINATION lib/${PROJECT_NAME})\n", "talk", "write talk.py instead of talk"),
+        ("install(PROGRAMS a/talk.py DESTINATION lib/a)\n", "talk.py", ""),
+        ("install(PROGRAMS a/talk.py DESTINATION lib/a RENAME talk)\n", "talk", ""),
+        ("add_executable(talk talk.cpp)\ninstall(PROGRAMS a/talk.py DESTINATION lib/a)\n", "talk", ""),
+        ("# install(PROGRAMS a/talk.py DESTINATION lib/a)\ninstall(DIRECTORY a/ DESTINATION lib/a)\n", "talk", ""),
+    ],
+)  # fmt: skip
+def test_a_script_is_installed_under_the_name_of_its_file(
+    tmp_path: Path, installs: str, executable: str, fix: str
+) -> None:
+    files = package("a", {"talk": pub(SECOND, "x")}, {"CMakeLists.txt": CMAKE.format(installs)})
+    files["src/a/package.xml"] = files["src/a/package.xml"].replace("ament_python", "ament_cmake")
+    files["src/a/launch/a.launch.py"] = LAUNCH.format(nodes=f"Node(package='a', executable={executable!r})")
+    found = [finding.fix for finding in found_in(tmp_path, files) if finding.code == "launch-executable"]
+    assert found == [fix] * bool(fix)
+
+
+@pytest.mark.parametrize(
     ("name", "declared", "meant"),
     [
         ("rosbot_localization", "robot_localization", ""),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.finding import Finding, at
@@ -71,8 +72,8 @@ def _executable_fault(
 ) -> Iterator[Finding]:
     """Yield an executable that its package does not have, perhaps as others do, or what it prints and nobody sees."""
     if there is None:
-        return
-    if executable in there:
+        yield from _without_ending(node, package, executable)
+    elif executable in there:
         yield from _prints(package, node) if node.output is None and not node.is_wrapped else ()
     elif module := _uncalled(package, executable):
         yield _no_entry_point(package, node, executable, module)
@@ -87,6 +88,18 @@ def _executable_fault(
             fix = f"write {' or '.join(others)} instead of {package.name} as its package"
         elif near:
             fix = f"write {near} instead of {executable}"
+        yield Finding("launch-executable", cause, node.place, fix)
+
+
+def _without_ending(node: Launched, package: SourcePackage, executable: str) -> Iterator[Finding]:
+    """Yield a script that CMakeLists.txt installs under the name of its file, of which a launch file leaves out the `.py`."""
+    text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
+    installed = " ".join(re.findall(r"\binstall\s*\(\s*PROGRAMS\b([^)]*)\)", text))
+    words = [name.rpartition("/")[2] for name in re.split(r"[\s\"]+", installed)]
+    is_named = re.search(rf"\b{re.escape(executable)}\b(?!\.py)", text)
+    if f"{executable}.py" in words and not is_named and "RENAME" not in words:
+        cause = f"The launch file starts {executable}, but CMakeLists.txt of {package.name} installs it as {executable}.py."
+        fix = f"write {executable}.py instead of {executable}"
         yield Finding("launch-executable", cause, node.place, fix)
 
 
