@@ -15,6 +15,15 @@ from dataclasses import replace
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.judging import reactions
+from ros2lab.grading.judging.commanded import (
+    compares_in_vain,
+    moved_parts,
+    telling_players,
+    told_of,
+    unprompted,
+    unsent_by,
+    words_of,
+)
 from ros2lab.grading.judging.fallback import taken_for_unknown
 from ros2lab.grading.judging.player import Player, stamped
 from ros2lab.grading.judging.players import Case
@@ -29,9 +38,6 @@ SLOW = "A node is slow to answer"  # the beginning of a run's note
 FLOOD = " x "  # part of the observer's name for them
 
 _SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": "", "fallback": ""}
-
-# Findings about comparisons that are always or never true: they tell no words apart.
-_VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
 
 
 @question(
@@ -50,36 +56,27 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         level = "written" if is_written else "missing"
         return Answer(level, _SAID, ("runs", "files.depended_on"))
     runs = {player.number: player.run for player in players if player.commands}
-    telling = {id(player.run): player.run for player in _telling_players(players)}
     if not runs:
         return Answer(
             "untried", _SAID | {"why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
         )
-    alone = _alone(case)
-    echoes = reactions.echoes(part, runs.values(), alone)
-    effects = {
-        number: reactions.effects_of(part, run, alone, has_own_log=id(run) in telling, echoes=echoes)
-        for number, run in runs.items()
-    }
-    so_already = _is_so_already(case, part, effects)
-    by_place = told_by_place(part, runs.values(), alone)
-    processed = (_words(effects, "processed") | so_already) - by_place
-    unsent = _unsent(part, runs.values())
-    believed = _believed(case, effects) - processed - unsent - by_place
-    own = _own_words(part, runs.values(), telling.keys(), alone)
-    known = processed | unsent | believed
+    telling = [player.run for player in telling_players(players)]
+    told = told_of(case, part)
+    own = _own_words(part, runs.values(), {*map(id, telling)}, unprompted(case))
+    unsent = unsent_by(part, runs.values())
+    known = told.processed | told.believed | unsent
     count = len(known) + min(len(own), len(part.commands) - len(known)) // 2
-    if count == len(part.commands) and (unsent or believed):
-        level = "told_apart" if believed else "until_end"
-    elif not processed:
-        level = _without_effect(case, part, runs.values(), effects, known=known, own=own)
+    if count == len(part.commands) and (unsent or told.believed):
+        level = "told_apart" if told.believed else "until_end"
+    elif not told.processed:
+        level = _without_effect(case, part, runs.values(), told.effects, known=known, own=own)
         level = level or _level_of(count, part)
     else:
         level = "inverted" if _is_inverted(case, part) else _level_of(count, part)
-    mixed = _taken_for_unknown(part, telling.values()) if level == "all" else {}
+    mixed = _taken_for_unknown(part, telling) if level == "all" else {}
     level = "mixed" if mixed else level
-    known -= mixed.keys() | (believed if level == "told_apart" else set())
-    so = f"; what {listed(sorted(so_already))} is to bring about is so already" if so_already else ""
+    known -= mixed.keys() | (told.believed if level == "told_apart" else set())
+    so = f"; what {listed(sorted(told.already))} is to bring about is so already" if told.already else ""
     seen = _SAID | {
         "unprocessed": listed([word for word in part.commands if word not in known]),
         "so": so,
@@ -87,7 +84,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         "besides": f", but something does follow {listed(own)}" if own else "",
         "fallback": shown(next(iter(mixed.values()), "").replace("{}", "…")),
     }
-    best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
+    best = max(told.effects, key=lambda number: [*told.effects[number].values()].count("processed"))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
 
 
@@ -101,11 +98,11 @@ def _without_effect(
     own: Collection[str],
 ) -> str:
     """Return the level of a node for which no command is seen to have an effect of its own; empty if none applies."""
-    if any(_obeys_capitals(part, run, _alone(case)) for run in runs):
+    if any(_obeys_capitals(part, run, unprompted(case)) for run in runs):
         return "capitals"
     if not known and own:
         return "own_words"
-    is_echo = not known and not own and _words(effects, "echoed") and not _compares_in_vain(case)
+    is_echo = not known and not own and words_of(effects, "echoed") and not compares_in_vain(case)
     return "echoed" if is_echo else ""
 
 
@@ -134,11 +131,6 @@ def _taken_for_unknown(part: Part, runs: Iterable[Run]) -> dict[str, str]:
     return next(filter(None, (taken_for_unknown(part, run) for run in runs)), {})
 
 
-def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
-    """Return the words that have this effect in some run."""
-    return {word for found in effects.values() for word, seen in found.items() if seen == how}
-
-
 def _level_of(count: int, part: Part) -> str:
     return "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
 
@@ -162,25 +154,30 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     players = case.players[part.name]
     if not players:
         return Answer("missing", seen, ("runs",))
-    telling = _telling_players(players)
+    telling = telling_players(players)
     if not telling:
         seen["why"] = _untried(players[0])
         return Answer("untried", seen, (players[0].key,), shown(players[0].node))
     runs = [player.run for player in telling]
     logged = {word for run in runs for word in _logged(part, run)}
     every = [player.run for player in players if player.commands]
-    logged -= told_by_place(part, every, _alone(case))
-    own = _own_words(part, runs, {id(run) for run in runs}, _alone(case))
+    logged -= told_by_place(part, every, unprompted(case))
+    own = _own_words(part, runs, {id(run) for run in runs}, unprompted(case))
     own = [word for word in own if any(word in _logged(_with_own(part, run), run) for run in runs)]
-    unsent = _unsent(part, runs)
+    unsent = unsent_by(part, runs)
     silent = [word for word in part.commands if word not in logged | unsent]
     if len(own) >= len(silent):
         level = "until_end" if unsent - logged else "all"
         seen["told"] = (
             f"each word that the node knows: {listed([*sorted(logged), *own])}" if silent else seen["told"]
         )
+    elif {*silent} <= _shared(case, part, runs):
+        level = "all"
+        seen["told"] = (
+            f"each command; that of {listed(silent)} comes with unknown words, too, which counts above"
+        )
     else:
-        level = "some" if logged or own else "unspecific" if _says_anything(runs) else "none"
+        level = "some" if logged or own else "unspecific" if _says_anything(part, runs) else "none"
     seen["silent"] = listed(silent)
     return Answer(level, seen, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
 
@@ -189,6 +186,13 @@ def _logged(part: Part, run: Run) -> set[str]:
     """Return the commands with a line that does not also follow an unknown word."""
     unknown = reactions.lines_of_unknown(part, run)
     return {word for word, lines in reactions.telling_lines(part, run).items() if lines - unknown}
+
+
+def _shared(case: Case, part: Part, runs: Iterable[Run]) -> set[str]:
+    """Return the commands with a line that are not told from unknown words as others are, which counts there."""
+    told = told_of(case, part)
+    said = {word for run in runs for word, lines in reactions.telling_lines(part, run).items() if lines}
+    return said - told.processed - told.believed if told.processed or told.believed else set()
 
 
 @question(
@@ -235,12 +239,16 @@ def _tried(part: Part, run: Run) -> str:
     return f"{listed(tried)} commands" + (f"; not sent were {listed(left)} ones{why}" if left else "")
 
 
-def _says_anything(runs: Iterable[Run]) -> bool:
-    """Return whether any line follows a command that does not come without one."""
+def _says_anything(part: Part, runs: Iterable[Run]) -> bool:
+    """Return whether any line follows a command, as written or in capitals, that does not come without one."""
+    capitals = {word.upper() for word in part.commands} - {*part.commands}
     return any(
-        reactions.lines_of(run, command) - reactions.said_by_itself(run)
+        reactions.lines_of(run, command)
+        - reactions.said_by_itself(run)
+        - (reactions.lines_of_unknown(part, run) if command.text in capitals else set())
         for run in runs
         for command in run.commands
+        if command.text in (*part.commands, *capitals)
     )
 
 
@@ -255,8 +263,8 @@ def _untried(player: Player) -> str:
 
 def _is_answered(case: Case, part: Part) -> bool:
     """Return whether anything follows a command that does not also come by itself."""
-    players, alone = case.players[part.name], _alone(case)
-    telling = _telling_players(players)
+    players, alone = case.players[part.name], unprompted(case)
+    telling = telling_players(players)
     tried = [player for player in players if player.commands]
     return any(reactions.is_followed(player.run, alone, has_own_log=player in telling) for player in tried)
 
@@ -271,89 +279,10 @@ def _end(player: Player, seen: dict[str, str]) -> Answer:
     return Answer("dies", seen, (key,), place)
 
 
-# --- who takes them, and what is believed ---------------------------------------------------------------
-
-
-def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
-    """Return the words that were not sent because an earlier one ended a node, which counts elsewhere."""
-    sent = set()
-    for run in runs:
-        for command in run.commands:
-            sent.add(command.text)
-            if not command.is_alive:
-                break
-    return {*part.commands} - sent
-
-
-def _telling_players(players: list[Player]) -> list[Player]:
-    """Return the players whose log is the node's own: those that ran alone, else all with commands."""
-    tried = [player for player in players if player.commands]
-    return [player for player in tried if player.run.setting == "alone"] or tried
-
-
-def _alone(case: Case) -> dict[str, Heard]:
-    """Return by topic what programs published alone and before any command."""
-    return {
-        topic: heard
-        for run in case.evidence.runs
-        if run.setting == "alone"
-        for topic, heard in run.quiet.items()
-    }
-
-
-def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
-    """Return the words that are logged only like unknown ones, but with which the code compares."""
-    if _compares_in_vain(case):
-        return set()
-    echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    return echoed & {*case.evidence.files.depended_on} if echoed else set()
-
-
-def _compares_in_vain(case: Case) -> bool:
-    return any(code in _VAIN for code, *_ in case.evidence.files.findings)
-
-
-def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
-    """Return the commands that were received and have no visible effect because their state holds already.
-
-    If the robot drives from the start until a later command stops it, the first command changes nothing. If
-    it was stopped before, the last command changes nothing.
-    """
-    runs = case.evidence.runs
-    heard = {
-        command.text
-        for number, found in effects.items()
-        for command in runs[number].commands
-        if command.is_alive and found.get(command.text) == "echoed"
-    }
-    processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
-    first, *later = part.commands
-    drives = any(
-        reactions.stands(player.run.quiet.get(player.topic)) is False
-        and reactions.tells(player.run, player.topic, _alone(case))
-        and any(
-            reactions.stands(command.topics.get(player.topic))
-            for command in player.run.commands
-            if command.text in later
-        )
-        for moved in _moved_parts(case)
-        for player in case.players[moved.name]
-    )
-    so = {first} if drives else set()
-    so |= {part.commands[-1]} if {*part.commands[:-1]} <= processed | so else set()
-    return so & heard
-
-
-def _moved_parts(case: Case) -> list[Part]:
-    """Return the publishing parts without a period whose type no other part has, such as velocities."""
-    parts = case.assignment.parts.values()
-    return [part for part in parts if part.is_publisher and not part.period and case.assignment.is_only(part)]
-
-
 def _is_inverted(case: Case, part: Part) -> bool:
     """Return whether the robot stands after commands that should move it, and moves when it should stop."""
     wanted = dict(zip(part.commands, part.effects, strict=True))
-    for moved in _moved_parts(case):
+    for moved in moved_parts(case):
         for player in case.players[moved.name]:
             seen = {
                 (wanted[command.text], reactions.stands(command.topics.get(player.topic)))
@@ -361,7 +290,7 @@ def _is_inverted(case: Case, part: Part) -> bool:
                 if command.text in wanted
             }
             is_inverted = {("moving", True), ("still", False)} <= seen and ("moving", False) not in seen
-            if is_inverted and reactions.tells(player.run, player.topic, _alone(case)):
+            if is_inverted and reactions.tells(player.run, player.topic, unprompted(case)):
                 return True
     return False
 
@@ -388,11 +317,11 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
     effect of the unknown command.
     """
     wanted = dict(zip(player.part.commands, player.part.effects, strict=True))
-    types = {name for part in _moved_parts(case) for name in (part.type_name, stamped(part.type_name))}
+    types = {name for part in moved_parts(case) for name in (part.type_name, stamped(part.type_name))}
     run = player.run
     for topic, ends in run.publishes.items():
         if not any(types & {*kinds} for kinds in ends.values()) or not reactions.tells(
-            run, topic, _alone(case)
+            run, topic, unprompted(case)
         ):
             continue
         quiet = run.quiet.get(topic)
