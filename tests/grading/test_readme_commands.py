@@ -293,3 +293,32 @@ def test_a_program_of_another_package_is_started_where_it_is_typed() -> None:
     command = "ros2 run turtlesim turtlesim_node"
     for text in (command, f"- {command}", f"Type `{command}`.", f"$ {command}", f"```\n{command}\n```"):
         assert commands(text, SUBMISSION, BUILD, [RUN]) == {command: None}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "rostopic pub /robot/command std_msgs/String start",
+        "rosrun robot_controller status",
+        "roslaunch robot_controller robot.launch",
+        "catkin_make",
+        "rosservice call /reset",
+        "rosnode list",
+        "source devel/setup.bash",
+    ],
+)
+def test_a_command_of_ros_1_is_not_true_where_it_is_to_be_typed(command: str) -> None:
+    """What a sentence says of it may be what ROS 2 has instead; rosdep is of both."""
+    for text in (
+        f"    {command}",
+        f"$ {command}",
+        f"```\n{command}\n```",
+        f"```bash\ncd ws && {command}\n```",
+    ):
+        assert commands(text, SUBMISSION, BUILD, [RUN]) == {command: False}
+    for text in (
+        f"Instead of `{command}` it has another one.",
+        f"{command} was of ROS 1.",
+        "```\nrosdep install\n```",
+    ):
+        assert commands(text, SUBMISSION, BUILD, [RUN]) == {}

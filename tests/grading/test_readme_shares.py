@@ -45,10 +45,11 @@ def share(true: tuple[str, ...], *false: str, misgiven: tuple[str, ...] = ()) ->
         ((BUILD, SAY, "colcon test", "colcon build --symlink-install"), (WRONG,), (), 0),
         ((BUILD,), tuple(run.replace("robot_controller", "py_pubsub") for run in RUNS), (), 0),
         ((), (WRONG,), (), 0),
+        ((BUILD, *RUNS[:2]), ("rostopic pub /robot/command std_msgs/String start",), (), 0.5),
     ],
     ids=[
         "all true", "one option", "the launch line", "two of six", "a misspelt topic", "one of two", "the only one",
-        "none that starts a node", "another package", "nothing true",
+        "none that starts a node", "another package", "nothing true", "one of ROS 1",
     ],
 )  # fmt: skip
 def test_the_share_of_true_commands_counts(
@@ -64,3 +65,14 @@ def test_one_more_true_command_never_costs_and_one_more_false_one_never_earns(nu
             left = tuple(command for command in some if command != one)
             others = (WRONG, "ros2 run robot_controller no_one")
             assert share(left, *others) <= share(some, *others) <= share(some, *others[:1]) <= share(some)
+
+
+@pytest.mark.parametrize("command", [BUILD, RUNS[0], LAUNCH])
+def test_what_fails_for_want_of_a_package_xml_is_charged_there(command: str) -> None:
+    """The name of the package stands in setup.py, too."""
+    changes = [evidences.unbuilt("no"), evidences.files(manifest={"is_there": False})]
+    changes += [evidences.facts("setup", "installs_modules")]
+    changes += [evidences.files(readme_commands=dict.fromkeys((BUILD, RUNS[0], command), False))]
+    grade = verdict(evidences.both(*changes)(evidences.right()), load())
+    one = next(one for one in grade.criteria if one.id == "documentation.commands")
+    assert one.points == one.max, one.reason

@@ -53,7 +53,7 @@ _SENTENCE = re.compile(
     r"|error|ignoring unknown|not a|no matching)\b",
     re.IGNORECASE,
 )
-_ROS_1 = {
+ROS_1_TOOLS = {
     **{
         f"ros{verb}": f"ros2 {verb}"
         for verb in ("run", "launch", "topic", "node", "param", "service", "bag", "pkg")
@@ -148,9 +148,9 @@ def _no_command(tool: str, name: str) -> Finding:
     if name == "source":
         fix = "write a dot instead of source (. install/setup.bash), or type bash first"
         return Finding(SAID, f"{tool} has no command source; that belongs to bash.", "", fix)
-    if name in _ROS_1:
-        fix = f"write {_ROS_1[name]} instead"
-        return Finding(SAID, f"{name} is a command of ROS 1; in ROS 2 it is {_ROS_1[name]}.", "", fix)
+    if name in ROS_1_TOOLS:
+        fix = f"write {ROS_1_TOOLS[name]} instead"
+        return Finding(SAID, f"{name} is a command of ROS 1; in ROS 2 it is {ROS_1_TOOLS[name]}.", "", fix)
     if not re.search(r"\w", name):
         cause = f"{name} is the prompt, which the terminal itself prints; it is not part of the command."
         return Finding(SAID, cause, "", f"type only what comes after {name}")

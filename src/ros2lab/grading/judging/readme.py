@@ -10,20 +10,21 @@ from ros2lab import every_node
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import Build, Files, Run
 from ros2lab.grading.judging.readme_operands import Operands
-from ros2lab.grading.judging.readme_owners import Owners, is_placeholder
+from ros2lab.grading.judging.readme_owners import ROS_1, Owners, is_of_ros_1, is_placeholder
 from ros2lab.grading.judging.shell_lines import is_run
 from ros2lab.grading.receiving.submission import Submission
 
 MOST_COMMANDS = 50
 
 _COMMAND = re.compile(
-    r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;<*]*(?:(?<=\s)<[\w -]+>)?"
+    rf"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?|{ROS_1})\b[^\n`#&|;<*]*(?:(?<=\s)<[\w -]+>)?"
 )
 _VALUE = re.compile(r"/[\w/]*\w")
 _WAITS = re.compile(r"-[1tw]$|--(?:once|times|wait)")  # with these, `ros2 topic pub` waits for a subscriber
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
 # The word before a command in a sentence, as in "Run colcon build in ~/ws"; an article makes it a noun.
 _INSTRUCTION = re.compile(r"(?<!\w)(?!(?:the|an?) )[^\W\d_]+ +$", re.IGNORECASE)
+_INDENTED = re.compile(r"(?: {4}|\t)\s*")  # a block of code
 _PROMPT = re.compile(r"[^`]*[$%] *|\s*[^\s<]*> +")
 # Marks of a list, a quotation or emphasis before the first word of a line.
 _MARKS = re.compile(r"(?:[-*+>(]|\d+[.)]|\s)*")
@@ -78,6 +79,8 @@ def _is_to_be_run(
     for begin, end in code:
         if begin <= start < end:
             is_inline = not text[begin:end].lstrip(" ").startswith(("```", "~~~"))
+            if is_inline and is_of_ros_1(" ".join(words)):
+                return False  # it may tell what ROS 2 has instead
             first = begin + is_inline
             return is_run(text[first:end], start - first)
     return _is_meant(words, _before(text, start), known)
@@ -97,6 +100,8 @@ def _is_meant(words: Sequence[str], before: str, known: _Known) -> bool:
     """
     if _PROMPT.fullmatch(before):
         return True
+    if is_of_ros_1(" ".join(words)):
+        return _INDENTED.fullmatch(before) is not None
     if words[0] == "colcon":
         is_last = len(words) < 3 or _bare(words[1]) != words[1] or not words[2][0].isalnum()
         return is_last or _INSTRUCTION.search(before) is not None
@@ -179,7 +184,7 @@ class _Known:
                 return self._is_built and self._builds(rest)
             case ["python" | "python3", file, *_] if PurePosixPath(file).name in self._scripts:
                 return True
-        return None
+        return False if is_of_ros_1(" ".join(words)) else None
 
     def _names(self, words: Sequence[str], known: set[str]) -> bool | None:
         named = next((word for word in words if _VALUE.fullmatch(word)), None)

@@ -7,18 +7,26 @@ from collections.abc import Iterable, Sequence
 from pathlib import PurePosixPath
 from typing import Literal
 
+from ros2lab.diagnose.explaining.said import ROS_1_TOOLS
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.spelling import has_other_words, is_near_miss, words_of
 from ros2lab.grading.evidence import Executable
 from ros2lab.grading.receiving.submission import Submission
 
 Owner = Literal["own", "neighbour", "tool", "unknown"]
+# The commands of ROS 1, also the one that sets up its workspaces.
+ROS_1 = rf"{'|'.join(ROS_1_TOOLS)}|source +\S*\bdevel/setup\.\w+"
 _PLACEHOLDER = re.compile(r"[\[({<].*|.*\.\.|…|[A-Z][A-Z_]+")
 
 
 def is_placeholder(word: str) -> bool:
     """Return whether a word of a command is a placeholder that its reader is to replace."""
     return _PLACEHOLDER.fullmatch(word) is not None
+
+
+def is_of_ros_1(command: str) -> bool:
+    """Return whether a command is of ROS 1, which no ROS 2 has."""
+    return re.match(rf"(?:{ROS_1})(?!\S)", command) is not None
 
 
 class Owners:

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import PurePosixPath
 
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.judging.readme_owners import Owners, is_placeholder
+from ros2lab.grading.judging.readme_owners import Owners, is_of_ros_1, is_placeholder
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 from ros2lab.grading.questions.launching import excuse
 
@@ -185,7 +185,7 @@ def _needs(case: Case, text: str) -> str:
     return ""
 
 
-@question("all some none", "unnamed which")
+@question("all some none", "unnamed which loosely")
 def readme_names_topics_and_nodes(case: Case) -> Answer:
     """Whether the README names the topics and nodes of the package.
 
@@ -193,12 +193,12 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
     Names in a text of names alone count only where they stand in a command.
     """
     text, wanted = case.evidence.files.readme, [*_wanted(case)]
-    seen = {"unnamed": _NOTHING, "which": ""}
+    seen = {"unnamed": _NOTHING, "which": "", "loosely": ""}
     if text and not _has_code(case):
         return Answer("none", seen, ("files.readme", "build.executables"), "README")
     if not text or _is_another(case):
         # A README about another package may name the topics and nodes of that one.
-        seen = {"unnamed": "any topic or node", "which": " about this package" if text else ""}
+        seen |= {"unnamed": "any topic or node", "which": " about this package" if text else ""}
         return Answer("none", seen, ("files.readme",), "README")
     readme, text = text, _told(case)
     is_bare = text != readme
@@ -208,7 +208,11 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
         _names(case) - {case.package}, text
     )
     level = "all" if not unnamed else "some" if is_any else "none"
-    seen = {"unnamed": listed(unnamed), "which": " with words of its own" if is_bare else ""}
+    seen |= {"unnamed": listed(unnamed), "which": " with words of its own" if is_bare else ""}
+    loose = [
+        subject for subject, names in wanted if not any(name.strip("/") in readme for name in names - {""})
+    ]
+    seen["loosely"] = f", in another spelling {listed(loose)}" if loose else ""
     return Answer(level, seen, ("files.readme",), "README")
 
 
@@ -301,7 +305,8 @@ def _is_another(case: Case) -> bool:
     judged = {
         text: bool(is_true) or _is_excused(case, text) or _owners(case).names_program(text.split())
         for text, is_true in case.evidence.files.readme_commands.items()
-        if not text.startswith("colcon") and (is_true is not None or _is_foreign(case, text))
+        if not text.startswith("colcon") and not is_of_ros_1(text)
+        if is_true is not None or _is_foreign(case, text)
     }
     return len(judged) > 1 and not any(judged.values())
 
@@ -353,7 +358,6 @@ def _programs(case: Case) -> set[str]:
 
 
 def _packages(case: Case) -> set[str]:
-    """Return the package's names, in its manifest and of its folder; empty if it could not be built."""
-    package, files = case.evidence.submission.package, case.evidence.files
-    is_there = files.manifest.get("is_there") or files.setup.get("installs_modules")
-    return {case.package, PurePosixPath(package.folder).name} if package and is_there else set()
+    """Return the package's names, as its files tell and of its folder; empty if there is no package."""
+    package = case.evidence.submission.package
+    return {case.package, PurePosixPath(package.folder).name} - {""} if package else set()
