@@ -292,3 +292,41 @@ def test_an_end_that_reading_does_not_see_may_be_made_by_what_has_its_type(
     found = [*hidden_ends([source], [*itertools.chain(*written_ends([source]))])]
     assert {end.type_name for end in found} == types
     assert all(not end.topic for end in found)
+
+
+LOOPING = f"""{IMPORTS}
+import threading
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('a')
+    there = node.create_publisher(String, '/a', 10)
+    rate = node.create_rate(10)
+    def go_on(*_):
+        while rclpy.ok():
+            there.publish(String())
+            rate.sleep()
+    %s
+
+if __name__ == '__main__':
+    main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "begins"),
+    [
+        ("while rclpy.ok(): there.publish(String()); rate.sleep()", True),
+        ("while True: there.publish(String()); input()", True),
+        ("there.publish(String()); lock.acquire()", True),
+        ("go_on()", True),
+        ("threading.Thread(target=go_on).start()", True),
+        ("node.create_timer(1.0, go_on); rclpy.spin(node)", False),
+        ("node.create_subscription(String, '/b', go_on, 10); rclpy.spin(node)", False),
+        ("while rclpy.ok():\n        if node.is_on: there.publish(String())", False),
+        ("if node.is_on: go_on()", False),
+    ],
+)
+def test_what_is_published_before_anything_calls_back_is_read(text: str, begins: bool) -> None:
+    ends, _ = written_ends([PythonSource("a", "a.py", LOOPING % text)])
+    assert [end.begins for end in ends if end.is_publisher] == [begins]

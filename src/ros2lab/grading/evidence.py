@@ -46,6 +46,7 @@ class WrittenEnd:
         never: what that code never does with it, although it does something.
         paces: the periods of timers that are the only ones to publish on it, in s; empty if they are not
             known.
+        begins: whether code publishes with it as soon as the program runs, whatever comes or holds.
     """
 
     topic: str
@@ -56,6 +57,7 @@ class WrittenEnd:
     does: list[str] | None = None
     never: list[str] = field(default_factory=list)
     paces: list[float] = field(default_factory=list)
+    begins: bool = False
 
 
 @dataclass(frozen=True)

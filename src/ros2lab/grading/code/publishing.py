@@ -23,6 +23,7 @@ _BINDS = ("partial", "partialmethod")
 # Functions that only inspect their argument.
 _LOOKS = frozenset(("isinstance", "len", "bool", "str", "repr", "id", "type", "print", "hasattr", "callable"))
 _REPEATS = (ast.While, ast.For, ast.AsyncFor, ast.comprehension, ast.ListComp, ast.GeneratorExp)
+_CHOICES = (ast.If, ast.IfExp, ast.Match, ast.ExceptHandler)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -34,14 +35,17 @@ class Rhythm:
         repeats: whether it is published repeatedly.
         paces: the periods of the timers that publish it, in s; None if anything else does, or a period is not
             known.
+        begins: whether it is published as soon as the program runs, before anything calls back, and whatever holds.
     """
 
     repeats: bool = False
     paces: set[float] | None = field(default_factory=set)
+    begins: bool = False
 
     def add(self, other: Rhythm) -> None:
         """Add the rhythm of another place that publishes."""
         self.repeats |= other.repeats
+        self.begins |= other.begins
         self.paces = None if self.paces is None or other.paces is None else self.paces | other.paces
 
 
@@ -241,28 +245,30 @@ class Publishing:
             node: the node at that place.
             below: the functions whose callers led to this place, to stop at recursion.
         """
-        inner = node
-        while (outer := self._parents.get(inner)) is not None:
-            if isinstance(outer, _REPEATS):
-                return Rhythm(True, None)
-            if isinstance(outer, ast.Lambda):
-                return self._of_handed(outer, below)
-            if isinstance(outer, _FUNCTIONS):
-                return self._of_function(outer, below)
-            inner = outer
-        return Rhythm()
+        outer, passed = self._parents.get(node), set[type[ast.AST]]()
+        while outer is not None and not isinstance(outer, (ast.Lambda, *_FUNCTIONS)):
+            passed.add(type(outer))
+            outer = self._parents.get(outer)
+        found = Rhythm(begins=True)
+        if isinstance(outer, _FUNCTIONS):
+            found = self._of_function(outer, below)
+        elif outer is not None:
+            found = self._of_handed(outer, below)
+        found.begins &= outer is None or passed.isdisjoint(_CHOICES)
+        return found if passed.isdisjoint(_REPEATS) else Rhythm(True, None, found.begins)
 
     def _of_function(self, function: Function, below: tuple[ast.AST, ...]) -> Rhythm:
         if function in below or self._is_called_by_others(function):
             return Rhythm(True, None)
-        owner, found = self._scope(function)[1], Rhythm()
+        owner = self._scope(function)[1]
         name = owner.definition.name if owner and function.name == "__init__" else function.name
-        for node in self._code:
-            if name_read(node) == name:
-                parent = self._parents.get(node)
-                is_called = isinstance(parent, ast.Call) and parent.func is node
-                go_on = self._of_place if is_called else self._of_handed
-                found.add(go_on(node, (*below, function)))
+        users = [node for node in self._code if name_read(node) == name]
+        found = Rhythm(begins=not users)  # an entry point leads to it
+        for node in users:
+            parent = self._parents.get(node)
+            is_called = isinstance(parent, ast.Call) and parent.func is node
+            go_on = self._of_place if is_called else self._of_handed
+            found.add(go_on(node, (*below, function)))
         return found
 
     def _is_called_by_others(self, function: Function) -> bool:

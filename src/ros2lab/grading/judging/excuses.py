@@ -67,13 +67,15 @@ def unused(case: Case, part: Part) -> str:
     return "" if is_heard or not players else _left_out(case, players, _uses(part))
 
 
-def is_sent_once(case: Case, part: Part) -> bool:
-    """Return whether code that runs publishes finite numbers with a part's publisher, and that only once."""
+def sent_once(case: Case, part: Part) -> str:
+    """Return a clause if code publishes finite numbers with a part's publisher only once, or hangs with it; else empty."""
     players = of_one_node(case.players[part.name], case.main(part))
     ends = [end for player in players for end in _ends(case, player)]
-    return bool(ends) and all(
-        PUBLISHES in (end.does or ()) and REPEATS in end.never and FINITE not in end.never for end in ends
-    )
+    is_finite = all(PUBLISHES in (end.does or ()) and FINITE not in end.never for end in ends)
+    if ends and is_finite and all(REPEATS in end.never for end in ends):
+        return "the code publishes only once"
+    hangs = all(player.end is None for player in players) and all(end.begins for end in ends)
+    return "the code publishes at its start and hangs" if ends and is_finite and hangs else ""
 
 
 def _uses(part: Part) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
-from ros2lab.grading.judging.excuses import is_sent_once
+from ros2lab.grading.judging.excuses import sent_once
 from ros2lab.grading.judging.periods import gaps_of, period_of, quiet_times
 from ros2lab.grading.judging.player import Player, of_one_node
 from ros2lab.grading.judging.players import Case
@@ -183,7 +183,7 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
 
 @question(
     "right sent_once not_finite tiny refused no_numbers silent missing",
-    "value field",
+    "value field sent",
     nodes.CODES,
     ("publisher",),
     mute="sent_once no_numbers silent",
@@ -195,12 +195,13 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
     This covers all runs, before and after commands: one bad number is enough to stop a subscriber.
     """
     player = case.main(part)
-    seen = {"value": "", "field": ""}
+    seen = {"value": "", "field": "", "sent": ""}
     if player is None:
         return Answer("missing", seen, ("runs",))
     if not player.is_heard:
-        is_sent = not player.run.refused and is_sent_once(case, part)
-        return Answer("sent_once" if is_sent else "silent", seen, (player.key,), shown(player.topic))
+        seen["sent"] = "" if player.run.refused else sent_once(case, part)
+        level = "sent_once" if seen["sent"] else "silent"
+        return Answer(level, seen, (player.key,), shown(player.topic))
     its_own = of_one_node(case.players[part.name], player)
     alike = [candidate for candidate in its_own if candidate.match == player.match]
     numbers = [
@@ -216,7 +217,7 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
     if wrong is not None:
         key, name, number = wrong
         level = "tiny" if math.isfinite(number) else "not_finite"
-        seen = {"value": f"{number:.3g}", "field": shown(name)}
+        seen |= {"value": f"{number:.3g}", "field": shown(name)}
     if player.run.refused:
         level, seen["field"] = "refused", last_word(player.run.refused)
     return Answer(level, seen, (key,), shown(player.topic))

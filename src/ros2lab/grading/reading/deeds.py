@@ -77,6 +77,7 @@ class Deeds:
             does=[PUBLISHES] if uses else [],
             never=[deed for deed, is_never in never.items() if is_never],
             paces=sorted(rhythm.paces or ()),
+            begins=rhythm.begins,
         )
 
     def _of_subscription(self, creation: Creation) -> list[str]:
