@@ -80,7 +80,7 @@ ROWS: dict[str, tuple[Evidence, dict[str, tuple[float, str]]]] = {
         {
             "type": (0, "/lamp/switch has the type std_srvs/srv/Trigger"),
             "answers": (0, "as a std_srvs/srv/Trigger it could not be called"),
-            "life": (0.5, "little tells that this node is meant"),
+            "life": (0.5, "the node that is meant for /lamp/switch has another type"),
         },
     ),
     "nearly its name": (

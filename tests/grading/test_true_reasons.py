@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +12,7 @@ import evidences
 import pytest
 from evidences import COMMAND, SCRIPT, STATUS, STRING, TWIST, VELOCITY
 
+from ros2lab.grading.building import programs
 from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Judgement
 from ros2lab.grading.rubric import load
@@ -180,18 +184,20 @@ def test_entry_points_that_are_written_are_not_asked_for_again() -> None:
 
 
 @pytest.mark.parametrize(
-    ("never", "points", "said"),
+    ("never", "begins", "points", "said"),
     [
-        (["repeats"], 2.0, "Nothing came, for the code publishes only once"),
-        (["repeats", "finite"], 0, "There were no numbers"),
-        ([], 0, "There were no numbers"),
+        (["repeats"], False, 2.0, "Nothing came, for the code publishes only once"),
+        (["repeats", "finite"], False, 0, "There were no numbers"),
+        ([], False, 0, "There were no numbers"),
+        ([], True, 2.0, "Nothing came, for the code publishes at its start and hangs"),
+        (["finite"], True, 0, "There were no numbers"),
     ],
 )
 def test_what_is_published_only_once_is_charged_where_it_is_to_come_again(
-    never: list[str], points: float, said: str
+    never: list[str], begins: bool, points: float, said: str
 ) -> None:
     """Its numbers stand in the code; nobody had the time to receive them."""
-    end = WrittenEnd("/cmd_vel", TWIST, True, [], VELOCITY, ["publishes"], never)
+    end = WrittenEnd("/cmd_vel", TWIST, True, [], VELOCITY, ["publishes"], never, begins=begins)
     evidence = given(evidences.runs(evidences.velocity_run(values=[])), evidences.files(ends=[end]))
     one = judged(evidence, f"{VELOCITY}.values")
     assert one.points == pytest.approx(points, abs=0.01)
@@ -258,3 +264,56 @@ def test_what_shows_that_it_ran_is_left_to_the_instructor(readme: str, said: str
     """An output in a README may be one that is expected."""
     grade = verdict(given(evidences.files(readme=readme)), load())
     assert any(said in note for note in grade.notes)
+
+
+def test_an_entry_point_without_a_function_is_said_to_name_none() -> None:
+    words = json.dumps([10, "/nowhere", "json", "json:loads", "json:no"])
+    said = subprocess.run(
+        [sys.executable, "-c", programs._IMPORTER, words], capture_output=True, text=True, check=True
+    )
+    wanted = ["Its entry point names no function in json.", "", "There is no no in json."]
+    assert json.loads(said.stdout) == wanted
+
+
+def not_imported(*names: str) -> evidences.Change:
+    """Let entry points be installed whose modules cannot be imported as installed."""
+    fault = "Its module cannot be imported: No module named 'robot_controller.common'."
+    return evidences.both(
+        evidences.facts("setup", "installs_modules"), evidences.misplaced(*names, fault=fault)
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "points", "said"),
+    [
+        (not_imported(STATUS, COMMAND, VELOCITY), 1, "but what is installed does not start: Its module cannot"),
+        (evidences.facts("setup", "installs_modules"), 3, "each program is installed where `ros2 run` finds it"),
+        (
+            evidences.both(
+                evidences.facts("setup", "scripts_go_to_lib"),
+                evidences.misplaced(STATUS, COMMAND, VELOCITY, fault="It was installed in bin."),
+            ),
+            1,
+            "but nothing is installed where `ros2 run` looks",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_installed_is_not_said_to_be_missing(
+    change: evidences.Change, points: float, said: str
+) -> None:
+    """A folder of modules that nothing installs need not be imported, and its absence counts at setup.py."""
+    one = judged(given(change), "package.executables")
+    assert (one.points, said in one.reason) == (points, True), one.reason
+
+
+@pytest.mark.parametrize(
+    ("name", "loosely"),
+    [
+        ("status_publisher", ""),
+        ("Status Publisher", ", in another spelling the node /status_publisher"),
+    ],
+)
+def test_a_node_that_is_named_in_words_is_said_so(name: str, loosely: str) -> None:
+    readme = evidences.README.replace("status_publisher", name).replace("robot.launch.py", "it")
+    one = judged(given(evidences.files(readme=readme)), "documentation.interface")
+    assert (one.points, one.reason) == (2, f"The README names the topics and the nodes{loosely}.")

@@ -37,7 +37,9 @@ NOT_SEEN = "This could not be tried here, as with another node, so that {share:.
 SHOW = "Show the instructor what it does where nothing is missing."
 NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
-DOUBTED = "Only {share:.0%} of it counts, because little tells that this node is meant for {wanted}."
+DOUBTED = "Only {share:.0%} of it counts, because {why}."
+OTHER_TYPE = "the node that is meant for {wanted} has another type than {wanted_type}"
+OTHER_NODE = "neither its topic nor what else would tell that this node is meant for {wanted} is right"
 MEANT = "Use the topic {wanted} and the type {wanted_type}."
 OTHER_TOPICS, WRONG_TYPE = ("near", "other"), "wrong"  # answers about a node's topic, and its type
 MISSING = "missing"
@@ -131,23 +133,24 @@ def _weighed(
 ) -> Iterator[Judgement]:
     """Yield the judgements; what any node does counts less where little tells that the part's node is meant."""
     telling = {criterion.id for criterion in rubric.criteria if QUESTIONS[criterion.question].tells}
-    doubted = {name for name in rubric.assignment.parts if _is_doubted(rubric, name, answers)}
+    doubted = {name: why for name in rubric.assignment.parts if (why := _doubt(rubric, name, answers))}
     for judgement in judged:
         is_doubted = judgement.component in doubted and judgement.id not in telling
         if is_doubted and judgement.points and rubric.doubted < 1:
             seen = answers[judgement.id].seen
+            why = doubted[judgement.component].format_map(seen)
             yield replace(
                 judgement,
                 points=round(judgement.points * rubric.doubted, 2),
-                reason=f"{judgement.reason} {DOUBTED.format(share=rubric.doubted, **seen)}",
+                reason=f"{judgement.reason} {DOUBTED.format(share=rubric.doubted, why=why)}",
                 hint=judgement.hint or MEANT.format_map(seen),
             )
         else:
             yield judgement
 
 
-def _is_doubted(rubric: Rubric, name: str, answers: Mapping[str, Answer]) -> bool:
-    """Return whether a part's node has another type, or another topic and nothing else by which the part is known."""
+def _doubt(rubric: Rubric, name: str, answers: Mapping[str, Answer]) -> str:
+    """Return a clause if a part's node has another type, or another topic and nothing else by which the part is known."""
     asked = [
         (question.tells, answers[criterion.id])
         for criterion in rubric.criteria
@@ -155,12 +158,12 @@ def _is_doubted(rubric: Rubric, name: str, answers: Mapping[str, Answer]) -> boo
     ]
     levels = {answer.level for _, answer in asked}
     if WRONG_TYPE in levels or levels.isdisjoint(OTHER_TOPICS):
-        return WRONG_TYPE in levels
+        return OTHER_TYPE if WRONG_TYPE in levels else ""
     # A type that several parts have tells none of them.
     is_only = rubric.assignment.is_only(rubric.assignment.parts[name])
     own = [(tells, answer) for tells, answer in asked if is_only or tells != OF_TYPE]
     is_known = any(answer.level in tells or (answer.excuse and not answer.lack) for tells, answer in own)
-    return len(own) > 1 and not is_known
+    return OTHER_NODE if len(own) > 1 and not is_known else ""
 
 
 def _decided(judgement: Judgement, decision: Decision | None) -> Judgement:

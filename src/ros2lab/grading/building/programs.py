@@ -43,6 +43,8 @@ def attempt(target):
     except BaseException as error:
         said = getattr(error, 'msg', None) or str(error)
         return f'Its module cannot be imported: {type(error).__name__}: {said[:300]}{place(error)}.'
+    if not names:
+        return f'Its entry point names no function in {module}.'
     try:
         for name in names.split('.'):
             found = getattr(found, name)

@@ -138,7 +138,7 @@ def package_is_registered(case: Case) -> Answer:
         "marker_is_installed": "setup.py does not install the marker",
         "manifest_is_installed": "setup.py does not install package.xml",
         "cfg_has_no_dashes": "setup.cfg writes a key with a dash, which setuptools takes with a warning or not at all",
-        "scripts_go_to_lib": "setup.cfg does not send the executables to lib/<package>",
+        "scripts_go_to_lib": "nothing sends the executables to lib/<package>, as setup.cfg is to",
     }
     wrong = [fact for fact in faults if not facts.get(fact)]
     if not facts.get("is_there"):
@@ -155,26 +155,34 @@ def package_is_registered(case: Case) -> Answer:
 
 @question(
     "all unreachable one_lost idle two_lost unread none",
-    "lost fault broken",
+    "lost fault broken unreachable",
     _codes(_SETUP, "has_entry_points") | _POINT_CODES | {"executable-missing"},
 )
 def nodes_are_installed(case: Case) -> Answer:
     """Whether `ros2 run` or `ros2 launch` starts every node that exists; missing nodes count elsewhere."""
     facts, build = case.evidence.files.setup, case.evidence.build
-    seen, keys = {"lost": "", "fault": "", "broken": ""}, ("build.executables", "files.setup")
+    seen, keys = (
+        dict.fromkeys(("lost", "fault", "broken", "unreachable"), ""),
+        ("build.executables", "files.setup"),
+    )
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
     lost, faults = _lost(case)
     broken = [name for name, one in case.executables.items() if one.way == "installed" and one.fault]
-    seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
+    seen |= {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
     seen["broken"] = f"; but these cannot be imported: {listed(broken)}" if broken else ""
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
-    ways = [executable.way for executable in build.executables if executable.has_entry_point]
+    points = [executable for executable in build.executables if executable.has_entry_point]
+    ways = [executable.way for executable in points]
     if build.cut or ("installed" not in ways and not is_right):
         level = "unread" if facts.get("has_entry_points") and not build.cut else "none"
         return Answer(level, seen, keys, "setup.py")
-    is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
-    if is_right and not is_built:
+    failing = [executable.fault for executable in points if executable.fault]
+    is_there = build.is_built and facts.get("scripts_go_to_lib")
+    if is_right and not (is_there and (facts.get("installs_modules") or (points and not failing))):
+        seen["unreachable"] = "nothing is installed where `ros2 run` looks"
+        if is_there and failing:
+            seen["unreachable"] = f"what is installed does not start: {shown(failing[0], 160).rstrip('.')}"
         return Answer("unreachable", seen, keys, "setup.py", excuse=wanting(case))
     if not lost and (idle := _idle(case)):
         return Answer("idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), "setup.py")
