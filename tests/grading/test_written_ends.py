@@ -325,6 +325,9 @@ if __name__ == '__main__':
         ("node.create_subscription(String, '/b', go_on, 10); rclpy.spin(node)", False),
         ("while rclpy.ok():\n        if node.is_on: there.publish(String())", False),
         ("if node.is_on: go_on()", False),
+        ("while rclpy.ok(): rate.sleep(); there.publish(String())", False),
+        ("rclpy.spin(node); go_on()", False),
+        ("client.wait_for_service()\n    while True: there.publish(String())", False),
     ],
 )
 def test_what_is_published_before_anything_calls_back_is_read(text: str, begins: bool) -> None:

@@ -23,6 +23,7 @@ _BINDS = ("partial", "partialmethod")
 # Functions that only inspect their argument.
 _LOOKS = frozenset(("isinstance", "len", "bool", "str", "repr", "id", "type", "print", "hasattr", "callable"))
 _REPEATS = (ast.While, ast.For, ast.AsyncFor, ast.comprehension, ast.ListComp, ast.GeneratorExp)
+_WAITS = ("spin", "sleep", "wait")
 _CHOICES = (ast.If, ast.IfExp, ast.Match, ast.ExceptHandler)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
@@ -245,17 +246,29 @@ class Publishing:
             node: the node at that place.
             below: the functions whose callers led to this place, to stop at recursion.
         """
-        outer, passed = self._parents.get(node), set[type[ast.AST]]()
+        inner, outer, passed = node, self._parents.get(node), set[type[ast.AST]]()
+        waits = self._waits_before(node)
         while outer is not None and not isinstance(outer, (ast.Lambda, *_FUNCTIONS)):
             passed.add(type(outer))
-            outer = self._parents.get(outer)
+            inner, outer = outer, self._parents.get(outer)
+            waits |= self._waits_before(inner)
         found = Rhythm(begins=True)
         if isinstance(outer, _FUNCTIONS):
             found = self._of_function(outer, below)
         elif outer is not None:
             found = self._of_handed(outer, below)
-        found.begins &= outer is None or passed.isdisjoint(_CHOICES)
+        found.begins &= not waits and (outer is None or passed.isdisjoint(_CHOICES))
         return found if passed.isdisjoint(_REPEATS) else Rhythm(True, None, found.begins)
+
+    def _waits_before(self, node: ast.AST) -> bool:
+        """Return whether a statement before this one, in the same block, may wait."""
+        return any(
+            _lets_come(earlier, _WAITS)
+            for body in self._bodies(node)
+            if node in body
+            for earlier in body[: body.index(node)]
+            if not isinstance(earlier, (*_FUNCTIONS, ast.ClassDef))
+        )
 
     def _of_function(self, function: Function, below: tuple[ast.AST, ...]) -> Rhythm:
         if function in below or self._is_called_by_others(function):
@@ -356,10 +369,9 @@ def _destroys(node: ast.AST, names: set[str]) -> bool:
     return False
 
 
-def _lets_come(statement: ast.AST) -> bool:
-    """Return whether anything may be received or published in a statement."""
-    names = {name_read(node) for node in walk(statement)}
-    return any(name.startswith(("spin", "publish", "sleep", "wait")) for name in names)
+def _lets_come(statement: ast.AST, verbs: tuple[str, ...] = (*_WAITS, "publish")) -> bool:
+    """Return whether anything may be received or published in a statement, by the verbs in the names that it uses."""
+    return any(name_read(node).startswith(verbs) for node in walk(statement))
 
 
 def _is_endless(value: object) -> bool:
