@@ -130,9 +130,7 @@ class Publishing:
 
     def _is_gone(self, call: ast.Call, name: str) -> bool:
         """Return whether a publisher is destroyed in the statements before a call, and not made again."""
-        statement = self._statement(call)
-        body = next((body for body in self._bodies(statement) if statement in body), [])
-        before = body[: body.index(statement)] if body else []
+        before = self._before(self._statement(call))
         ends = [
             number
             for number, earlier in enumerate(before)
@@ -262,13 +260,8 @@ class Publishing:
 
     def _waits_before(self, node: ast.AST) -> bool:
         """Return whether a statement before this one, in the same block, may wait."""
-        return any(
-            _lets_come(earlier, _WAITS)
-            for body in self._bodies(node)
-            if node in body
-            for earlier in body[: body.index(node)]
-            if not isinstance(earlier, (*_FUNCTIONS, ast.ClassDef))
-        )
+        before = self._before(node)
+        return any(_lets_come(it, _WAITS) for it in before if not isinstance(it, (*_FUNCTIONS, ast.ClassDef)))
 
     def _of_function(self, function: Function, below: tuple[ast.AST, ...]) -> Rhythm:
         if function in below or self._is_called_by_others(function):
@@ -338,6 +331,10 @@ class Publishing:
         while not isinstance(node, ast.stmt) and node in self._parents:
             node = self._parents[node]
         return node
+
+    def _before(self, node: ast.AST) -> list[ast.AST]:
+        """Return what stands before a node in its block."""
+        return next((body[: body.index(node)] for body in self._bodies(node) if node in body), [])
 
     def _bodies(self, statement: ast.AST) -> Iterator[list[ast.AST]]:
         for _, value in ast.iter_fields(self._parents.get(statement, statement)):

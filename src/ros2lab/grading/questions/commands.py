@@ -68,12 +68,18 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     count = len(known) + min(len(own), len(part.commands) - len(known)) // 2
     if count == len(part.commands) and (unsent or told.believed):
         level = "told_apart" if told.believed else "until_end"
-    elif not told.processed:
-        level = _without_effect(case, part, runs.values(), told.effects, known=known, own=own)
-        level = level or _level_of(count, part)
-    else:
+    elif told.processed:
         level = "inverted" if _is_inverted(case, part) else _level_of(count, part)
-    mixed = _taken_for_unknown(part, telling) if level == "all" else {}
+    elif any(_obeys_capitals(part, run, unprompted(case)) for run in runs.values()):
+        level = "capitals"
+    elif own and not known:
+        level = "own_words"
+    else:
+        is_echo = not known and words_of(told.effects, "echoed") and not compares_in_vain(case)
+        level = "echoed" if is_echo else _level_of(count, part)
+    mixed = (
+        next(filter(None, (taken_for_unknown(part, run) for run in telling)), {}) if level == "all" else {}
+    )
     level = "mixed" if mixed else level
     known -= mixed.keys() | (told.believed if level == "told_apart" else set())
     so = f"; what {listed(sorted(told.already))} is to bring about is so already" if told.already else ""
@@ -86,24 +92,6 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     }
     best = max(told.effects, key=lambda number: [*told.effects[number].values()].count("processed"))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
-
-
-def _without_effect(
-    case: Case,
-    part: Part,
-    runs: Iterable[Run],
-    effects: Mapping[int, Mapping[str, str]],
-    *,
-    known: Collection[str],
-    own: Collection[str],
-) -> str:
-    """Return the level of a node for which no command is seen to have an effect of its own; empty if none applies."""
-    if any(_obeys_capitals(part, run, unprompted(case)) for run in runs):
-        return "capitals"
-    if not known and own:
-        return "own_words"
-    is_echo = not known and not own and words_of(effects, "echoed") and not compares_in_vain(case)
-    return "echoed" if is_echo else ""
 
 
 def _own_words(
@@ -124,11 +112,6 @@ def _with_own(part: Part, run: Run) -> Part:
     said = itertools.dropwhile(lambda command: command.text not in part.commands, run.commands)
     texts = [command.text for command in said if command.text not in known and FLOOD not in command.text]
     return replace(part, commands=tuple(dict.fromkeys(texts)))
-
-
-def _taken_for_unknown(part: Part, runs: Iterable[Run]) -> dict[str, str]:
-    """Return by command what also follows an unknown word, where a run shows that."""
-    return next(filter(None, (taken_for_unknown(part, run) for run in runs)), {})
 
 
 def _level_of(count: int, part: Part) -> str:
