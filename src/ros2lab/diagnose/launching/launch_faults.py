@@ -14,7 +14,6 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.other_names import by_another_name, meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
 
 
@@ -93,7 +92,7 @@ def _executable_fault(
 
 def _without_ending(node: Launched, package: SourcePackage, executable: str) -> Iterator[Finding]:
     """Yield a script that CMakeLists.txt installs under the name of its file, of which a launch file leaves out the `.py`."""
-    text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
+    text = package.cmake
     installed = " ".join(re.findall(r"\binstall\s*\(\s*PROGRAMS\b([^)]*)\)", text))
     words = [name.rpartition("/")[2] for name in re.split(r"[\s\"]+", installed)]
     is_named = re.search(rf"\b{re.escape(executable)}\b(?!\.py)", text)
@@ -106,7 +105,7 @@ def _without_ending(node: Launched, package: SourcePackage, executable: str) -> 
 def _may_have(package: SourcePackage, node: Launched, there: Collection[str] | None) -> bool:
     """Return whether a package has an executable, as far as that is known."""
     if there is None:
-        return str(node.executable) in read_text(package.folder / "CMakeLists.txt")
+        return str(node.executable) in package.cmake
     return node.executable in there
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from portable_ros2.new_package import NewPackage
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import read_text
 
 _TAKES_FILES = re.compile(
     r"^[ \t]*(?:rosidl_generate_interfaces|add_executable|add_library|install)\s*\(([^()]*)\)", re.MULTILINE
@@ -19,7 +18,7 @@ _SOURCE = re.compile(r"(?<![\w./${}<:-])\w[\w./-]*/[\w.-]+\.(?:msg|srv|action|c|
 
 def named_by_cmake(package: SourcePackage) -> Iterator[Finding]:
     """Yield the files that a CMakeLists.txt takes under no condition, and that are not there."""
-    text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
+    text = package.cmake
     taking = [match for match in _TAKES_FILES.finditer(text) if match[1] and "OPTIONAL" not in match[1]]
     ifs = [(m.start(), -1 if m[1] else 1) for m in re.finditer(r"(?i)\b(end)?if\s*\(", text)]
     sure = [m for m in taking if sum(step for start, step in ifs if start < m.start()) == 0]
@@ -48,7 +47,7 @@ def python_alone(package: SourcePackage) -> list[str]:
     )
     names = ("__init__.py", "setup.py")
     files = [path for folder in folders for path in sorted(folder.glob("*.py")) if path.name not in names]
-    text = re.sub(r"#.*", "", read_text(package.folder / "CMakeLists.txt"))
+    text = package.cmake
     # What `ros2 pkg create` writes makes nothing yet.
     begun = NewPackage("new", "ament_cmake", 3, "", "", "", "", []).render("ament_cmake/CMakeLists.txt")
     makes = {*_COMMAND.findall(text.lower())} - {*_COMMAND.findall(begun), "install"}

@@ -198,7 +198,7 @@ def _not_installed_by_cmake(package: SourcePackage, shown: str, files: Sequence[
         cause = f"package.xml has {has}, so colcon builds {name} with CMakeLists.txt, which does not install {file}, and does not read setup.py."
         yield _with_build_type("build-type-cmake", cause, package, "ament_python")
         return
-    text = read_text(package.folder / "CMakeLists.txt")
+    text = package.cmake
     if re.search(r"^\s*install\s*\(", text, re.MULTILINE):
         files = [path for path in files if _is_program(package.folder / path)]
         line = line_with(text, "ament_package")

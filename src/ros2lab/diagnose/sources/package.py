@@ -145,6 +145,11 @@ class SourcePackage:
         return self.build_type == "catkin" and self.has("CMakeLists.txt")
 
     @cached_property
+    def cmake(self) -> str:
+        """The text of its CMakeLists.txt without comments, on the same lines; empty if there is none."""
+        return re.sub(r"#.*", "", read_text(self.folder / "CMakeLists.txt"))
+
+    @cached_property
     def setup_cfg(self) -> RawConfigParser | None:
         """Its setup.cfg; None if it is missing or cannot be read."""
         parser, fault = read_cfg(read_text(self.folder / "setup.cfg"))
