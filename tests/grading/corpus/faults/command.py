@@ -75,7 +75,7 @@ COMMAND_FAULTS: tuple[Case, ...] = (
         "'/cmd_vel'",
         r"/cmd_vel|/robot/command",
         "commands are expected on /cmd_vel",
-        least=5,
+        least=2,
         most=20,
     ),
     _wrongly(
