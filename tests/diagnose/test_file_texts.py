@@ -22,6 +22,14 @@ FILES = {
     "declared and another": (f"# coding: utf-8\n{NAMED}", "cp1252"),
     "declared too late": (f"\n\n# coding: latin-1\n{NAMED}", "latin-1"),
     "an encoding that Python does not know": (f"# coding: latin-11\n{NAMED}", "latin-1"),
+    "the same of plain letters": ("# coding: latin-11\na = 1\n", "ascii"),
+    "no encoding of texts": ("# -*- coding: zlib -*-\na = 1\n", "ascii"),
+    "no encoding of texts, on the second line": (f"{SHEBANG}# coding: rot13\na = 1\n", "ascii"),
+    "an encoding of names": ("# coding: idna\na = 1\n", "ascii"),
+    "an encoding of nothing": ("# coding: undefined\na = 1\n", "ascii"),
+    "no encoding of texts, declared below code": ("a = 1\n# coding: zlib\n", "ascii"),
+    "no encoding of texts, declared too late": ("\n\n# coding: zlib\n", "ascii"),
+    "plus for letters": ("# coding: utf-7\na = 'ü'\n", "utf-7"),
 }
 
 

@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.spelling import with_article
 
 _SHOWN = 100  # characters of a line
 _OF_ROS = (3, 12)  # the Python of ROS 2 Jazzy
+_CODING = re.compile(r"\bcodec|\bencoding")  # in what Python says of a file that it cannot decode
 
 
 def syntax_finding(code: str, source: PythonSource) -> Finding:
@@ -86,8 +87,8 @@ def _said(fault: SyntaxError) -> str:
         return "tabs and spaces are mixed in the indentation"
     if isinstance(fault, IndentationError):
         return f"the indentation is wrong ({said})"
-    if "codec" in said:
-        return f"it is not saved as UTF-8, so an accented letter cannot be read ({said})"
+    if _CODING.search(said):
+        return f"it is not saved in the encoding in which Python reads it, UTF-8 if it declares no other ({said})"
     return said.removesuffix(".").removesuffix("?")
 
 
@@ -98,8 +99,8 @@ def _fix(fault: SyntaxError, source: PythonSource | None) -> str:
         if level == "\t" and not isinstance(fault, TabError):
             return "indent what belongs to the line above by one tab more than that line"
         return "indent with four spaces everywhere, never with tabs"
-    if "codec" in (fault.msg or ""):
-        return "save the file again with the encoding UTF-8"
+    if _CODING.search(fault.msg or ""):
+        return "save the file again with the encoding UTF-8, and declare no other in its first two lines"
     if "never closed" in (fault.msg or "") or "EOF" in (fault.msg or ""):
         return "close the bracket or the quote"
     if (fault.msg or "invalid syntax") == "invalid syntax":

@@ -50,7 +50,7 @@ def _is_read(text: str) -> bool:
     from catkin_pkg.package import InvalidPackage, parse_package_string
 
     try:
-        ET.fromstring(text.encode())  # noqa: S314 -- a student's own file, without entities from elsewhere
+        ET.fromstring(text)  # noqa: S314 -- a student's own file, without entities from elsewhere
         parse_package_string(text)
     except (ET.ParseError, InvalidPackage, *NOT_TAKEN):
         return False

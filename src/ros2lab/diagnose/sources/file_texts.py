@@ -11,12 +11,12 @@ from typing import Any
 
 
 def decoded(data: bytes, path: Path) -> str:
-    """Return the text of a file: a Python file's in the encoding that it declares, any other's in UTF-8."""
-    encoding = "utf-8-sig"
+    """Return the text of a file: a Python file's in the encoding that it declares, if that is one of texts; else in UTF-8."""
     if path.suffix == ".py":
-        with contextlib.suppress(SyntaxError):
+        with contextlib.suppress(SyntaxError, LookupError, UnicodeError):
             encoding, _ = tokenize.detect_encoding(BytesIO(data).readline)
-    return data.decode(encoding, errors="replace")
+            return data.decode(encoding, errors="replace")
+    return data.decode("utf-8-sig", errors="replace")
 
 
 def read_toml(text: str) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import math
 import warnings
 from collections import Counter
@@ -82,6 +83,8 @@ class PythonSource:
 
     def parsed(self) -> ast.Module:
         """Parse the text; the bytes of the file where they are not in the encoding that Python expects, so that it says so."""
+        heading = itertools.takewhile(lambda line: line.lstrip()[:1] in (b"", b"#"), self.lines[:2])
+        ast.parse(b"".join(heading))  # of a text, Python does not look at the encoding that it declares
         is_other = self.path is not None and "\ufffd" in self.text
         return ast.parse(self.path.read_bytes() if self.path and is_other else self.text)
 

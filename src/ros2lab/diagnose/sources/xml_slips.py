@@ -38,7 +38,7 @@ class _Seen:
         self.elements: list[_Element] = []
         self.open: list[_Element] = []
         self.values: list[str] = []
-        parser = self._parser = expat.ParserCreate()
+        parser = self._parser = expat.ParserCreate("utf-8")
         parser.buffer_text = True
         parser.StartElementHandler = self._start
         parser.EndElementHandler = lambda _: self.open.pop()
@@ -82,7 +82,7 @@ def xml_repair(
 def _reach(text: str) -> float:
     """Return the line at which a text ceases to be XML."""
     try:
-        expat.ParserCreate().Parse(text.encode(errors="replace"), True)
+        expat.ParserCreate("utf-8").Parse(text.encode(errors="replace"), True)
     except expat.ExpatError as error:
         return error.lineno
     return ALL
