@@ -32,7 +32,7 @@ HOSTILE = [
 
 def report(text: str) -> str:
     """Return a report in which a text stands wherever a submission can write."""
-    heard = Heard("geometry_msgs/msg/Twist", text, [1.0, 2.0], [text, {text: text}], 2)
+    heard = Heard("geometry_msgs/msg/Twist", text, [1.0, 2.0], [{"data": text}, {text: text}], 2)
     run = Run(
         [text],
         text,

@@ -18,7 +18,12 @@ TOPIC = "/cmd_vel"
 DRIVES, STANDS = evidences.twist(0.5), evidences.twist(0.0)
 
 
-def run_of(after: Sequence[Sequence[Any]], before: Sequence[Any] = (), apart: float = 4.0) -> Run:
+def run_of(
+    after: Sequence[Sequence[Any]],
+    before: Sequence[Any] = (),
+    apart: float = 4.0,
+    words: Sequence[str] = WORDS,
+) -> Run:
     """Return a run in which messages come after each of some words, `apart` s after the one before."""
     commands = [
         CommandSeen(
@@ -34,7 +39,7 @@ def run_of(after: Sequence[Sequence[Any]], before: Sequence[Any] = (), apart: fl
             {},
             True,
         )
-        for number, (word, came) in enumerate(zip(WORDS, after, strict=True))
+        for number, (word, came) in enumerate(zip(words, after, strict=True))
     ]
     return replace(evidences.velocity_run(values=[*before]), commands=commands)
 
@@ -84,6 +89,35 @@ def test_what_comes_by_itself_or_changes_with_the_word_is(
     after: Sequence[Sequence[Any]], before: Sequence[Any], apart: float
 ) -> None:
     assert reason(run_of(after, before, apart), ["logs"]) is None
+
+
+UNKNOWN = ("dance", "twirl")
+SAID = ("start", "stop", "reset", *UNKNOWN, "start", *UNKNOWN)
+RANDOM = {
+    "a length": [
+        len(word) for word in ("start", "stop", "reset", "four", "seven77", "start", "four", "seven77")
+    ],
+    "a sum": [sum(map(ord, word)) % 97 for word in SAID],
+    "a count": [number % 5 for number in range(len(SAID))],
+    "chance": [0.3, 0.7, 0.1, 0.9, 0.2, 0.8, 0.4, 0.5],
+}
+TOLD_APART = {
+    "its state": [0.5, 0, 0, 0, 0, 0.5, 0.5, 0.5],
+    "it stands at others": [0.5, 0, 0.1, 0, 0, 0.5, 0, 0],
+    "it turns at others": [0.5, 0, 0.1, 0.3, 0.3, 0.5, 0.3, 0.3],
+    "one of them is close": [0.5, 0, 0.1, 0.5, 0, 0.5, 0.5, 0.5],
+}
+
+
+@pytest.mark.parametrize(
+    ("speeds", "is_paid"),
+    [*((row, False) for row in RANDOM.values()), *((row, True) for row in TOLD_APART.values())],
+    ids=[*RANDOM, *TOLD_APART],
+)
+def test_unknown_words_bring_no_velocities_of_their_own(speeds: Sequence[float], is_paid: bool) -> None:
+    """Whatever its code looks at."""
+    run = run_of([[evidences.twist(float(speed))] for speed in speeds], words=SAID)
+    assert (reason(run, ["reads"]) is None) == is_paid
 
 
 @pytest.mark.parametrize("does", [["reads"], None])

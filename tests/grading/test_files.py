@@ -620,7 +620,7 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
     why = "Of the Python files the smallest were looked at, 1000000 bytes in all, and not robot_controller/table.py."
     assert found.unread == dict.fromkeys({*OF_CODE} - OF_EACH_FILE, why)
     (note,) = found.notes
-    assert note.startswith("Not read: ")
+    assert note.startswith("Not read in full: ")
     assert f"{why} What rests on it costs nothing" in note
 
 
@@ -635,10 +635,10 @@ def test_where_no_code_at_all_was_read_nothing_is_known_of_its_documentation(
 
 
 NESTED = {
-    "an expression": f"\nCOUNT = {' + '.join(['1'] * 900)}\n",
-    "a lambda": f"\nSIGN = lambda: {'-' * 400}1\n",
+    "an expression": f"\nCOUNT = {' + '.join(['int()'] * 900)}\n",
+    "a lambda": f"\nSIGN = lambda: {'-' * 400}int()\n",
     "branches": "\n" + "".join(f"{'el' * bool(n)}if __name__ == '{n}':\n    pass\n" for n in range(400)),
-    "attributes": f"\nLAST = print{'.a' * 400} if 0 else 0\n",
+    "attributes": f"\nLAST = print{'.a()' * 400} if 0 else 0\n",
 }
 
 
@@ -652,7 +652,7 @@ def test_beside_what_is_nested_too_deeply_the_rest_of_a_file_is_read(
     deep = {name: text + nested * name.endswith("_publisher.py") for name, text in files.items()}
     found = look(deep)
     assert found.unread
-    assert (found.sources, found.ends) == (plain.sources, plain.ends)
+    assert (found.sources, found.ends, found.setup) == (plain.sources, plain.ends, plain.setup)
 
 
 @pytest.mark.parametrize(

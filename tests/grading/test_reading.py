@@ -74,7 +74,19 @@ def test_whatever_is_heavy_to_read_ends(read: Callable[[Texts | Path], Reading],
     assert found.plan is not None
 
 
-DEEP = f"COUNT = {' + '.join(['1'] * 900)}\n"
+DEEP = f"COUNT = {' + '.join(['len(name)'] * 900)}\n"
+SUMS = f"COUNT = {' + '.join(['1'] * 900)}\nIS_SO = {'not ' * 900}COUNT\n"
+
+
+@pytest.mark.parametrize("file", ["robot_controller/status_publisher.py", "test/test_status.py"])
+def test_numbers_that_are_nested_too_deeply_for_us_open_nothing(
+    read: Callable[[Texts | Path], Reading], file: str
+) -> None:
+    """Nobody loses or gains anything by the other lines, nor by the other files."""
+    found = read({**right_package(), file: f"{SUMS}\n\ndef test_count():\n    assert COUNT\n"}).files
+    assert not found.unread
+    assert not any("Not read" in note for note in found.notes)
+    assert sum(found.tests.values()) == file.startswith("test/")
 
 
 @pytest.mark.parametrize(

@@ -257,7 +257,11 @@ def hostile() -> tuple[Grade, Evidence]:
     runs = []
     for text in HOSTILE:
         heard = Heard(
-            TWIST, text, [1.0, math.nan, 2.0, 1e308], [text, None, twist(math.inf, 1e308), [text]], 9
+            TWIST,
+            text,
+            [1.0, math.nan, 2.0, 1e308],
+            [{text: text}, {}, twist(math.inf, 1e308), {"x": [text]}],
+            9,
         )
         seen = CommandSeen(text, [[text, text]], {text: heard}, {text: [text, {text: text}]}, is_alive=False)
         runs.append(
@@ -955,7 +959,7 @@ class TestEvidence:
 
     @pytest.mark.parametrize("value", ODD, ids=range(len(ODD)))
     def test_odd_values_are_kept(self, value: Any) -> None:
-        heard = Heard(STRING, "", [math.nan, math.inf, 0.5, 3], [value, value], 2)
+        heard = Heard(STRING, "", [math.nan, math.inf, 0.5, 3], [{"x": value}, {"y": value}], 2)
         files = Files(
             manifest={"$x": True},
             handlers={"by name": [Place("a.py", 3)]},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import evidences
 import pytest
 
 from ros2lab.diagnose import net
-from ros2lab.grading.evidence import Evidence, Files
+from ros2lab.grading.evidence import Evidence, Files, Heard
 from ros2lab.grading.reading import files
 from ros2lab.grading.reading.unread import OF_CODE, read_all
 from ros2lab.grading.receiving.submission import Submission, receive
@@ -74,7 +75,7 @@ def test_files_are_read_but_for_what_fails(
     assert some.unread
     different = {one for one in FACTS if getattr(some, one) != getattr(whole, one)}
     assert different <= some.unread.keys()
-    assert any("Not read: " in note and "not the code's fault" in note for note in some.notes)
+    assert any("Not read in full: " in note and "not the code's fault" in note for note in some.notes)
 
 
 @pytest.mark.parametrize("name", FACTS)
@@ -121,3 +122,51 @@ def test_a_node_that_was_seen_is_judged_by_what_it_did_where_its_code_was_not_re
     assert [points[1][id_] for id_ in parts] == [points[0][id_] for id_ in parts]
     assert sum(one.max - one.points for one in grade.criteria if one.id in parts) >= lost
     assert points[1]["documentation.code"] == 3
+
+
+@pytest.mark.parametrize("name", ["numbers_in", "last_word", "is_uneven", "template"])
+def test_a_question_that_fails_ends_no_grade(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a node it costs nothing, of the bonus it gives nothing, and the reason says so."""
+    rubric, given = load(), evidences.right()
+    before = {one.id: one.points for one in verdict(given, rubric).criteria}
+    monkeypatch.delenv(net.STRICT)
+    for module in (m for n, m in [*sys.modules.items()] if n.startswith("ros2lab.grading.")):
+        if hasattr(module, name):
+            monkeypatch.setattr(module, name, _fails)
+    grade = verdict(given, rubric)
+    changed = [one for one in grade.criteria if one.points != before[one.id]]
+    assert all("a question of the grader itself has failed" in one.reason for one in changed)
+    assert any("a question of the grader itself has failed" in one.reason for one in grade.criteria)
+    assert all(one.points <= before[one.id] for one in grade.criteria)
+
+
+def _fails(*_: object, **__: object) -> bool:
+    raise AttributeError("get")
+
+
+def test_the_tests_see_a_question_that_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ros2lab.grading.questions.publisher.numbers_in", _fails)
+    with pytest.raises(AttributeError):
+        verdict(evidences.right(), load())
+
+
+def test_a_judge_that_fails_for_every_node_gives_half_until_the_instructor_decides(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv(net.STRICT)
+    monkeypatch.setattr("ros2lab.grading.judging.players.rightful", _fails)
+    grade = verdict(evidences.right(), load())
+    assert grade.total < 80
+    assert grade.components["velocity_publisher"].points == 10
+
+
+@pytest.mark.parametrize("topic", ["/robot/status", "/cmd_vel", "/answer"])
+def test_a_message_that_could_not_be_read_ends_no_grade(topic: str) -> None:
+    """One too long after each command is neither the same nor empty, and no field of it is known."""
+    given, rubric = evidences.right(), load()
+    unread = Heard("std_msgs/msg/String", "", [1.0, 3.0], [{}, {}], 2)
+    runs = [
+        replace(run, commands=[replace(one, topics={**one.topics, topic: unread}) for one in run.commands])
+        for run in given.runs
+    ]
+    assert verdict(replace(given, runs=runs), rubric).total > 60

@@ -21,6 +21,7 @@ Way = Literal["installed", "module", "script"]
 KEYBOARD = "a keyboard"  # which nobody uses during grading
 # The beginnings of what is said of a package that is built, or passed over, as one of another type.
 OTHER_TYPE = ("colcon does not take it for an ament_python package", "colcon lists it as ")
+OWN_CLOCK = "The submission publishes /clock itself."  # a note of a run
 NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
@@ -238,14 +239,14 @@ class Heard:
         type_name: such as `std_msgs/msg/String`.
         node: the full name of the node that published, as far as it is known.
         times: when messages came, at most 200.
-        values: their content as plain data, one for each of `times`.
+        values: their content by field, one for each of `times`; empty where it could not be read.
         count: how many messages came in all.
     """
 
     type_name: str
     node: str
     times: list[float]
-    values: list[Any]
+    values: list[dict[str, Any]]
     count: int
 
     @cached_property
@@ -269,6 +270,7 @@ class CommandSeen:
         topics: what was published meanwhile.
         parameters: the parameters that changed, as `/node:name`.
         is_alive: whether all programs were still running.
+        anew: the nodes that were there anew, as those of another program.
     """
 
     text: str
@@ -276,6 +278,7 @@ class CommandSeen:
     topics: dict[str, Heard]
     parameters: dict[str, Any]
     is_alive: bool
+    anew: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Part
-from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, Build, Evidence, Run
+from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, OWN_CLOCK, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.judging.leftovers import case_of
 from ros2lab.grading.judging.player import Player, deadly_in, is_for_want
@@ -18,7 +18,7 @@ from ros2lab.grading.owners import is_about, owners_of
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import ended, is_shut_down, last_word, listed, shown
 from ros2lab.grading.questions.nodes import OF_TYPE, missing
-from ros2lab.grading.reading.unread import FAILED
+from ros2lab.grading.reading.unread import NO_FAULT, as_far_as_possible
 from ros2lab.grading.receiving.notes import first_of
 from ros2lab.grading.rubric import BONUS, Rubric
 
@@ -67,12 +67,7 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
         criterion.id: QUESTIONS[criterion.question].ask(case, assignment.parts.get(criterion.component))
         for criterion in rubric.criteria
     }
-    gone = {
-        name
-        for name, part in assignment.parts.items()
-        if not case.players[name] and not case.is_foreign(part) and missing(case, part).seen["why"]
-    }
-    machine = [*_weighed(rubric, answers, [*_judged(rubric, answers, gone)])]
+    machine = [*_weighed(rubric, answers, [*_judged(rubric, answers, {*as_far_as_possible(_gone(case))})])]
     criteria = [_decided(judgement, decisions.get(judgement.id)) for judgement in machine]
     total = round(sum(criterion.points for criterion in criteria), 2)
     return Grade(
@@ -87,8 +82,8 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
             for name, most in rubric.components.items()
         },
         criteria=criteria,
-        faults=[*_faults(case, rubric, machine, answers)],
-        notes=[*dict.fromkeys(_notes(case))],
+        faults=[*as_far_as_possible(_faults(case, rubric, machine, answers))],
+        notes=[*dict.fromkeys(as_far_as_possible(_notes(case)))],
         clock="stepped"
         if all(run.clock == "stepped" for run in evidence.runs if run.setting != "launched")
         else "real",
@@ -96,6 +91,13 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
         seconds={part: evidence.seconds.get(part, 0.0) for part in ("unpack", "build", "observe", "total")},
         versions=dict(evidence.versions),
     )
+
+
+def _gone(case: Case) -> Iterator[str]:
+    """Yield the parts without a node of which a program is known that would have it."""
+    for name, part in case.assignment.parts.items():
+        if not case.players[name] and not case.is_foreign(part) and missing(case, part).place:
+            yield name
 
 
 def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str]) -> Iterator[Judgement]:
@@ -114,7 +116,7 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
             reason = NOT_SEEN.format(shown(answer.excuse, LONGEST_WHY), share=share)
         elif answer.excuse:
             # Nobody gets a bonus for what we failed to read.
-            is_extra = criterion.component == BONUS and answer.excuse == FAILED
+            is_extra = criterion.component == BONUS and NO_FAULT in answer.excuse
             share, reason = share if is_extra else 1.0, NOT_TRIED.format(shown(answer.excuse, LONGEST_WHY))
         yield Judgement(
             id=criterion.id,
@@ -253,7 +255,8 @@ def _notes(case: Case) -> Iterator[str]:
         yield f"Of so many programs those were watched that have a part by their code, or come first; not watched: {first_of([*map(shown, left)])}."
     yield from _notes_of_runs(case)
     yield from _not_launched(evidence)
-    if clocked := sorted({node for run in evidence.runs for node in run.clocked}):
+    clocked = sorted({node for run in evidence.runs for node in run.clocked})
+    if clocked and not any(OWN_CLOCK in run.notes for run in evidence.runs):
         yield f"The timers of {listed(clocked)} never fire: use_sim_time is set, and nobody publishes /clock."
     for player in filter(None, map(case.main, case.assignment.parts.values())):
         yield from _unheard(player)

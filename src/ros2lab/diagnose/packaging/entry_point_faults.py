@@ -185,7 +185,7 @@ def _function_fault(
         )
         fix = f"write def {point.function}({ast.unparse(given)}){returns}:"
         yield Finding("entry-point-function", cause, source.at(function), fix)
-    elif not source.fault and not source.hidden and not _has(source, point.function):
+    elif not (source.fault or source.hidden or source.is_beyond) and not _has(source, point.function):
         if "." in point.function and (meant := of_its_parts(package, point)):
             yield put_in_order(package, point, meant, place)
             return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
@@ -235,6 +236,19 @@ class Player:
     def last_command(self) -> CommandSeen | None:
         """The command after which a program of its run had ended; None if there is none."""
         return deadly_in(self.run)
+
+    @property
+    def is_ended_by_command(self) -> bool:
+        """Whether a command was the end of its program, and of no other one in its run."""
+        return self.last_command is not None and [*self.run.ended] == [self.program]
+
+    @property
+    def restarted_at(self) -> CommandSeen | None:
+        """The command at which its node was there anew, if no known one may be the reason, at which it may restart."""
+        for earlier, later in itertools.pairwise(self.commands):
+            if self.node in later.anew and {earlier.text, later.text}.isdisjoint(self.part.commands):
+                return later
+        return None
 
     @property
     def taken_ends(self) -> tuple[bool, ...]:

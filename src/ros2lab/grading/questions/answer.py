@@ -11,12 +11,13 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
+from ros2lab.diagnose import net
 from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.grading.evidence import KEYBOARD
 from ros2lab.grading.judging.excuses import Excuse, excuse
 from ros2lab.grading.judging.player import finds_no_keyboard
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.reading.unread import FAILED, missing
+from ros2lab.grading.reading.unread import FAILED, NO_FAULT, missing
 from ros2lab.grading.sandbox.keeper import is_limit
 from ros2lab.grading.sandbox.worlds import FILES
 
@@ -110,9 +111,15 @@ class Question:
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
-        """Answer the question, about `part` if it needs one; an answer from an unread fact costs nothing."""
+        """Answer the question, about `part` if it needs one; an answer from an unread fact, or none, costs nothing."""
         with missing(case.evidence) as unread:
-            answer = self._answer(case, part)
+            try:
+                answer = self._answer(case, part)
+            except Exception as error:
+                net.unjudged(error)
+                why = f"a question of the grader itself has failed, {NO_FAULT} ({type(error).__name__}: {error})"
+                seen = dict.fromkeys(self.names, "") | (asked(part) if part and self.is_of_part else {})
+                return Answer(self.answers[-1], seen, excuse=why)
         is_open = unread and answer.level != self.answers[0]
         return replace(answer, excuse=FAILED, lack="") if is_open else answer
 

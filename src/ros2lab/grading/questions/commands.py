@@ -190,13 +190,16 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     seen = {"command": "", "last": "", "end": "", "program": "", "tried": ""}
     if player is None:
         return Answer("missing", seen, ("runs",))
-    seen["tried"] = _tried(part, player.run)
-    seen["program"] = shown(player.program or player.node)
+    seen |= {"tried": _tried(part, player.run), "program": shown(player.program or player.node)}
     key = f"runs[{player.number}].commands"
-    if player.end is not None:
-        return _end(player, seen)
-    movers = (_mover(case, candidate) for candidate in case.players[part.name] if candidate.commands)
-    mover = next(filter(None, movers), None)
+    tried = [one for one in case.players[part.name] if one.commands]
+    alike = [player, *(one for one in tried if one.program == player.program and one.is_ended_by_command)]
+    if dead := next((one for one in alike if one.end is not None), None):
+        return _end(dead, seen)
+    if restart := next(filter(None, (one.restarted_at for one in tried)), None):
+        seen |= {"command": _named(restart.text), "end": "and began anew"}
+        return Answer("dies", seen, (key,), shown(player.node))
+    mover = next(filter(None, (_mover(case, candidate) for candidate in tried)), None)
     if not player.commands:
         level, key = "untried", player.key
     elif mover is not None:
@@ -359,4 +362,4 @@ def _last_answered(part: Part, run: Run) -> str:
 def _named(text: str, noun: str = "command") -> str:
     if FLOOD in text:
         return VERY_MANY
-    return f"the {noun} {shown(text)!r}" if text else "an empty command"
+    return f"the {noun}{'s' * (', ' in text)} {shown(text)!r}" if text else "an empty command"

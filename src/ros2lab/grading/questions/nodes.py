@@ -163,7 +163,8 @@ def goes_on(case: Case, part: Part) -> Answer:
 
 def missing(case: Case, part: Part) -> Answer:
     """Answer for a node that was not seen, or is not the submission's own, with the likely reason."""
-    answers = itertools.chain.from_iterable(why(case, part) for why in (_foreign, _shut_out, _lost, _turned))
+    reasons = (_foreign, _shut_out, _lost, _turned, _hidden)
+    answers = itertools.chain.from_iterable(why(case, part) for why in reasons)
     return next(answers, Answer("missing", {"why": ""}, ("runs",)))
 
 
@@ -195,12 +196,8 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
         for name, end in run.ended.items()
         if not is_for_want(end)
     }
-    started = {executable.stem for executable in case.executables.values() if executable.command} - {
-        ""
-    }  # also by another way
-    dead = [
-        n for n, executable in case.executables.items() if executable.stem not in started and n not in crashed
-    ]
+    started = {one.stem for one in case.executables.values() if one.command} - {""}  # also by another way
+    dead = [n for n, one in case.executables.items() if not one.command and one.stem not in started]
     lost = [name for name in (*crashed, *dead) if case.may_be(name, part)]
     for name in sorted(lost, key=lambda name: case.assignment.meant_by(name) is not part):
         place = shown(name)
@@ -219,6 +216,14 @@ def _turned(case: Case, part: Part) -> Iterator[Answer]:
         for node in run.publishes.get(part.topic, ()):
             why = f": {shown(node)} publishes on it, where a subscription is needed"
             yield Answer("missing", {"why": why}, (f"runs[{number}].publishes",), shown(node))
+
+
+def _hidden(case: Case, part: Part) -> Iterator[Answer]:
+    """Yield an answer if messages came on the topic, and ROS showed no node that publishes there."""
+    for number, run in enumerate(case.evidence.runs if part.is_publisher else ()):
+        if part.topic in run.quiet and part.topic not in run.publishes:
+            why = ", although messages came on it: ROS shows no node to which they belong, as with `ros2 topic pub`"
+            yield Answer("missing", {"why": why}, (f"runs[{number}].quiet.{part.topic}",))
 
 
 def _dies_of_command(case: Case, player: Player) -> bool:

@@ -16,7 +16,7 @@ from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.reading.deeds import FINITE, PACED, READS, REPEATS
 from ros2lab.grading.sandbox.box import without_codes
-from ros2lab.grading.senses import is_seen, numbers_in
+from ros2lab.grading.senses import is_seen, is_velocity, numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
 LONG_AFTER = 1.0  # s between two messages; a velocity that is published again and again comes more often
@@ -99,10 +99,9 @@ def comes_again(case: Case, part: Part) -> Answer:
     best = players[totals.index(most)]
     level = "repeated" if most > 1 else "once" if most else "silent"
     everybody = of_one_node(case.players[part.name], case.main(part))
-    if level == "repeated" and _is_echo(everybody) and not _may_listen(case, everybody):
-        level = "echoed"
-    elif level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
-        level = "changed"
+    if level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
+        is_echo = _is_echo(everybody) and not _may_listen(case, everybody)
+        level = "echoed" if is_echo or any(_is_at_random(case, player) for player in everybody) else "changed"
     keys = [best.quiet_key] if best.topic in best.run.quiet else []
     keys += [
         f"runs[{best.number}].commands[{number}].topics.{best.topic}"
@@ -141,13 +140,28 @@ def _is_echo(players: Sequence[Player]) -> bool:
         [command.topics.get(player.topic) for command in player.run.commands if ", " not in command.text]
         for player in players
     ]
-    if any(heard and heard.count > 1 for stretches in after for heard in stretches):
-        return False
     times = [[heard.times[0] for heard in stretches if heard and heard.times] for stretches in after]
     return any(
         1 < len(came) == len(stretches) and min(_between(came)) > LONG_AFTER
         for came, stretches in zip(times, after, strict=True)
     )
+
+
+def _is_at_random(case: Case, player: Player) -> bool:
+    """Return whether a robot gets two new velocities or more by unknown words: a length, a count or a hash tells none apart.
+
+    What keeps its velocity at such a word, stands still, or drives as at any other, knows none of them.
+    """
+    commanded = case.assignment.commanded
+    unknown = commanded.unknown if commanded else ()
+    new, before = set[str](), ""
+    for command in player.run.commands:
+        heard = command.topics.get(player.topic)
+        if heard and heard.values and is_velocity(heard.values[-1]):
+            says = heard.sense
+            new |= {says} - {before, "still"} if command.text in unknown else set()
+            before = says
+    return len(new) > 1
 
 
 @question(

@@ -50,7 +50,7 @@ from ros2lab.grading.reading.launch_files import (
 from ros2lab.grading.reading.launch_order import programs_named, programs_of, those_that_start_most_first
 from ros2lab.grading.reading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.reading.tests_handed_in import test_files, tests_of
-from ros2lab.grading.reading.unread import OF_CODE, OF_EACH_FILE, Tell, legible, read_all, told
+from ros2lab.grading.reading.unread import OF_CODE, OF_EACH_FILE, Tell, is_open, legible, read_all, told
 from ros2lab.grading.reading.written_ends import ends_elsewhere, written_ends
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.handlers import Handlers
@@ -107,7 +107,7 @@ def _beyond(packages: Iterable[Package]) -> str:
     found, notes = [], list[str]()
     for package in packages:
         tests = [package.read(path, path.stem) for path in test_files(package)]
-        found += [s.shown for s in (*package.own_sources, *tests) if s.tree is not None and s.is_beyond]
+        found += [source.shown for source in legible((*package.own_sources, *tests)) if is_open(source)]
         notes += package.notes
     deep = [f"{', '.join(found)}: the code is nested too deeply for the grader to follow."] if found else []
     return " ".join([*notes, *deep])

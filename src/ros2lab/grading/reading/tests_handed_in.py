@@ -9,6 +9,7 @@ from pathlib import Path
 from ros2lab.diagnose.sources.interfaces import PACKAGES, is_installed
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.reading.graded_package import Package
+from ros2lab.grading.reading.unread import legible
 
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
@@ -27,8 +28,7 @@ def tests_of(package: Package) -> tuple[dict[str, int], dict[str, str]]:
     """
     found: dict[str, int] = {}
     left_out: dict[str, str] = {}
-    for path in test_files(package):
-        source = package.read(path, path.stem)
+    for source in legible(package.read(path, path.stem) for path in test_files(package)):
         if _STYLE_CHECKERS.search(source.text):
             continue
         functions = (

@@ -6,10 +6,11 @@ In the tests the failure itself is raised, so that our fault is seen.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection, Iterator, Mapping
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
 
 from ros2lab.diagnose import net
 from ros2lab.diagnose.sources.python_source import DEEPEST, PythonSource, children
@@ -28,9 +29,11 @@ _SEEN_RUNNING = frozenset(
     ("ends", "ends_meant", "ends_elsewhere", "findings", "compared", "declared", "idle", "clock_readers")
 )
 Tell = Callable[[str, Any], None]
+_Said = TypeVar("_Said")
 _ROOM = 8  # levels, for what is neither an expression nor a statement
 FACT = "fact "  # before the name of one that is told before all are known
-FAILED = "the grader has not read all that this rests on, which is no fault of the submission"
+NO_FAULT = "which is no fault of the submission"
+FAILED = f"the grader has not read all that this rests on, {NO_FAULT}"
 
 
 def read_all(
@@ -56,24 +59,42 @@ def read_all(
     return found, failed
 
 
+def is_open(source: PythonSource) -> bool:
+    """Return whether a file, as `legible` returns it, does what was not read."""
+    return source.tree is not None and (source.is_beyond or (isinstance(source, Legible) and source.hides))
+
+
 def told(failed: Mapping[str, str]) -> list[str]:
     """Return sentences that say what was not read, and why."""
-    return [
-        f"Not read: {', '.join(name for name in failed if failed[name] == why)}. {why} What rests on it costs nothing, "
-        "and is left to the instructor."
-        for why in dict.fromkeys(failed.values())
-    ]
+    rest = "What rests on it costs nothing, and is left to the instructor."
+    return [f"Not read in full: {why} {rest}" for why in dict.fromkeys(failed.values())]
+
+
+def as_far_as_possible(said: Iterable[_Said]) -> Iterator[_Said]:
+    """Yield what is said until a fault of ours, if there is one: what is said of a grade does not change it."""
+    try:
+        yield from said
+    except Exception as error:
+        net.unjudged(error)
 
 
 @dataclass(eq=False)
 class Legible(PythonSource):
-    """A Python file, without the expressions and statements in it that are nested too deeply for us."""
+    """A Python file, without the expressions and statements in it that are nested too deeply for us.
+
+    Attributes:
+        hides: set by `tree`: whether these hold more than numbers and names, which open nothing.
+    """
+
+    hides: bool = field(default=False, init=False)
 
     def parsed(self) -> ast.Module:
         """Parse the text, and put something plain in the place of what lies too deep."""
         tree = super().parsed()
         level: list[ast.AST] = [tree]
         for depth in range(DEEPEST):
+            if depth == DEEPEST - _ROOM:
+                self.hides = any(map(_does, itertools.chain.from_iterable(map(ast.walk, level))))
             if depth > DEEPEST - _ROOM:
                 for node in level:
                     vars(node).update({name: _cut(value) for name, value in ast.iter_fields(node)})
@@ -81,7 +102,7 @@ class Legible(PythonSource):
         return tree
 
 
-def legible(sources: Collection[PythonSource]) -> list[PythonSource]:
+def legible(sources: Iterable[PythonSource]) -> list[PythonSource]:
     """Return some files, those that are nested too deeply for us without what is."""
     return [
         Legible(source.name, source.shown, source.text, source.is_package, source.path)
@@ -89,6 +110,11 @@ def legible(sources: Collection[PythonSource]) -> list[PythonSource]:
         else source
         for source in sources
     ]
+
+
+def _does(node: ast.AST) -> bool:
+    is_text = isinstance(node, ast.Constant) and isinstance(node.value, str)
+    return is_text or isinstance(node, (ast.stmt, ast.Call, ast.Lambda))
 
 
 def _cut(value: Any) -> Any:

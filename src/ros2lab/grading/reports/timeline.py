@@ -287,7 +287,7 @@ def _velocities(heard: Heard | None, name: str) -> Iterator[tuple[float, float]]
     if heard is None or not heard.type_name.startswith("geometry_msgs/msg/Twist"):
         return
     for time, message in zip(heard.times, heard.values, strict=False):
-        value = message
+        value: Any = message
         for key in (*(["twist"] if "Stamped" in heard.type_name else []), name, "xz"[name == "angular"]):
             value = value.get(key) if isinstance(value, dict) else None
         if isinstance(value, float) and math.isfinite(value) and math.isfinite(time) and time >= 0:

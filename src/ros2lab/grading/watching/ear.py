@@ -57,13 +57,13 @@ class Ear:
             self._watch.excessive.add(self)
 
     def plain(self, raw: bytes) -> Any:
-        """Return a message as plain data; None if it is too long or cannot be read."""
+        """Return a message as plain data; of one that is too long or cannot be read, no field is known."""
         if not raw or len(raw) > LARGEST:
-            return None
+            return {}
         try:
             return plain(deserialize_message(raw, self._type))
         except Exception:  # bytes that a submission has chosen
-            return None
+            return {}
 
     def gaps(self) -> list[float]:
         """Return the times between the messages of this part, the first from 0, in s."""

@@ -350,6 +350,7 @@ class Job:
             topics=_heard(seen["topics"]),
             parameters=seen["parameters"],
             is_alive=seen["alive"] == len(self.programs),
+            anew=seen.get("anew", []),
         )
 
     def _log(self, lines: Sequence[Sequence[str]], mark: int, names: Sequence[str]) -> list[list[str]]:

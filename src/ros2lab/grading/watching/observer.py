@@ -19,13 +19,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ros2lab.assignments import Assignment
+from ros2lab.grading.evidence import OWN_CLOCK
 from ros2lab.grading.watching import ends
 from ros2lab.grading.watching.ear import TEXT, gaps
 from ros2lab.grading.watching.given import Given
 from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, too_little
 from ros2lab.grading.watching.script import FLOOD, Script
 from ros2lab.grading.watching.service_calls import call_services
-from ros2lab.grading.watching.watch import ANSWER_TIMEOUT, OWN_CLOCK, Gone, NotStepped, Watch
+from ros2lab.grading.watching.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
 QUEUE = 10  # messages of a flood that a node keeps in its queue, and takes one after the other
@@ -130,9 +131,7 @@ class Conductor:
         self._quiet = watch.part()
         self._mark()  # what was printed before belongs to the quiet part
         self._quiet_log = watch.log_part()
-        self._coming = {
-            t for t, heard in self._quiet.items() if heard["count"] > 1 and t not in self._stalled
-        }
+        self._coming = {t for t, heard in self._quiet.items() if heard["count"] > 1} - {*self._stalled}
         self._verify_owners(watch)
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
@@ -266,6 +265,7 @@ class Conductor:
                     if before.get(node, {}).get(name) != value
                 },
                 "alive": self._alive,
+                "anew": [] if self.plan["nodes"] else watch.anew(self.plan["programs"]),
             }
         )
         watch.check()

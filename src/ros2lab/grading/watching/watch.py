@@ -18,6 +18,7 @@ from portable_ros2.messages import fill
 from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
+from ros2lab.grading.evidence import OWN_CLOCK
 from ros2lab.grading.watching import ends
 from ros2lab.grading.watching.ear import ITEMS, TEXT, Ear, plain
 from ros2lab.grading.watching.participants import Participants
@@ -31,7 +32,6 @@ SLOW = 0.3  # s that nodes which sleep take to answer
 SLEEP = 1.0  # s that a step takes if a timer sleeps
 SLEEPS = 3  # such steps, after which the clock is not stepped any more
 
-OWN_CLOCK = "The submission publishes /clock itself."
 TOPICS, NODES = 20, 20  # that are watched
 NAMELESS = "_NODE_NAME_UNKNOWN_"
 OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
@@ -86,6 +86,7 @@ class Watch(ObservedDomain):
         self.names: set[str] = set()
         self.enclaves: dict[str, set[str]] = {}  # by node name, those of the programs that have it
         self.twins: set[str] = set()
+        self._homes: set[tuple[str, bytes]] = set()  # the nodes that were there at commands, and where
         self.parameter_names: dict[str, list[str]] = {}
         self.values: dict[str, dict[str, Any]] = {}
         self.notes: set[str] = set()
@@ -243,9 +244,8 @@ class Watch(ObservedDomain):
             if any(part.type_name in types for types in nodes.values())
         ]
         taken = {service.topic for service in self._services if service is not part}
-        free = [name for name in fitting if name not in taken]
-        free.sort(key=lambda name: (name != part.topic, not is_near_topic(name, part.topic)))
-        return free[0] if free else ""
+        free = (name for name in fitting if name not in taken)
+        return min(free, key=lambda n: (n != part.topic, not is_near_topic(n, part.topic)), default="")
 
     def call(self, part: Part, name: str, request: Mapping[str, Any]) -> tuple[dict[str, Any] | None, float]:
         """Call a service and wait for the response.
@@ -281,11 +281,8 @@ class Watch(ObservedDomain):
         return any(
             info.node_name == NAMELESS
             for topic, _ in self.node.get_topic_names_and_types()[:TOPICS]
-            for infos in (
-                ends.publishers(self.node, topic),
-                ends.subscriptions(self.node, topic),
-            )
-            for info in infos
+            for ends_of in (ends.publishers, ends.subscriptions)
+            for info in ends_of(self.node, topic)
         )
 
     def command_topic(self) -> str:
@@ -343,12 +340,8 @@ class Watch(ObservedDomain):
 
     def log_part(self) -> list[list[str]]:
         """Return the log lines since the last call, as [level, node, text]."""
-        lines = self._rosout.part()["values"]
-        return [
-            [_LEVELS.get(line["level"], str(line["level"])), line["name"], line["msg"]]
-            for line in lines
-            if line
-        ]
+        lines = filter(None, self._rosout.part()["values"])
+        return [[_LEVELS.get(line["level"], str(line["level"])), line["name"], line["msg"]] for line in lines]
 
     def list_parameters(self) -> None:
         """Ask the nodes for their parameters' names, all at once; the next answers fill `values`."""
@@ -367,14 +360,21 @@ class Watch(ObservedDomain):
 
     def participants(self) -> int:
         """Return how many DDS participants (processes, or contexts of one) have nodes."""
-        return len(
-            {ends.participant(i) for i in self._others(ends.publishers(self.node, "/parameter_events"))}
-        )
+        return len({ends.participant(info) for info in self._of_nodes()})
+
+    def anew(self, programs: int) -> list[str]:
+        """Return the nodes that began anew since the last call, if there were more participants than programs by then."""
+        now = {(ends.node_name(info), ends.participant(info)) for info in self._of_nodes()}
+        found = {name for name, _ in now - self._homes} & {name for name, _ in self._homes}
+        self._homes |= now
+        return sorted(found) if len({home for _, home in self._homes}) > programs else []
+
+    def _of_nodes(self) -> list[Any]:
+        return self._others(ends.publishers(self.node, "/parameter_events"))
 
     def has_unmet(self) -> bool:
         """Return whether some DDS participants were not met yet: the kernel knows at once who is there."""
-        own = len(self._participants.prefixes)
-        return len(ends.discovery_ports(self.number)) > self.participants() + own
+        return len(ends.discovery_ports(self.number)) > self.participants() + len(self._participants.prefixes)
 
     def holding(self, topic: str, type_name: str) -> Node:
         """Return the node for an end of a topic: one that has no end of another type there."""
