@@ -46,6 +46,11 @@ def _as_one(said: Sequence[str], told: set[str]) -> Iterator[str]:
             yield f"warning: {message}\n"
 
 
+_NOT_READ = (
+    "colcon cannot read what setup.py tells it: leave print() out there, and give setup() plain values"
+)
+
+
 def first_error(lines: Sequence[str]) -> str | None:
     """Find the line that says what went wrong in what a package's build wrote to standard error.
 
@@ -65,7 +70,9 @@ def first_error(lines: Sequence[str]) -> str | None:
             return line.strip()
     for number, line in enumerate(lines):
         if ends_traceback(lines, number):
-            return line.strip() + _place(lines[:number])
+            place = _place(lines[:number])
+            is_of_colcon = "<unknown>" in place  # it evaluates what setup.py tells it
+            return _NOT_READ if is_of_colcon else line.strip() + place
     return next((line.strip() for line in reversed(lines) if line.strip()), None)
 
 

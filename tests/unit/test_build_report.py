@@ -139,6 +139,12 @@ class TestFirstError:
                 "a.cpp:3:5: error: expected ';'",
             ),
             ("first\nI refuse\n\n", "I refuse"),
+            (
+                "Traceback (most recent call last):\n"
+                '  File "/w/ast.py", line 50, in parse\n    return compile(source, filename, mode, flags)\n'
+                '  File "<unknown>", line 1\n    copied\n    ^^^\nSyntaxError: invalid syntax\n',
+                "colcon cannot read what setup.py tells it: leave print() out there, and give setup() plain values",
+            ),
         ],
     )
     def test_found(self, written: str, error: str) -> None:

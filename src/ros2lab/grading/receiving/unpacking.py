@@ -90,9 +90,10 @@ def unpack(path: Path, copy: CleanCopy, below: tuple[str, ...] = ()) -> None:
         # Hostile bytes may make the readers raise anything; the only system error that they cause is EINVAL.
         if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):
             raise
+        is_told = isinstance(error, (tarfile.ReadError, zipfile.BadZipFile)) and str(error)
+        why = f" ({shown(str(error))})" if is_told else ""  # what else is raised says nothing of the archive
         raise SubmissionError(
-            f"{shown(path.name)} is broken or incomplete ({shown(str(error) or type(error).__name__)}); "
-            f"pack it again, look whether it can be unpacked, and {HAND_IN}."
+            f"{shown(path.name)} is broken or incomplete{why}; pack it again, look whether it can be unpacked, and {HAND_IN}."
         ) from None
 
 
