@@ -13,7 +13,7 @@ import pytest
 from evidences import COMMAND, SCRIPT, STATUS, STRING, TWIST, VELOCITY
 
 from ros2lab.grading.building import programs
-from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
+from ros2lab.grading.evidence import OWN_CLOCK, CommandSeen, Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Judgement
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
@@ -317,3 +317,82 @@ def test_a_node_that_is_named_in_words_is_said_so(name: str, loosely: str) -> No
     readme = evidences.README.replace("status_publisher", name).replace("robot.launch.py", "it")
     one = judged(given(evidences.files(readme=readme)), "documentation.interface")
     assert (one.points, one.reason) == (2, f"The README names the topics and the nodes{loosely}.")
+
+
+def _anew(*words: str, node: str = "/command_subscriber") -> Run:
+    """Return a run in which a node is there anew at some words."""
+    run = evidences.command_run(texts=(*SCRIPT.words, "dance", "twirl", "start", "dance", "twirl"))
+    commands = [replace(one, anew=[node] if one.text in words else []) for one in run.commands]
+    return replace(run, commands=commands)
+
+
+@pytest.mark.parametrize(
+    ("run", "points"),
+    [
+        (_anew("twirl"), 0),
+        (_anew("dance", "twirl"), 0),
+        (_anew("reset"), 4),
+        (_anew("start", "dance"), 4),
+        (_anew("twirl", node="/status_publisher"), 4),
+    ],
+    ids=["at unknown words", "at each", "as it was told to", "perhaps as it was told to", "another node"],
+)
+def test_a_node_that_begins_anew_at_an_unknown_word_does_not_live_on(run: Run, points: float) -> None:
+    one = judged(given(evidences.runs(run)), f"{COMMAND}.robustness")
+    assert one.points == points
+    assert ("and began anew" in one.reason) == (not points)
+
+
+def _beside(*ended: str, at: str = "dance") -> Run:
+    """Return a run of all together in which some programs end at a word."""
+    run = replace(evidences.command_run(texts=("seoee, sopst", *SCRIPT.few)), setting="together")
+    after = [
+        replace(one, is_alive=False, log=[]) if at in one.text.split(", ") else one for one in run.commands
+    ]
+    return replace(run, programs=[COMMAND, STATUS], commands=after, ended=dict.fromkeys(ended, "What?"))
+
+
+@pytest.mark.parametrize(
+    ("run", "word"),
+    [
+        (_beside(COMMAND), "the command 'dance'"),
+        (_beside(COMMAND, at="sopst"), "the commands 'seoee, sopst'"),
+        (_beside(STATUS), ""),
+        (_beside(COMMAND, STATUS), ""),
+    ],
+    ids=["it ends", "it ends at coined words", "another one ends", "both end, for whatever reason"],
+)
+def test_a_node_that_a_word_ends_beside_the_others_does_not_live_on(run: Run, word: str) -> None:
+    evidence = evidences.right()
+    one = judged(replace(evidence, runs=[*evidence.runs, run]), f"{COMMAND}.robustness")
+    assert one.points == (0 if word else 4)
+    assert one.reason.startswith(f"After {word}, " if word else "command_subscriber lives on")
+
+
+def test_where_messages_came_from_no_node_that_ros_shows_the_reason_says_so() -> None:
+    """As with `ros2 topic pub`, also if a script that nobody can read starts it."""
+    evidence = evidences.right()
+    runs = [
+        replace(
+            run, publishes={topic: ends for topic, ends in run.publishes.items() if topic != "/robot/status"}
+        )
+        for run in evidence.runs
+    ]
+    assert evidence.build is not None
+    scripts = [
+        replace(one, target="", modules=[]) if one.name == STATUS else one
+        for one in evidence.build.executables
+    ]
+    shown = replace(evidence, runs=runs, build=replace(evidence.build, executables=scripts))
+    reason = judged(shown, f"{STATUS}.topic").reason
+    assert reason.startswith("No node that publishes on /robot/status was seen, although messages came on it")
+    assert "cannot be started" not in reason
+
+
+@pytest.mark.parametrize("is_own", [False, True])
+def test_nobody_publishes_the_clock_unless_the_work_does(is_own: bool) -> None:
+    evidence = evidences.right()
+    runs = [replace(run, clocked=["/status_publisher"]) for run in evidence.runs]
+    runs[-1] = replace(runs[-1], notes=[OWN_CLOCK] if is_own else [])
+    notes = verdict(replace(evidence, runs=runs), load()).notes
+    assert any("nobody publishes /clock" in note for note in notes) != is_own
