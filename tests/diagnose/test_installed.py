@@ -51,6 +51,7 @@ def told_to_build(root: Path, place: str, fix: str) -> str:
         ("setup.py:20", "write x, and build again", False),
         ("robot_controller/status_publisher.py:3", "", False),
         ("package.xml:9", "write x", False),
+        ("robot_controller/status_publisher.py:3", "add <depend>rclpy</depend> to package.xml", False),
         ("notes.py", "write x", False),
         ("not_there.py:1", "write x", False),
         ("", "source install/setup.bash", False),

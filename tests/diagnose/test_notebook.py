@@ -107,6 +107,8 @@ def test_a_command_that_fails_in_a_terminal_is_explained(shell: InteractiveShell
     (output,) = shown(shell, "%%terminal\necho \"error: can't copy 'resource/pk': doesn't exist\"; false")
     assert "touch resource/pk" in output.data["text/plain"]
     assert shown(shell, "%%terminal\nfalse") == []
+    own = "ros2lab() { echo \"ModuleNotFoundError: No module named 'rospy'\"; false; }\nros2lab diagnose"
+    assert shown(shell, f"%%terminal\n{own}") == []  # it has said what is wrong
     (output,) = shown(shell, "%%terminal other\necho \"ModuleNotFoundError: No module named 'rospy'\"; false")
     assert "ROS 1" in output.data["text/plain"]
 

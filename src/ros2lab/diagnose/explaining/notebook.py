@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import html
 import linecache
+import re
 import traceback
 from collections.abc import Iterable
 from pathlib import Path
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
 
     from ros2lab.diagnose.finding import Finding
 
+_OWN_COMMAND = re.compile(
+    r"\bros2lab\s"
+)  # says itself what is wrong, and ends with 1 where it found something
 _EXPLAIN_THEMSELVES = frozenset(("CheckError", "SystemExit", "WorkspaceError"))
 
 
@@ -55,10 +59,12 @@ def find_cause(error: BaseException) -> Finding | None:
         return None
     from ros2lab.diagnose import of_text
     from ros2lab.diagnose.finding import SAID, UNKNOWN
+    from ros2lab.diagnose.printed.error_text import read_error
 
     shown = getattr(error, "shown", None)  # what a terminal printed before its command failed
     if shown is not None:
-        findings = of_text(shown, _workspace_of(error.folder)) if shown else []  # type: ignore[attr-defined]
+        is_explained = not shown or any(map(_OWN_COMMAND.search, read_error(shown).typed[-1:]))
+        findings = [] if is_explained else of_text(shown, _workspace_of(error.folder))  # type: ignore[attr-defined]
     else:
         text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
         cells = _cells(error)

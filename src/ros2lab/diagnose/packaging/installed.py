@@ -58,16 +58,17 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
 def to_build(root: Path, findings: Iterable[Finding]) -> str:
     """Return the command that makes changes of what findings are about take effect; empty if they do by themselves.
 
-    What runs is a copy of a source unless it was built with links; a fix that tells of a build needs no other.
+    What runs is a copy of a source unless it was built with links. A fix that tells of a build needs no other, and no
+    program runs what package.xml says.
     """
-    mended = (finding for finding in findings if finding.fix and "build" not in finding.fix)
+    mended = (f for f in findings if f.fix and "build" not in f.fix and "package.xml" not in f.fix)
     paths = {root / finding.place.partition(":")[0] for finding in mended}
     names = [p.name for p in discover(root)[0] if any(_is_copied(root, p, path) for path in paths)]
     return f"{_BUILD} {' '.join(names)}" if names else ""
 
 
 def _is_copied(root: Path, package: SourcePackage, path: Path) -> bool:
-    """Return whether a file is one of a package, and what runs is a copy of it; nothing runs a package.xml."""
+    """Return whether a file is one of a package, and what runs is a copy of it."""
     prefix = prefix_of(root, package.name)
     is_own = path.is_file() and path.is_relative_to(package.folder) and path.name != "package.xml"
     if prefix is None or not is_own:
