@@ -28,6 +28,7 @@ CHOICES: dict[str, tuple[str, dict[str, Any]]] = {
     "a number": (IF.format("weather > 5"), {"7": 8.0, "2": 3.0}),
     "a default above": ("gap = 3.0\nif weather == 'storm':\n    gap = 8.0\n", {"storm": 8.0, "sun": 3.0}),
     "in one line": ("gap = 8.0 if weather == 'storm' else 3.0\n", {"storm": 8.0, "sun": 3.0}),
+    "a value of another function": ("def other():\n    gap = 1.0\n\n\ngap = 3.0\nif weather == 'storm':\n    gap = 8.0\n", {"storm": 8.0, "sun": 3.0}),
     "texts": ("gap = 'far' if weather == 'storm' else 'near'\n", {"storm": "far", "sun": "near"}),
     "three": ("if weather == 'storm':\n    gap = 8\nelif weather == 'fog':\n    gap = 6\nelse:\n    gap = 3\n", {"storm": 8, "fog": 6, "sun": 3}),
 }  # fmt: skip

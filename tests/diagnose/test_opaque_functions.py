@@ -47,6 +47,13 @@ RIGHT = [
     "def setup(context):\n    directory = LaunchConfiguration('dir').perform(context)\n    values = yaml.safe_load(open(directory))\n    return []\nreturn LaunchDescription([argument])",
     "values = json.load(open(where + '/v.json'))\nreturn LaunchDescription([argument])",
     "return LaunchDescription([argument, LogInfo(msg=directory)])",
+    # A name that the function at hand binds is another one.
+    "def near(directory):\n    return directory == 'F'\nreturn LaunchDescription([argument, LogInfo(msg=str(near('F')))])",
+    "near = lambda directory: directory == 'F'\nreturn LaunchDescription([argument])",
+    "def near(path):\n    with open(path) as directory:\n        return yaml.safe_load(directory)\nreturn LaunchDescription([argument])",
+    "def near(text):\n    for directory in text:\n        if directory == 'F':\n            return text\nreturn LaunchDescription([argument])",
+    "def near(path):\n    try:\n        return path.read()\n    except OSError as directory:\n        return str(directory)\nreturn LaunchDescription([argument])",
+    "def near(text):\n    directory, rest = text\n    return directory == 'F'\nreturn LaunchDescription([argument])",
 ]
 
 
@@ -92,6 +99,14 @@ def test_what_is_written_so_does_what_was_meant(tmp_path: Path, lines: str) -> N
 @pytest.mark.parametrize("lines", RIGHT)
 def test_what_only_hands_a_value_on_is_right(tmp_path: Path, lines: str) -> None:
     assert [*used_too_early(file_of(lines, tmp_path))] == []
+
+
+@pytest.mark.parametrize(
+    "beside", ["def near(directory):\n    return directory", "def near():\n    directory = 1"]
+)
+def test_what_another_function_binds_hides_nothing(tmp_path: Path, beside: str) -> None:
+    lines = f"{beside}\nvalues = directory == 'F'\nreturn LaunchDescription([argument])"
+    assert [found.place for found in used_too_early(file_of(lines, tmp_path))] == ["robot.launch.py:19"]
 
 
 def test_a_path_that_launch_itself_uses_is_joined_by_launch(tmp_path: Path) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ast
 import builtins
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
 
 from ros2lab.diagnose.code.guarded_names import guarded
+from ros2lab.diagnose.sources.bindings import bound_by
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 
 MODULE_NAMES = frozenset(
@@ -87,29 +88,3 @@ def global_names(source: PythonSource) -> frozenset[str]:
 def bound_in(scope: ast.AST) -> set[str]:
     """Return the names that a file, a class or a function binds itself, without those of its inner scopes."""
     return {name for node in own_nodes(scope) for name in bound_by(node)}
-
-
-def bound_by(node: ast.AST) -> Collection[str]:
-    """Return the names that a node binds."""
-    found: Collection[str | None] = ()
-    match node:
-        case ast.Import() | ast.ImportFrom():
-            found = [alias.asname or alias.name.partition(".")[0] for alias in node.names]
-        case ast.Name(ctx=ast.Store() | ast.Del()):
-            found = [node.id]
-        case ast.arg():
-            found = [node.arg]
-        case ast.MatchMapping():
-            found = [node.rest]
-        case ast.Global() | ast.Nonlocal():
-            found = node.names
-        case (
-            ast.FunctionDef()
-            | ast.AsyncFunctionDef()
-            | ast.ClassDef()
-            | ast.ExceptHandler()
-            | ast.MatchAs()
-            | ast.MatchStar()
-        ):
-            found = [node.name]
-    return [*filter(None, found)]

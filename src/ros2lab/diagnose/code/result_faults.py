@@ -21,6 +21,7 @@ from ros2lab.diagnose.sources.python_source import (
     assigned_to,
     assignments,
     last_name,
+    names_bound,
     own_nodes,
     parameters,
     walk,
@@ -179,6 +180,7 @@ def _lost_locals(
     A value that is only fetched is reported, too, if the function sets a single field to the constant 0.
     """
     names = [node for node in walk(function) if isinstance(node, ast.Name)]
+    of_file = names_bound(target for target, _ in assignments(source.tree.body))
     own = {id(node) for node in names}
     read_elsewhere = {
         node.id
@@ -196,7 +198,7 @@ def _lost_locals(
             fix = f"write self.{name} instead of {name}"
             yield Finding("not-kept", f"{said}self.{name} does not change.", source.at(node), fix)
             return
-        if name in source.assigned and name in read_elsewhere:
+        if name in of_file and name in read_elsewhere:
             fix = f"write `global {name}` as the first line of {function.name}()"
             yield Finding("not-kept", f"{said}the global {name} does not change.", source.at(node), fix)
             return

@@ -8,7 +8,8 @@ import itertools
 import re
 from collections.abc import Callable, Collection, Iterator
 
-from ros2lab.diagnose.code.bound_names import MODULE_NAMES, bound_by
+from ros2lab.diagnose.code.bound_names import MODULE_NAMES
+from ros2lab.diagnose.sources.bindings import bound_by
 from ros2lab.diagnose.sources.one_run import blocks
 from ros2lab.diagnose.sources.python_source import Function
 

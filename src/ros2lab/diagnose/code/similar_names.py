@@ -10,10 +10,11 @@ from collections.abc import Iterator
 from difflib import SequenceMatcher
 
 from ros2lab.diagnose.code.at_hand import is_own_node
-from ros2lab.diagnose.code.bound_names import bound_by, bound_in
+from ros2lab.diagnose.code.bound_names import bound_in
 from ros2lab.diagnose.code.main_guards import as_guard
 from ros2lab.diagnose.code.unknown_names import Unknown, also_on, as_code, cause_of
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.bindings import bound_by
 from ros2lab.diagnose.sources.python_source import own_nodes
 from ros2lab.diagnose.sources.spelling import edits, has_other_words, same_letters
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection, Iterator
 
-from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to
+from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to, own_nodes
 
 # A piece of an expression as it is written in the file: plain text, or a substitution.
 _Part = tuple[bool, str]  # whether it is a substitution, and its text
@@ -70,7 +70,8 @@ def _of_statement(
 
 def _value_before(choice: ast.If, name: str, source: PythonSource) -> ast.expr | None:
     """Return the last value assigned to a name above an `if`; None if there is none."""
-    values = [value for value in assigned_to(source.nodes, name) if value.lineno < choice.lineno]
+    nodes = own_nodes(source.function_at(choice.lineno) or source.tree)
+    values = [value for value in assigned_to(nodes, name) if value.lineno < choice.lineno]
     return values[-1] if values else None
 
 

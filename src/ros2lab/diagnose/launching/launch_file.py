@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ros2lab.diagnose.code.bound_names import undefined_names
+from ros2lab.diagnose.code.bound_names import bound_in, undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, path_faults, tuple_by_comma
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.syntax import syntax_finding
@@ -107,7 +107,7 @@ def _read_python(path: Path, shown: str, own: Collection[str]) -> LaunchFile:
         return LaunchFile(shown, (), (syntax_finding("launch-syntax", source),))
     functions = [node.name for node in source.nodes if isinstance(node, ast.FunctionDef)]
     faults = []
-    if "generate_launch_description" not in {*functions, *source.names, *source.assigned}:
+    if "generate_launch_description" not in {*functions, *bound_in(source.tree)}:
         near = nearest("generate_launch_description", functions)
         place = next((n for n in source.nodes if isinstance(n, ast.FunctionDef) and n.name == near), 1)
         cause = f"{shown} has no function generate_launch_description, which ros2 launch calls."

@@ -17,15 +17,10 @@ from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 
 def used_too_early(source: PythonSource) -> Iterator[Finding]:
     """Yield values that are known only when launch runs, but that Python compares or computes with before."""
-    assigned = [node for node in source.nodes if isinstance(node, ast.Assign)]
-    others = {
-        ast.unparse(t) for node in assigned if not _is_substitution(source, node.value) for t in node.targets
-    }
-    made = {ast.unparse(target) for node in assigned for target in node.targets} - others
     for node in source.nodes:
         used = _given_to_python(source, node)
-        early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
-        if early and not (isinstance(node, ast.BinOp) and _is_substitution(source, node)):
+        early = [value for value in used if _is_late(source, value)]
+        if early and not (isinstance(node, ast.BinOp) and _class_of(source, node)):
             text = ast.unparse(early[0])
             cause = f"{text} gets its value only when launch runs; here, while the file is being read, it is not a string yet."
             if needed_at_once(source, node):
@@ -150,8 +145,10 @@ def _counts(node: ast.AST) -> bool:
 _DEFINED_BY = {ast.Div: "__truediv__", ast.Add: "__add__"}
 
 
-def _is_substitution(source: PythonSource, value: ast.expr) -> bool:
-    return bool(_class_of(source, value))
+def _is_late(source: PythonSource, value: ast.expr) -> bool:
+    """Return whether an expression makes a substitution, or is a name that is given nothing else where it is bound."""
+    given = source.given(value) if isinstance(value, (ast.Name, ast.Attribute)) else [value]
+    return bool(given) and all(made and _class_of(source, made) for made in given)
 
 
 def _class_of(source: PythonSource, value: ast.expr) -> str:

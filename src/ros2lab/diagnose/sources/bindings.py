@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 Path = tuple[int | None, ...]  # the index of the item that is taken out, or None for any
 
@@ -32,3 +32,29 @@ def _unpacked(target: ast.expr, value: ast.expr, path: Path, name: str) -> Itera
             yield from _unpacked(inner, value, (*path, number), name)
     elif isinstance(target, (ast.Name, ast.Attribute)) and ast.unparse(target) == name:
         yield value, path
+
+
+def bound_by(node: ast.AST) -> Collection[str]:
+    """Return the names that a node binds."""
+    found: Collection[str | None] = ()
+    match node:
+        case ast.Import() | ast.ImportFrom():
+            found = [alias.asname or alias.name.partition(".")[0] for alias in node.names]
+        case ast.Name(ctx=ast.Store() | ast.Del()):
+            found = [node.id]
+        case ast.arg():
+            found = [node.arg]
+        case ast.MatchMapping():
+            found = [node.rest]
+        case ast.Global() | ast.Nonlocal():
+            found = node.names
+        case (
+            ast.FunctionDef()
+            | ast.AsyncFunctionDef()
+            | ast.ClassDef()
+            | ast.ExceptHandler()
+            | ast.MatchAs()
+            | ast.MatchStar()
+        ):
+            found = [node.name]
+    return [*filter(None, found)]

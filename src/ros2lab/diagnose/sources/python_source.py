@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ros2lab.diagnose.finding import at
+from ros2lab.diagnose.sources.bindings import bound_by
 from ros2lab.diagnose.sources.file_texts import decoded
 from ros2lab.diagnose.sources.marks import mark
 from ros2lab.diagnose.sources.static_value import bound, dotted
@@ -21,6 +22,7 @@ from ros2lab.diagnose.sources.static_value import bound, dotted
 _Kind = TypeVar("_Kind", bound=ast.stmt)
 _Given = TypeVar("_Given", bound=ast.expr | None)
 Function = ast.FunctionDef | ast.AsyncFunctionDef
+_SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.Module)
 YIELDS = (ast.Yield, ast.YieldFrom)
 PAUSES = (*YIELDS, ast.Await, ast.AsyncFor, ast.AsyncWith)  # where others may go on before the function does
 
@@ -135,11 +137,22 @@ class PythonSource:
         return next(reversed(self.around(line, ast.ClassDef)), None)
 
     def written(self, node: _Given) -> ast.expr | _Given:
-        """Return the value of a name that the file assigns only once; any other expression as it is."""
+        """Return the value of a name that the file assigns only once, and nothing hides; any other expression as it is."""
         if not isinstance(node, (ast.Name, ast.Attribute)):
             return node
         values = self.stored.get(ast.unparse(node), ())
-        return (values[0] if len(values) == 1 else None) or node
+        return (values[0] if len(values) == 1 and values[0] in self.given(node) else None) or node
+
+    def given(self, node: ast.Name | ast.Attribute) -> Sequence[ast.expr | None]:
+        """Return what a name is given where it is bound, or an attribute in the file; None for what is not assigned."""
+        text, scope = ast.unparse(node), self.above(node) if isinstance(node, ast.Name) else None
+        while scope is not None:
+            inner = own_nodes(scope) if isinstance(scope, _SCOPES) else ()
+            if bound := [node for node in inner if text in bound_by(node)]:
+                values = {id(target): value for target, value in assignments(inner)}
+                return [values.get(id(binder)) for binder in bound]
+            scope = self.above(scope)
+        return self.stored.get(text, ())
 
     @cached_property
     def classes(self) -> Mapping[str, ast.ClassDef]:
@@ -187,11 +200,8 @@ class PythonSource:
     @cached_property
     def stored(self) -> Mapping[str, list[ast.expr | None]]:
         """The names and attributes that are assigned to, as they are written, with the values of plain assignments."""
-        values = {
-            id(node.targets[0]): node.value
-            for node in self.nodes
-            if isinstance(node, ast.Assign) and len(node.targets) == 1
-        }
+        alone = [node for node in self.nodes if isinstance(node, ast.Assign) and len(node.targets) == 1]
+        values = {id(node.targets[0]): node.value for node in alone}
         found: dict[str, list[ast.expr | None]] = {}
         for node in self.nodes:
             if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store):
@@ -203,12 +213,6 @@ class PythonSource:
         """The file that Python never imports, because the folder of this one has its name; None if there is none."""
         file = self.path.parent.with_suffix(".py") if self.path and self.is_package else None
         return file if file and "." in self.name and file.is_file() else None
-
-    @property
-    def assigned(self) -> frozenset[str]:
-        """The global names that its top-level assignments bind."""
-        pairs = assignments(self.tree.body)
-        return frozenset(target.id for target, _ in pairs if isinstance(target, ast.Name))
 
     @cached_property
     def made(self) -> tuple[tuple[str, ast.Call], ...]:
