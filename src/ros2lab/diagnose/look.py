@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -178,8 +180,13 @@ class Look:
         return file_faults(package, self.sources(package), names, moved, others, given=given)
 
     def _faults_of_launch_files(self, by_name: Mapping[str, SourcePackage]) -> Iterator[Finding]:
-        for launch_file in self.launch_files:
-            yield from guarded(launch_faults, launch_file, by_name, self.executables)
+        homes = [package for package in self.packages for _ in package.launch_files]
+        shared = Counter(package.name for package in self.packages)
+        for file, home in zip(self.launch_files, homes, strict=True):
+            # Of several packages with one name, a launch file means its own; which one others mean, nobody knows.
+            meant = tuple(n for n in file.nodes if n.package == home.name or shared[n.package] < 2)
+            known = {**self.executables, home.name: home.executables}
+            yield from guarded(launch_faults, replace(file, nodes=meant), {**by_name, home.name: home}, known)
 
     def _topic_faults(self) -> Iterator[Finding]:
         ends = [end for package in self.packages for end in ends_of(self.sources(package), unnamed=True)]
@@ -385,14 +392,9 @@ class Look:
         """
         found: dict[str, list[str] | None] = {}
         for package in self.packages:
-            points = package.setup.entry_points if package.setup else None
-            scripts = package.setup.keywords.get("scripts") if package.setup else None
-            is_known = bool(points) and all(point.module for point in points or ()) and not scripts
-            copied = package.copied  # each of these is an executable, too
-            names = [point.name for point in points or ()] + [Path(path).name for path in copied or ()]
-            before = found.get(package.name, [])
-            is_known &= before is not None and copied is not None
-            found[package.name] = [*dict.fromkeys([*(before or ()), *names])] if is_known else None
+            before, names = found.get(package.name, []), package.executables
+            is_known = before is not None and names is not None
+            found[package.name] = [*dict.fromkeys([*(before or ()), *(names or ())])] if is_known else None
         return found
 
 

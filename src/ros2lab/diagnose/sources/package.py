@@ -174,6 +174,15 @@ class SourcePackage:
         rows = setup.data_files if setup else ()
         return [file for folder, files in rows if folder == f"lib/{self.name}" for file in files]
 
+    @property
+    def executables(self) -> list[str] | None:
+        """The names of its executables; None if they are not known."""
+        copied, points = self.copied, self.points
+        is_known = bool(points) and all(point.module for point in points) and copied is not None
+        if self.setup is None or not is_known or self.setup.keywords.get("scripts"):
+            return None
+        return [*(point.name for point in points), *(Path(path).name for path in copied or ())]
+
     @cached_property
     def sources(self) -> Mapping[str, PythonSource]:
         """The Python files in the folders that it installs, by the names under which they are imported."""
