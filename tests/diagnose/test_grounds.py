@@ -252,6 +252,52 @@ def test_a_script_is_installed_under_the_name_of_its_file(
 
 
 @pytest.mark.parametrize(
+    ("executable", "fix"),
+    [("talk", ""), ("talc", "write talk instead of talc"), ("talk.py", "write talk instead of talk.py")],
+)
+@pytest.mark.parametrize("twin", ["0", "z"])
+def test_of_packages_with_one_name_a_launch_file_means_its_own(
+    tmp_path: Path, twin: str, executable: str, fix: str
+) -> None:
+    own = package("a", {"talk": pub(SECOND, "x")})
+    made = package("a", {"talk": pub(SECOND, "x")}, {"CMakeLists.txt": CMAKE.format("install(PROGRAMS a/talk.py DESTINATION lib/a)\n")})  # fmt: skip
+    other = {path.replace("src/a/", f"src/{twin}/", 1): text for path, text in made.items()}
+    other[f"src/{twin}/package.xml"] = own["src/a/package.xml"].replace("ament_python", "ament_cmake")
+    launch = LAUNCH.format(nodes=f"Node(package='a', executable={executable!r})")
+    third = package("b", {"hear": sub(SECOND, "x")}, {"launch/b.launch.py": launch})
+    own["src/a/launch/a.launch.py"] = launch
+    found = [one for one in found_in(tmp_path, own, other, third) if one.code == "launch-executable"]
+    assert [(one.place, one.fix) for one in found] == [("src/a/launch/a.launch.py:6", fix)] * bool(fix)
+
+
+TWIST = "geometry_msgs.msg.Twist"
+WAYS = "; or, if each type is right, give one of the two topics another name"
+
+
+@pytest.mark.parametrize(
+    ("topic", "hears", "reads", "fix"),
+    [
+        ("x", "String()", "msg", f"write String, with `from std_msgs.msg import String`, and change where a Twist is made, too{WAYS}"),
+        ("x", "", "msg.data", f"write Twist, with `from geometry_msgs.msg import Twist`, and change the callback, which reads data, too{WAYS}"),
+        ("x", "", "msg.linear", "write Twist, with `from geometry_msgs.msg import Twist`"),
+        ("x", "", "msg", "write Twist, with `from geometry_msgs.msg import Twist`"),
+        ("cmd_vel", "", "msg.data", "write Twist, with `from geometry_msgs.msg import Twist`, and change the callback, which reads data, too"),
+    ],
+)  # fmt: skip
+def test_what_is_written_for_the_old_type_changes_with_it(
+    tmp_path: Path, topic: str, hears: str, reads: str, fix: str
+) -> None:
+    talk = node(f"{end(TWIST, topic, is_publisher=True)}\n        self.pub.publish(Twist())", TWIST)
+    hear = node(f"{end(SECOND, topic, is_publisher=False)}\n        {hears}", SECOND)
+    found = found_in(
+        tmp_path, package("a", {"talk": talk, "hear": hear.replace("str(msg)", f"str({reads})")})
+    )
+    (one,) = (one for one in found if one.code == "topic-type")
+    assert one.place.startswith(f"src/a/a/{'talk' if hears else 'hear'}.py:")
+    assert one.fix == fix
+
+
+@pytest.mark.parametrize(
     ("name", "declared", "meant"),
     [
         ("rosbot_localization", "robot_localization", ""),

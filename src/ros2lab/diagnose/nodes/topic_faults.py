@@ -17,7 +17,7 @@ from ros2lab.diagnose.nodes.qos_written import with_policy, with_profile_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
 from ros2lab.diagnose.sources.qualities import POLICIES, policies_of
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.rhythm import has_period
@@ -242,8 +242,20 @@ def _in_name(topic: str, shown: str) -> bool:
 def _makes_its_type(end: End) -> bool:
     """Return whether the file of an end creates messages of the type that the end names."""
     source = end.creation.source
-    calls = source.calls
-    return any(end.sources.resolve(source, call.func) == end.type for call in calls)
+    return any(end.sources.resolve(source, call.func) == end.type for call in source.calls)
+
+
+def _users(end: End, right: str) -> str:
+    """Say what else in the file of an end would not fit another type: messages made or fields read; empty if nothing."""
+    creation = end.creation
+    if end.is_publisher:
+        return f"where a {str(end.type).rpartition('.')[2]} is made" if _makes_its_type(end) else ""
+    function = end.sources.function_of(creation, creation.given("callback"))
+    taken = [argument.arg for argument in parameters(function)[-1:]] if function else []
+    used = [n for n in own_nodes(function) if isinstance(n, ast.Attribute)] if function else []
+    read = {n.attr for n in used if ast.unparse(n.value) in taken}
+    strange = sorted(read - {*(interfaces.fields_of(right) or read)})
+    return f"the callback, which reads {' and '.join(strange)}" if strange else ""
 
 
 def _types(topic: str, there: list[End], unnamed: list[End], partners: Partners) -> Iterator[Finding]:
@@ -261,6 +273,9 @@ def _types(topic: str, there: list[End], unnamed: list[End], partners: Partners)
         kind = right.rpartition(".")[2]
         cause = f"On {end.name!r} this node uses {end.type}, but {'the course' if wanted else 'another node'} uses {right}, so no messages arrive."
         fix = f"write {kind}, with `from {right.rpartition('.')[0]} import {kind}`"
+        if users := _users(end, right):
+            fix = f"{fix}, and change {users}, too"
+            fix += "" if wanted else "; or, if each type is right, give one of the two topics another name"
         yield Finding("topic-type", cause, end.place, fix, (end.name, right))
 
 
