@@ -85,7 +85,7 @@ def _words_of(problem: BaseException) -> str:
 
 def _is_outside(problem: BaseException) -> bool:
     modules = [frame.f_globals["__name__"] for frame, _ in traceback.walk_tb(problem.__traceback__)]
-    return isinstance(problem, _OUTSIDE) and modules[-1] != _READ_IN
+    return _asks_the_machine(problem) or (isinstance(problem, _OUTSIDE) and modules[-1] != _READ_IN)
 
 
 # Substitutions that fail because of the launch file itself; all others ask the machine.
@@ -101,9 +101,8 @@ def _asks_the_machine(problem: BaseException) -> bool:
 
 def _lacking(problem: BaseException) -> str:
     """Return the message about a package or module that is not on this machine; empty for other errors."""
-    if isinstance(problem, ImportError) or type(problem).__name__ == "PackageNotFoundError":
-        return str(problem.args[0]).partition(", searching")[0] if problem.args else ""
-    return ""
+    said, searched, _ = str(problem.args[0] if problem.args else "").partition(", searching")
+    return said if searched or isinstance(problem, ImportError) else ""
 
 
 def _parameters(frame: FrameType) -> dict[str, Any]:
@@ -281,10 +280,9 @@ class _Loading:
         try:
             self._visit(entity, context)
         except Exception as problem:  # a launch file may raise anything
-            if not _is_outside(problem) and not _asks_the_machine(problem):
+            if not _is_outside(problem):
                 raise
-            absent, searched, _ = str(problem).partition(", searching")
-            if lacks := _lacking(problem) or (absent if searched else ""):
+            if lacks := _lacking(problem):
                 self.later.append({"lacks": lacks, "line": self._line_of(problem)})
         self.is_later = was_later
 

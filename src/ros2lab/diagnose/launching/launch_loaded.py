@@ -141,12 +141,9 @@ def _joined(
     if "lacks" in told:
         return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
     source = read_source(path, path.stem, file.shown)
+    paths = [other for package in packages for other in package.launch_files]
     if told["error"] or told["faults"]:
         refusal = (told["error"] or {}).get("message", "")
-        if absent := re.match(r"\W*package '[^']+' not found, searching", refusal):
-            lacking = {"lacks": absent[0], "line": told["error"]["line"]}
-            return replace(file, lacks=tuple(_lacking(path, file, lacking, packages)))
-        paths = [other for package in packages for other in package.launch_files]
         lost = lost_argument(refusal, path, source, paths)
         faults = tuple(_refusals(path, file, told, packages) if lost is None else lost)
         return replace(file, faults=faults, refusal=refusal)
@@ -154,7 +151,6 @@ def _joined(
     given = [wanted for node in told["nodes"] for wanted in node["files"]]
     faults = (*_never_added(source, told["lost"]), *_torn(source, given, packages))
     faults += (*_from_here(source, given, packages),)
-    paths = [other for package in packages for other in package.launch_files]
     faults += (*set_late(path, file.shown, told["late"], paths),)
     faults += (*unknown_arguments(path, file.shown, told["unknown"]),)
     for lacking in told["later"]:
