@@ -131,6 +131,16 @@ def test_what_was_done_before_a_jump_is_removed_after_it(tmp_path: Path, body: s
     assert fixes(text, tmp_path, "unreachable") == [fix]
 
 
+def test_only_what_follows_in_the_same_block_is_never_reached(tmp_path: Path) -> None:
+    body = "def hear(self, text):\n    while text:\n        return text\n        break\n    self.state = text"
+    (found,) = (
+        f
+        for f in source_faults(sources_of(robot("self.hear('on')", body), tmp_path))
+        if f.code == "unreachable"
+    )
+    assert found.cause == "Python never reaches line 16 (`break`), because of `return text` on line 15."
+
+
 def with_use(made: str, use: str) -> Files:
     """Return a workspace whose first node has more lines in its constructor, and a line in its callback."""
     files = Files.right(NAME)

@@ -136,17 +136,16 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
             # An unreachable yield is how an empty generator is written.
             if any(isinstance(n, YIELDS) for n in ast.walk(after)):
                 continue
-            where = f" of {function.name}()" if isinstance(function, Function) else ""
-            cause = f"Nothing after `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, for example `{ast.unparse(after).splitlines()[0]}`."
+            rest = block[block.index(before) + 1 :]
+            never = lines_in_words(after.lineno, max(n.end_lineno or n.lineno for n in rest))
+            cause = f"Python never reaches {never} (`{ast.unparse(after).splitlines()[0]}`), because of `{ast.unparse(before)}` on line {before.lineno}."
             kind = type(before).__name__.lower()
             fix = f"move the {kind} to the end, or below the condition it belongs to"
-            rest = block[block.index(before) + 1 :]
             done = {*map(ast.unparse, block[: block.index(before)])}
             is_bare = isinstance(before, ast.Return) and before.value is None
             is_whole = isinstance(function, Function) and block is function.body
             if all(isinstance(n, _LEAVES) or ast.unparse(n) in done for n in rest):
-                last = max(n.end_lineno or n.lineno for n in rest)
-                fix = f"remove {lines_in_words(after.lineno, last)}"
+                fix = f"remove {never}"
             elif any(isinstance(n, _LEAVES) for n in rest) or (is_bare and is_whole):
                 fix = f"remove line {before.lineno}, or what comes after it; or write the {kind} below the condition it belongs to"
             yield Finding("unreachable", cause, source.at(after), fix)
