@@ -174,7 +174,7 @@ SILENT = {
         "    zip_safe=True,",
         "    zip_safe=True,\n    version='0.1.0',",
         "setup-syntax",
-        "into the version on line",
+        "or the version on line",
     ),
     "a command as one text": (
         "launch/robot.launch.py",

@@ -65,6 +65,28 @@ def handled(self):
     if old is not None:
         old(signal.SIGINT, None)
 
+def told(self, grid: list[list[int]], i: int):
+    return isinstance(grid[i][0], str) and grid[i][0] == '*'
+
+def skipped(self, grid: list[list[int]], i: int):
+    if not isinstance(grid[i], list) or type(grid[i][i]) is int:
+        return None
+    return grid[i][i] == '*'
+
+def level(self) -> int:
+    return 3
+
+def leveled(self):
+    return isinstance(self.level(), str) and self.level() == 'high'
+
+def marked(self, grid: list[list[int]], i: int):
+    grid[i][0] = '*'
+    return grid[0][i] == '*'
+
+def named(self, known: dict[str, int], name: str):
+    known[name] = 'x'
+    return known['a'] == 'x'
+
 def counted(call):
     def wrapper(self):
         self.get_logger().info(call.__name__)
@@ -98,6 +120,9 @@ def test_what_runs_in_spite_of_its_annotations_is_no_alarm(tmp_path: Path) -> No
     ("code", "body"),
     [
         ("never-equal", "def told(self, text: str):\n    return text == 3"),
+        ("never-equal", "def told(self, grid: list[list[int]], i: int):\n    return isinstance(i, int) and grid[i][0] == '*'"),
+        ("never-equal", "def told(self, grid: list[list[int]], i: int):\n    grid[i][0] = 1\n    return grid[i][0] == '*'"),
+        ("never-equal", "def told(self, number: int):\n    return not isinstance(number, str) and number == '*'"),
         ("argument-type", "def told(self):\n    return scaled('3')\n\n\ndef more(value: int):\n    return value + 1"),
         ("argument-type", "def rows(self, number: int):\n    return list(range(number))\n\ndef told(self, given: float):\n    return self.rows(given)"),
         ("message-field", "def told(self, thing: String):\n    return thing.header"),

@@ -251,3 +251,51 @@ def test_a_block_that_is_only_a_comment_gets_pass(text: str, line: int) -> None:
 def test_a_body_below_a_comment_is_indented() -> None:
     text = "def f(x):\n# the body\nreturn x + 1\n"
     assert mended(Slip("", 3, text)).splitlines()[2] == "    return x + 1"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "mended_line"),
+    [
+        ("def tell(self, given: list[]):", "def tell(self, given: list):"),
+        ("def tell(self, given: dict[str, list[ ]], *more: int):", "def tell(self, given: dict[str, list], *more: int):"),
+        ("def tell(self) -> partial[]:", "def tell(self) -> partial:"),
+        ("def tell(self, given: list[String):", "def tell(self, given: list[String]):"),
+        ("def tell(self, given: str = well heard):", "def tell(self, given: str = 'well heard'):"),
+    ],
+)  # fmt: skip
+def test_what_is_annotated_is_a_type_and_no_text(wrong: str, mended_line: str) -> None:
+    text = LISTENER.replace("def tell(self):", wrong)
+    assert mended(Slip("", 0, text)) == LISTENER.replace("def tell(self):", mended_line)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "cause", "fix"),
+    [
+        ("words: list[] = []", "the brackets after `list` are empty.", "write `words: list = []`"),
+        ("self.words[] = [1, 2]", "the brackets after `words` are empty.", "write `self.words = [1, 2]`"),
+        ("words = self.TOPICS[]", "the brackets after `TOPICS` are empty: an index", "write `words = self.TOPICS[...]`"),
+        ("self.get_logger[].info('on')", "or round ones if it is called.", "write `self.get_logger[...].info('on')`"),
+    ],
+)  # fmt: skip
+def test_empty_brackets_are_no_text_and_no_list(wrong: str, cause: str, fix: str) -> None:
+    text = LISTENER.replace("super().__init__(name)", wrong)
+    source = PythonSource("file", "file.py", text, False, Path("file.py"))
+    assert not source.tree.body
+    told = syntax_finding("node-syntax", source)
+    assert cause in told.cause
+    assert told.fix == fix
+
+
+@pytest.mark.parametrize(
+    ("given", "again", "fix"),
+    [
+        ("maintainer='Ann'", "maintainer='Ann'", "remove this one, or the maintainer on line 3"),
+        ("packages=['a']", "packages=['b']", "move the contents of this one into the packages on line 3, and remove this one"),
+        ("name='a'", "name='b', zip_safe=True, name='b'", "remove this one, or the name on line 4"),
+    ],
+)  # fmt: skip
+def test_only_what_holds_several_things_is_joined(given: str, again: str, fix: str) -> None:
+    text = f"from setuptools import setup\nsetup(\n    {given},\n    {again},\n)\n"
+    source = PythonSource("setup", "setup.py", text, False, Path("setup.py"))
+    assert not source.tree.body
+    assert syntax_finding("setup-syntax", source).fix == fix

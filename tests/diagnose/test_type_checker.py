@@ -226,3 +226,18 @@ def test_an_instance_is_looked_for_in_the_class_and_the_file(
     (found,) = [f for f in of_workspace(files.write(tmp_path)) if f.code == "argument-missing"]
     assert cause in found.cause
     assert found.fix.startswith(fix)
+
+
+@pytest.mark.parametrize("home", [".plan", ".", "my_bot.plan"])
+@pytest.mark.parametrize(
+    ("takes", "given", "kept"), [("a", "1, 2, 3", "1"), ("", "1, 2", ""), ("a, b=1", "1, 2, 3, 4", "1, 2")]
+)
+def test_no_more_arguments_are_kept_than_are_taken(
+    tmp_path: Path, home: str, takes: str, given: str, kept: str
+) -> None:
+    files = Files.right(NAMES[1]).put("my_bot/plan.py", f"def path({takes}):\n    return 3\n")
+    name = "plan.path" if home == "." else "path"
+    files.change("node", "import rclpy\n", f"import rclpy\nfrom {home} import {name.partition('.')[0]}\n")
+    files.change("node", TALK, f"        self.count += {name}({given})\n")
+    (told,) = [one for one in of_workspace(files.write(tmp_path)) if one.code == "argument-unknown"]
+    assert told.fix == f"write `{name}({kept})`"

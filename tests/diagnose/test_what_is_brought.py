@@ -368,6 +368,18 @@ def test_modules_may_be_installed_as_the_data_of_a_package(
     assert len(proposed(files, tmp_path, "init-file-missing")) == is_told
 
 
+@pytest.mark.parametrize("keywords", ["", "data_files=[('share/my_bot/plug', ['plug/gain.py'])],"])
+def test_what_no_import_finds_may_be_installed_as_data(tmp_path: Path, keywords: str) -> None:
+    files = importing("from plug.gain import GAIN").put("plug/gain.py", "GAIN = 2\n")
+    if keywords:
+        files.change("setup.py", "data_files=[", f"{keywords[:-2]}, ")
+    causes = [one.cause for one in of_workspace(files.write(tmp_path)) if one.code == "init-file-missing"]
+    assert len(causes) == 1
+    assert causes[0].endswith(
+        "so find_packages() skips it, and an installed program cannot import anything in it."
+    )
+
+
 def hyphenated(folder: str, file: str) -> Files:
     """Return a package with one program that no entry point names, and hyphens in its names."""
     files = right()

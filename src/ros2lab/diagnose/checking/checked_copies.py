@@ -131,8 +131,19 @@ def checked(source: PythonSource, texts: Sequence[bytes]) -> list[list[Row]]:
         found: dict[str, list[Row]] = {}
         for number, text in enumerate(texts):
             path = folder / f"copy_{number}.py"
-            path.write_bytes(text)
+            path.write_bytes(_with_whole_imports(source, text))
             found[str(path)] = []
         for row in said_of(list(found), [str(stubs), *home]):
             found[f"/{row['file'].lstrip('/')}"].append(Row(int(row["line"]), row["rule"], row["said"]))
     return [*found.values()]
+
+
+def _with_whole_imports(source: PythonSource, text: bytes) -> bytes:
+    """Return a copy of a file whose relative imports name their packages, because the copy lies in none."""
+    home = source.name.split(".")[: None if source.is_package else -1]
+
+    def whole(found: re.Match[bytes]) -> bytes:
+        outer = ".".join(home[: len(home) + 1 - len(found[2])]).encode()
+        return found[1] + (b".".join(filter(None, (outer, found[3]))) or found[2])
+
+    return re.sub(rb"(?m)^([ \t]*from[ \t]+)(\.+)[ \t]*(?!import\b)(\w*)", whole, text)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import yaml
 
 from ros2lab.diagnose.checking.checked_copies import Row, checked
-from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted
+from ros2lab.diagnose.checking.doubts import contradicted, is_asked_for, is_contradicted
 from ros2lab.diagnose.checking.edits import Edit, all_applied, copied, revealing
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, kinds_in, message_annotations
 from ros2lab.diagnose.finding import Finding
@@ -80,33 +80,24 @@ def _compared(source: PythonSource) -> Iterator[_Compared]:
             constants = [operand for operand in others if isinstance(operand, ast.Constant)]
             families = {_family_of(constant.value) for constant in constants}
             is_asked = len(constants) == len(others) and len(families) == 1 and "" not in families
-            is_known = families == {"a string"} and _is_text(side)
-            if is_asked and not is_known and not isinstance(side, ast.Constant):
+            is_guard = ast.unparse(side) == "__name__" and families == {"a string"}  # a string in every file
+            if is_asked and not is_guard and not isinstance(side, ast.Constant):
                 yield _Compared(node, side, constants, is_equal)
-
-
-def _is_text(side: ast.expr) -> bool:
-    """Return whether a side is a string whatever surrounds it, as in the guard of a program."""
-    return isinstance(side, ast.JoinedStr) or (
-        isinstance(side, ast.Name) and side.id in ("__name__", "__file__")
-    )
 
 
 def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
     """Return the types of the sides as the type checker writes them, in file order; empty if unknown."""
-    known = _edited(source, [*message_annotations(source, look), *parameter_casts(source, sources)])
+    edits = [*message_annotations(source, look), *parameter_casts(source, sources)]  # none inside another
+    known = copied(source, b"".join(all_applied(source.lines, edits)))
     asked = _comparisons(known)
     rows: list[Row] = checked(source, [revealing(known, [comparison.side for comparison in asked])])[0]
     kinds = kinds_in(rows)
     denied = contradicted(known, ((row.line, row.said) for row in rows))
-    doubted = [is_contradicted(known, comparison.node.lineno, denied) for comparison in asked]
+    doubted = [
+        is_asked_for(known, one.side) or is_contradicted(known, one.node.lineno, denied) for one in asked
+    ]
     told = zip(doubted, kinds, strict=True) if len(kinds) == len(asked) else ()
     return ["Unknown" if is_doubted else kind for is_doubted, kind in told]
-
-
-def _edited(source: PythonSource, edits: Sequence[Edit]) -> PythonSource:
-    """Return a copy of a file with some edits, none of which is inside another."""
-    return copied(source, b"".join(all_applied(source.lines, edits)))
 
 
 def _told(

@@ -15,10 +15,12 @@ from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters
-from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, own_parameters, stores_in
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, own_parameters
 
 _OF_CALLS = (*RULES, "no-matching-overload")  # what fails when it runs, too
-_CONTRADICTS = re.compile(r"Object of type `(?!None`).+` is not assignable to ")
+_CONTRADICTS = re.compile(
+    r"Object of type `(?!None`).+` is not assignable to |Invalid subscript assignment .+ value of type `(?!None`)"
+)
 
 
 def is_doubtful(row: re.Match[str], said: re.Match[str], source: PythonSource, own: NodeSources) -> bool:
@@ -144,9 +146,31 @@ def type_name(kind: str) -> str:
 
 
 def contradicted(source: PythonSource, said: Iterable[tuple[int, str]]) -> set[tuple[str, str]]:
-    """Return the names whose annotations the code contradicts on some lines, by what is said of them, each with its function."""
+    """Return the names whose types the code contradicts on some lines, by what is said of them, each with its function.
+
+    What is stored in an item contradicts the type of what holds it.
+    """
     lines = {line for line, text in said if _CONTRADICTS.match(text)}
-    return {_placed(source, node) for node in stores_in(source.nodes) if node.lineno in lines}
+    stored = [n for n in source.nodes if isinstance(getattr(n, "ctx", None), ast.Store)]
+    changed = [node for node in stored if getattr(node, "lineno", 0) in lines]
+    for node in changed:
+        if isinstance(node, ast.Subscript):
+            changed.append(node.value)
+    return {_placed(source, node) for node in changed if isinstance(node, (ast.Name, ast.Attribute))}
+
+
+def is_asked_for(source: PythonSource, value: ast.expr) -> bool:
+    """Return whether the function around a value asks for its type, where the type checker does not follow that.
+
+    It follows names, attributes and items at a constant place, and neither other items nor what a call returns.
+    """
+    items = [n for n in ast.walk(value) if isinstance(n, (ast.Call, ast.Subscript))]
+    if all(isinstance(getattr(item, "slice", None), ast.Constant) for item in items):
+        return False
+    named, around = {*map(ast.unparse, (value, *items))}, Spot(source, value.lineno).function
+    asking = (c for c in source.calls if around is None or c in ast.walk(around))
+    asking = (c for c in asking if c.args and ast.unparse(c.func) in ("isinstance", "type"))
+    return any(ast.unparse(call.args[0]) in named for call in asking)
 
 
 def is_contradicted(source: PythonSource, line: int, names: Collection[tuple[str, str]]) -> bool:

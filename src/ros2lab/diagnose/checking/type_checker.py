@@ -252,17 +252,11 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
     """Return code, cause and fix of wrong arguments; the fix is general, for functions that are not known."""
     if short == "object":
         cause = "super().__init__() takes no arguments here, because the class has no base class."
-        return (
-            "argument-unknown",
-            cause,
-            "write the base class in parentheses after the class name, such as (Node)",
-        )
+        fix = "write the base class in parentheses after the class name, such as (Node)"
+        return "argument-unknown", cause, fix
     if rule == "missing-argument":
-        return (
-            "argument-missing",
-            f"{short} is called without {name}.",
-            f"add {name} in the parentheses of {short}(...)",
-        )
+        fix = f"add {name} in the parentheses of {short}(...)"
+        return "argument-missing", f"{short} is called without {name}.", fix
     if rule == "unknown-argument":
         fix = f"fix the spelling of {name}, or remove it"
         return "argument-unknown", f"{short} has no argument called {name}.", fix
@@ -270,11 +264,8 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
         is_method = "method" in said["what"] or said["owner"].endswith("__init__")
         takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
         cause = f"{short} is called with {given} positional argument{'s' * (given != 1)} but takes {takes or 'none'}."
-        return (
-            "argument-unknown",
-            cause,
-            "remove the extra arguments, or pass them as keyword arguments, as in name=value",
-        )
+        fix = "remove the extra arguments, or pass them as keyword arguments, as in name=value"
+        return "argument-unknown", cause, fix
     return "argument-type", *not_taken(short, said.get("value", ""), said["wanted"], said["given"])
 
 

@@ -37,6 +37,10 @@ _CLOSERS, _OPENERS, _QUOTES = ")]}", "([{", "'\""
 # What a line's end may lack.
 _ENDS = (":", ",", ")", "]", "}", "))", "):", "),", "],", "},", ")),", ")]", "])")
 _WORDS = (*keyword.kwlist, "match", "case")
+# A line up to a place in an annotation: after an arrow, or after the colon of a parameter or a variable.
+_IN_TYPE = re.compile(
+    r"\s*(?:async\s+)?def\b.*(?:->[^:]*|[(,]\s*\*{0,2}\w+\s*:[^=]*)$|\s*(?!(?:else|finally|lambda|try)\b)[\w.]+\s*:[^=]*$"
+)
 _MOST_TOKENS = 80  # of a line that is edited everywhere
 
 
@@ -79,6 +83,7 @@ def edits_of(number: int, text: str, known: Collection[str]) -> Iterator[Repair]
             _removed,
             _exchanged,
             _quoted_through,
+            _emptied,
             _other_quotes,
             _in_braces,
             _other_words,
@@ -193,10 +198,20 @@ def _quoted_through(line: _Line) -> Iterator[Repair]:
     for begin, end in itertools.product(begins, ends):
         inner = line.text[begin:end]
         is_statement = begin == line.tokens[0].start() and keyword.iskeyword(line.tokens[0][0])
-        if inner and not is_statement and not any(quote in inner for quote in _QUOTES):
+        is_text = not any(quote in inner for quote in _QUOTES) and not _IN_TYPE.match(line.text[:begin])
+        if inner and not is_statement and is_text:
             why = f"there are no quotes around the text `{_short(inner)}`"
             # The shortest is meant: a value, and not what it is called.
             yield line.spliced(begin, end, f"'{inner}'", why, SELDOM + len(inner) / 1000)
+
+
+def _emptied(line: _Line) -> Iterator[Repair]:
+    """Yield a line without the empty brackets of a type or a variable, as in `list[]`, or with a gap in those of a value."""
+    for found in re.finditer(r"([A-Za-z_]\w*)(\s*\[\s*\])(\s*=(?!=))?", line.text[: line.end]):
+        new, why = "", f"the brackets after `{found[1]}` are empty"
+        if not found[3] and not _IN_TYPE.match(line.text[: found.start()]):
+            new, why = "[...]", f"{why}: an index belongs in them, or round ones if it is called"
+        yield line.spliced(*found.span(2), new, why, USUAL - 0.1)
 
 
 def _other_quotes(line: _Line) -> Iterator[Repair]:

@@ -63,7 +63,7 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
     if ("find_packages(" in setup.source.text or in_cfg == "find:") and not package.has(
         f"{folder}/__init__.py"
     ):
-        cause = f"The folder {folder} has no __init__.py, so {in_cfg or 'find_packages()'} skips it and nothing in it is installed."
+        cause = f"The folder {folder} has no __init__.py, so {in_cfg or 'find_packages()'} skips it, and an installed program cannot import anything in it."
         fix = (
             f"mv {quote(package.shown(called))} {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
             if (called := alike(package.folder, f"{folder}/__init__.py"))

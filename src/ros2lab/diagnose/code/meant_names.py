@@ -380,6 +380,8 @@ def _unexplained(unknown: Unknown) -> Reading:
         return f"{cause_of(unknown)} It exists only inside a method.", fix
     if unknown.is_called:
         fix = f"write the object that {unknown.name} belongs to, and a dot, before it; otherwise import or define it above"
+    elif unknown.name[:1].isupper() and not unknown.name.isupper():
+        fix = f"import or define {unknown.name} above"
     else:
         fix = f"write a line above it that gives {unknown.name} its value"
     return cause_of(unknown), fix

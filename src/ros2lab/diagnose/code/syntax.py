@@ -113,10 +113,12 @@ def _fix(fault: SyntaxError, source: PythonSource | None) -> str:
 def _fix_said(fault: SyntaxError, source: PythonSource | None) -> str:
     """Say what to do about a syntax error that Python explains itself."""
     if twice := re.match(r"keyword argument repeated: (\w+)", fault.msg or ""):
-        lines = enumerate(source.text.splitlines()[: (fault.lineno or 1) - 1] if source else (), 1)
-        others = [number for number, line in lines if re.search(rf"\b{twice[1]}\s*=", line)]
-        where = f" on line {others[-1]}" if others else ""
-        return f"move the contents of this one into the {twice[1]}{where}, and remove this one"
+        lines = enumerate(source.text.splitlines()[: fault.lineno or 1] if source else (), 1)
+        given = [(n, sign) for n, line in lines for sign in re.findall(rf"\b{twice[1]}\s*=\s*(\S?)", line)]
+        where = f" on line {given[-2][0]}" if given[1:] else ""
+        if given and given[-1][1] in "[({":
+            return f"move the contents of this one into the {twice[1]}{where}, and remove this one"
+        return f"remove this one, or the {twice[1]}{where}"
     if outside := re.match(r"'(\w+)' outside (?:of )?(.+)", fault.msg or ""):
         return f"remove {outside[1]}, or put it inside {with_article(outside[2])}"
     return "fix this line as the message says"

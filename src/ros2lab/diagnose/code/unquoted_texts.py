@@ -9,10 +9,11 @@ import sys
 from ros2lab.diagnose.code.unknown_names import Unknown, cause_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import last_name
-from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.signatures import Parameter, kind_of, signature_of
 
 _Reading = tuple[str, str]  # the cause, and the fix
 _FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
+_HOLDERS = (ast.List, ast.Tuple, ast.Dict, ast.Set)
 _PATH_SIGNS = (ast.Div, ast.Sub, ast.MatMult)  # `/`, `-` and `@` in a string without quotes
 
 
@@ -37,13 +38,15 @@ def as_text(unknown: Unknown) -> _Reading | None:
     """A word without quotes, where a string makes sense and the name is used for nothing else."""
     if len(unknown.uses) > 1 or not _may_be_text(unknown, unknown.node):
         return None
-    call = unknown.above()
+    outer, call = unknown.node, unknown.above()
+    while isinstance(call, _HOLDERS):
+        outer, call = call, unknown.above(call)
     if isinstance(call, ast.Call):
         module = (unknown.source.resolve(call.func) or "").partition(".")[0]
         known = interfaces.PACKAGES | sys.stdlib_module_names | {unknown.source.name.partition(".")[0]}
         if module in {i.target.partition(".")[0] for i in unknown.source.imports} - known:
             return None  # what a library takes is not known
-        if last_name(call.func) == "join" and call.args[0] is unknown.node and len(call.args) > 1:
+        if last_name(call.func) == "join" and call.args[0] is outer and len(call.args) > 1:
             return _as_share_folder(unknown)
     fix = unknown.with_text(unknown.node, repr(unknown.name))
     cause = cause_of(unknown)
@@ -65,19 +68,24 @@ def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
     """Return whether an expression is an argument, an element or, if it looks like a path, any other value."""
     around = unknown.above(whole)
     if isinstance(around, ast.Call):
-        signature = signature_of(unknown.source, around) if whole in around.args else None
-        if whole not in around.args:
-            return False
-        wanted = signature.places[around.args.index(whole) :][:1] if signature else []
-        return all(parameter.takes(ast.Constant("")) for parameter in wanted)
+        given, signature = around.args, signature_of(unknown.source, around)
+        wanted = signature.places[given.index(whole) :][:1] if signature and whole in given else []
+        return whole in given and all(map(_takes_text, wanted))
     if isinstance(around, ast.keyword):
         call = unknown.above(around)
         signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None
         named = signature.named(around.arg or "") if signature else None
-        return named is None or named.takes(ast.Constant(""))
+        return named is None or _takes_text(named)
+    if isinstance(around, (ast.List, ast.Tuple, ast.Set)) and {*map(kind_of, around.elts)} - {None, "str"}:
+        return False  # what lies beside it is no text
     is_joined = isinstance(around, ast.BinOp) and isinstance(around.op, ast.Add)
-    is_value = isinstance(around, (ast.List, ast.Tuple, ast.Dict, ast.Set, ast.Return, ast.Assign))
+    is_value = isinstance(around, (*_HOLDERS, ast.Return, ast.Assign))
     return is_value or (is_joined and whole is not unknown.node)
+
+
+def _takes_text(parameter: Parameter) -> bool:
+    """Return whether a parameter accepts a string; rclpy annotates none of those that take a message's type."""
+    return parameter.takes(ast.Constant("")) and not parameter.name.endswith("_type")
 
 
 def _whole(unknown: Unknown) -> tuple[ast.AST, str]:
