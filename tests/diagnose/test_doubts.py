@@ -83,6 +83,10 @@ def marked(self, grid: list[list[int]], i: int):
     grid[i][0] = '*'
     return grid[0][i] == '*'
 
+def resized(self, sizes: list[Size], i: int, j: int):
+    sizes[i].wide = 'big'
+    return sizes[j].wide == 'big'
+
 def named(self, known: dict[str, int], name: str):
     known[name] = 'x'
     return known['a'] == 'x'

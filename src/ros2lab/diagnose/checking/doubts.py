@@ -148,14 +148,15 @@ def type_name(kind: str) -> str:
 def contradicted(source: PythonSource, said: Iterable[tuple[int, str]]) -> set[tuple[str, str]]:
     """Return the names whose types the code contradicts on some lines, by what is said of them, each with its function.
 
-    What is stored in an item contradicts the type of what holds it.
+    What is stored in an item, or in an attribute of one, contradicts the type of what holds it.
     """
     lines = {line for line, text in said if _CONTRADICTS.match(text)}
     stored = [n for n in source.nodes if isinstance(getattr(n, "ctx", None), ast.Store)]
     changed = [node for node in stored if getattr(node, "lineno", 0) in lines]
     for node in changed:
-        if isinstance(node, ast.Subscript):
-            changed.append(node.value)
+        inner = getattr(node, "value", None)
+        if inner and (isinstance(node, ast.Subscript) or isinstance(inner, ast.Subscript)):
+            changed.append(inner)
     return {_placed(source, node) for node in changed if isinstance(node, (ast.Name, ast.Attribute))}
 
 
