@@ -77,17 +77,14 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     short = owner.rpartition(".")[2]
     at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
     if call and at_fault:
-        named = (keyword for keyword in call.keywords if keyword.arg and keyword.value is at_fault)
-        said["value"] = ast.unparse(next(named, at_fault))
+        said["value"] = _as_given(call, at_fault)
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
     if told := _of_known(rule, name, cause, call, spot=spot, look=look):
         return Finding(code, told[0], place, told[1])
     if rule == "unknown-argument":
-        given = [keyword.arg for keyword in call.keywords]
-        near = nearest(name, {*given} - {name})
-        fix = write_instead(near, name, given) if near else fix
+        fix = _nearer(name, call) or fix
     elif rule == "missing-argument":
         fix = _to_add(short, name.split(", "), spot)
     made = ast.unparse(call.func)
@@ -100,6 +97,19 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
     fix = _tried(spot.source, call, at_fault, said, row, is_short=is_short) or fix
     return Finding(code, cause, place, fix)
+
+
+def _as_given(call: ast.Call, value: ast.expr) -> str:
+    """Return an argument of a call as it is written, with its keyword if it has one."""
+    named = (keyword for keyword in call.keywords if keyword.arg and keyword.value is value)
+    return ast.unparse(next(named, value))
+
+
+def _nearer(name: str, call: ast.Call) -> str:
+    """Return which keyword of a call a name is to be written as; empty if none is near."""
+    given = [keyword.arg for keyword in call.keywords]
+    near = nearest(name, {*given} - {name})
+    return write_instead(near, name, given) if near else ""
 
 
 def _of_known(

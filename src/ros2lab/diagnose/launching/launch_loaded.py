@@ -379,18 +379,18 @@ def _lacking(
     if is_later and not near and not here:
         return
     line = told["line"] or _named_on(path, name)
-    if not line and any(_named_on(other, name) for home in packages for other in home.launch_files):
+    if not line and _is_named_elsewhere(name, packages):
         return  # it is told of the launch file that names it, which this one includes
-    place = at(file.shown, line)
     fails = "an action fails that launch runs later" if is_later else "launch cannot load this file"
-    if here:
-        cause, fix = here
-    else:
-        cause = (
-            f"{name} is {'not installed here' if is_right else 'neither in this workspace nor installed'}."
-        )
-        fix = f"write {near} instead of {name}" if near else _how_to_get(name, is_module=is_module)
-    yield Finding("launch-package", f"{fails}: {cause}", place, fix, (name,))
+    where = "not installed here" if is_right else "neither in this workspace nor installed"
+    fix = f"write {near} instead of {name}" if near else _how_to_get(name, is_module=is_module)
+    cause, fix = here or (f"{name} is {where}.", fix)
+    yield Finding("launch-package", f"{fails}: {cause}", at(file.shown, line), fix, (name,))
+
+
+def _is_named_elsewhere(name: str, packages: Sequence[SourcePackage]) -> bool:
+    """Return whether some launch file names a package or module."""
+    return any(_named_on(path, name) for package in packages for path in package.launch_files)
 
 
 def _named_on(path: Path, name: str) -> int | None:

@@ -111,29 +111,33 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
         others = (node for middle in between if not isinstance(middle, Function) for node in walk(middle))
         if any(name in named(node) for node in others):
             continue  # the first one is used in between
-        given = [creation for creation, function in uses.sources.callbacks() if function is statement]
         where = f" of {scope.name}" if isinstance(scope, ast.ClassDef) else ""
         what = f"{name}()" if isinstance(statement, Function) else f"The class {name}"
         if ast.dump(first) == ast.dump(statement):
             continue
+        cause = f"{what}{where} is defined twice: this one replaces the one on line {first.lineno}, which is never called."
         if asked := _lacking(uses, scope, name):
             fix = f"write `def {asked[0]}` here, if it is the one that {asked[1]} calls; otherwise remove one of the two"
-        elif isinstance(first, Function) and _is_empty(first):
-            fix = f"remove the one on line {first.lineno}, which does nothing"
-        elif isinstance(statement, Function) and _is_empty(statement):
-            fix = "remove this one, if it is only a draft"
-        elif len({creation.function for creation in given}) == 1 < len(given) < 3:
-            last = given[-1].call
-            fix = (
-                f"write another name here, such as `def {name}_2`, and give self.{name}_2 to "
-                f"{given[-1].method} on line {last.lineno}"
-            )
-        elif isinstance(statement, Function) and name != "__init__":
-            fix = f"move the lines from line {first.lineno} on into this one, or remove this one"
         else:
-            fix = f"merge the two, and remove the one on line {first.lineno}"
-        cause = f"{what}{where} is defined twice: this one replaces the one on line {first.lineno}, which is never called."
+            fix = _one_of_two(uses, first, statement)
         yield Finding("replaced", cause, source.at(statement), fix, never=(source.at(first),))
+
+
+def _one_of_two(uses: Uses, first: ast.stmt, last: Function | ast.ClassDef) -> str:
+    """Return what to do with two definitions of one name: a draft goes, and two uses beside each other have one each."""
+    if isinstance(last, ast.ClassDef) or not isinstance(first, Function):
+        return f"merge the two, and remove the one on line {first.lineno}"
+    given = [creation for creation, function in uses.sources.callbacks() if function is last]
+    if _is_empty(first):
+        return f"remove the one on line {first.lineno}, which does nothing"
+    if _is_empty(last):
+        return "remove this one, if it is only a draft"
+    if len(given) == 2 and given[0].function is given[1].function:
+        name = f"{last.name}_2"
+        return f"write another name here, such as `def {name}`, and give self.{name} to {given[1].method} on line {given[1].call.lineno}"
+    if last.name == "__init__":
+        return f"merge the two, and remove the one on line {first.lineno}"
+    return f"move the lines from line {first.lineno} on into this one, or remove this one"
 
 
 def _lacking(uses: Uses, scope: ast.AST, name: str) -> tuple[str, str] | None:

@@ -15,6 +15,7 @@ from ros2lab.diagnose.finding import Finding, in_a_row, shown_path
 from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.diagnose.sources.package import SourcePackage, discover
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
+from ros2lab.diagnose.sources.setup_script import SetupScript
 
 _BUILD = "colcon build --packages-select"
 
@@ -219,24 +220,14 @@ def _built_in(root: Path) -> Path | None:
 def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
     """Yield what an earlier build installed and setup.py no longer names."""
     setup = package.setup
-    points = setup.entry_points if setup else None
-    lib = prefix / "lib" / package.name
-    names = {point.name for point in points or ()}
-    # What setuptools makes of an entry point of another form depends on its version.
-    are_known = all(point.module for point in points or ())
-    installed = lib.glob("*") if are_known else ()
-    old = [path for path in installed if path.name not in names and "console_scripts" in read_text(path)]
-    if setup and setup.are_data_files_known:
-        wanted = {prefix / target / Path(file).name for target, files in setup.data_files for file in files}
-        share = prefix / "share" / package.name
-        folders = {path.parent for path in wanted if share in path.parents} - {share} | {share / "launch"}
-        old += [
-            path for f in sorted(folders) for path in f.glob("*.*") if path not in wanted and path.is_file()
-        ]
+    if setup is None or not setup.entry_points:
+        return
+    names = {point.name for point in setup.entry_points}
+    programs = _old_programs(package, prefix, names)
     listed = [*_metadata(prefix, package.name), *_linked_metadata(prefix, package.name)]
     texts = "\n".join(read_text(folder / "entry_points.txt") for folder in listed)
-    for path in old if points else ():
-        shown, is_program = shown_path(path, root), path.parent == lib
+    for path in (*programs, *_old_files(setup, prefix / "share" / package.name, prefix)):
+        shown, is_program = shown_path(path, root), path in programs
         now = f", which now has {in_a_row(sorted(names))}," if is_program else ""
         is_dead = is_program and texts.strip() and not re.search(rf"^{re.escape(path.name)}\s*=", texts, re.M)
         does = "ends in StopIteration when it is started" if is_dead else "can still be started"
@@ -245,6 +236,24 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
         )
         fix = f"rm {quote(shown)}; or name it in setup.py, if it is still wanted, and build again"
         yield Finding("left-over", cause, shown, fix)
+
+
+def _old_programs(package: SourcePackage, prefix: Path, names: Collection[str]) -> list[Path]:
+    """Return the start scripts of no entry point; what setuptools makes of one of another form depends on its version."""
+    if not all(point.module for point in package.points):
+        return []
+    installed = (prefix / "lib" / package.name).glob("*")
+    return [path for path in installed if path.name not in names and "console_scripts" in read_text(path)]
+
+
+def _old_files(setup: SetupScript, share: Path, prefix: Path) -> list[Path]:
+    """Return the files in the folders below a package's share that data_files does not name; none if it is not known."""
+    if not setup.are_data_files_known:
+        return []
+    wanted = {prefix / target / Path(file).name for target, files in setup.data_files for file in files}
+    folders = {path.parent for path in wanted if share in path.parents} - {share} | {share / "launch"}
+    found = (path for folder in sorted(folders) for path in folder.glob("*.*"))
+    return [path for path in found if path not in wanted and path.is_file()]
 
 
 def _hides_new(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:

@@ -56,12 +56,19 @@ class Told(NamedTuple):
         processed: those that something of their own follows, and those whose effect holds already.
         already: those whose effect holds already.
         believed: those that only the log shows to have come, and on which the code depends.
+        unsent: those that were not sent because an earlier one ended a node, which counts elsewhere.
     """
 
     effects: dict[int, dict[str, str]]
     processed: set[str]
     already: set[str]
     believed: set[str]
+    unsent: set[str]
+
+    @property
+    def known(self) -> set[str]:
+        """Those that are told apart, or were not sent."""
+        return self.processed | self.believed | self.unsent
 
 
 def told_of(case: Case, part: Part) -> Told:
@@ -78,8 +85,8 @@ def told_of(case: Case, part: Part) -> Told:
     already = _is_so_already(case, part, effects)
     processed = (words_of(effects, "processed") | already) - by_place
     believed = words_of(effects, "echoed") & _depended_on(case)
-    believed -= processed | unsent_by(part, runs.values()) | by_place
-    return Told(effects, processed, already, believed)
+    unsent = unsent_by(part, runs.values())
+    return Told(effects, processed, already, believed - processed - unsent - by_place, unsent)
 
 
 def _depended_on(case: Case) -> set[str]:

@@ -9,13 +9,14 @@ with them. How a program moves the robot does not matter here.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.judging import reactions
 from ros2lab.grading.judging.commanded import (
+    Told,
     compares_in_vain,
     moved_parts,
     telling_players,
@@ -63,25 +64,12 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     telling = [player.run for player in telling_players(players)]
     told = told_of(case, part)
     own = _own_words(part, runs.values(), {*map(id, telling)}, unprompted(case))
-    unsent = unsent_by(part, runs.values())
-    known = told.processed | told.believed | unsent
-    count = len(known) + min(len(own), len(part.commands) - len(known)) // 2
-    if count == len(part.commands) and (unsent or told.believed):
-        level = "told_apart" if told.believed else "until_end"
-    elif told.processed:
-        level = "inverted" if _is_inverted(case, part) else _level_of(count, part)
-    elif any(_obeys_capitals(part, run, unprompted(case)) for run in runs.values()):
-        level = "capitals"
-    elif own and not known:
-        level = "own_words"
-    else:
-        is_echo = not known and words_of(told.effects, "echoed") and not compares_in_vain(case)
-        level = "echoed" if is_echo else _level_of(count, part)
-    mixed = (
-        next(filter(None, (taken_for_unknown(part, run) for run in telling)), {}) if level == "all" else {}
-    )
+    level = _processed(case, part, [*runs.values()], told, own)
+    mixed: dict[str, str] = {}
+    if level == "all":
+        mixed = next(filter(None, (taken_for_unknown(part, run) for run in telling)), mixed)
     level = "mixed" if mixed else level
-    known -= mixed.keys() | (told.believed if level == "told_apart" else set())
+    known = told.known - mixed.keys() - (told.believed if level == "told_apart" else set())
     so = f"; what {listed(sorted(told.already))} is to bring about is so already" if told.already else ""
     seen = _SAID | {
         "unprocessed": listed([word for word in part.commands if word not in known]),
@@ -92,6 +80,22 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     }
     best = max(told.effects, key=lambda number: [*told.effects[number].values()].count("processed"))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
+
+
+def _processed(case: Case, part: Part, runs: Sequence[Run], told: Told, own: Sequence[str]) -> str:
+    """Return the level for how many commands are told from unknown words, and by what."""
+    known = told.known
+    count = len(known) + min(len(own), len(part.commands) - len(known)) // 2
+    if count == len(part.commands) and (told.unsent or told.believed):
+        return "told_apart" if told.believed else "until_end"
+    if told.processed:
+        return "inverted" if _is_inverted(case, part) else _level_of(count, part)
+    if any(_obeys_capitals(part, run, unprompted(case)) for run in runs):
+        return "capitals"
+    if own and not known:
+        return "own_words"
+    is_echo = not known and words_of(told.effects, "echoed") and not compares_in_vain(case)
+    return "echoed" if is_echo else _level_of(count, part)
 
 
 def _own_words(

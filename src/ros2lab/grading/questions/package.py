@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 from ros2lab.assignments import Part
 from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.spelling import is_near_miss
-from ros2lab.grading.evidence import NO_WORD, Executable, Run
+from ros2lab.grading.evidence import NO_WORD, Build, Executable, Run
 from ros2lab.grading.judging.player import lacked
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -177,16 +177,22 @@ def nodes_are_installed(case: Case) -> Answer:
     if build.cut or ("installed" not in ways and not is_right):
         level = "unread" if facts.get("has_entry_points") and not build.cut else "none"
         return Answer(level, seen, keys, "setup.py")
-    failing = [executable.fault for executable in points if executable.fault]
-    is_there = build.is_built and facts.get("scripts_go_to_lib")
-    if is_right and not (is_there and (facts.get("installs_modules") or (points and not failing))):
-        seen["unreachable"] = "nothing is installed where `ros2 run` looks"
-        if is_there and failing:
-            seen["unreachable"] = f"what is installed does not start: {shown(failing[0], 160).rstrip('.')}"
-        return Answer("unreachable", seen, keys, "setup.py", excuse=wanting(case))
+    if is_right and (why := _unreachable(build, facts, points)):
+        return Answer("unreachable", seen | {"unreachable": why}, keys, "setup.py", excuse=wanting(case))
     if not lost and (idle := _idle(case)):
         return Answer("idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), "setup.py")
     return Answer(("all", "one_lost", "two_lost")[min(len(lost), 2)], seen, keys, "setup.py")
+
+
+def _unreachable(build: Build, facts: Mapping[str, bool], points: Sequence[Executable]) -> str:
+    """Return why `ros2 run` starts nothing although the entry points are right; empty if it starts what there is."""
+    nowhere = "nothing is installed where `ros2 run` looks"
+    if not (build.is_built and facts.get("scripts_go_to_lib")):
+        return nowhere
+    failing = [point.fault for point in points if point.fault]
+    if facts.get("installs_modules") or (points and not failing):
+        return ""
+    return f"what is installed does not start: {shown(failing[0], 160).rstrip('.')}" if failing else nowhere
 
 
 def _lost(case: Case) -> tuple[list[str], list[str]]:
