@@ -465,6 +465,17 @@ def obey(message):
 node.create_subscription(String, "/robot/command", obey, 10)
 rclpy.spin(node)
 """,
+    "restarts": f"""
+import os
+rclpy.init()
+{COMMAND}
+def obey(message):
+    if message.data == "dance":
+        os.execv(sys.executable, [sys.executable, *sys.argv])
+    node.get_logger().info("took " + message.data)
+node.create_subscription(String, "/robot/command", obey, 10)
+rclpy.spin(node)
+""",
     "elsewhere": """
 import os
 own = int(os.environ["ROS_DOMAIN_ID"])
@@ -526,6 +537,7 @@ def seen(run: Run) -> str:
     What a flood has left in the queues comes after it, more or less of it, sooner or later.
     """
     texts = [command.text for command in run.commands]
+    print([(c.text, c.anew) for c in run.commands], run.clock, run.notes)
     steady = texts.index(FLOOD) if FLOOD in texts else len(texts)
     answers = any(one.log or one.topics for one in run.commands[steady:])
     later = [replace(one, log=[], topics={}) for one in run.commands[steady:]]
@@ -628,6 +640,7 @@ def test_the_graph_is_seen(runs: Runs) -> None:
 def test_what_follows_each_command_is_seen(runs: Runs) -> None:
     run = runs["three_nodes"]
     texts = [command.text for command in run.commands]
+    print([(c.text, c.anew) for c in run.commands], run.clock, run.notes)
     assert texts == [
         "start",
         "stop",
@@ -698,6 +711,20 @@ def test_a_program_that_dies_of_a_command_is_seen_to(runs: Runs) -> None:
         ("dance", False),
     ]
     assert "KeyError: 'dance'" in run.ended["dies"]
+
+
+def test_a_program_that_starts_itself_anew_is_seen_to(observer: Observer) -> None:
+    """It is another participant from then on, whether it is met before the next command or after it."""
+    (run,) = observer.watch([Job.alone(program("restarts"))])
+    texts = [command.text for command in run.commands]
+    anew = [number for number, command in enumerate(run.commands) if command.anew]
+    assert all(run.commands[number].anew == ["/command"] for number in anew)
+    assert texts.index("dance") <= anew[0]
+    assert run.ended == {}
+
+
+def test_a_program_that_lives_on_is_not_there_anew(runs: Runs) -> None:
+    assert not any(command.anew for command in runs["class_node"].commands)
 
 
 def test_a_program_that_cannot_start_says_why(runs: Runs) -> None:
