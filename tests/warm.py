@@ -17,9 +17,8 @@ import signal
 import socket
 import subprocess
 import sys
-import sysconfig
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 # What Python, its libraries and ROS read when they are loaded: where one of these differs, a process is started.
@@ -31,14 +30,14 @@ class WarmCommand:
     """A command of the project that is run many times.
 
     Args:
-        name: the command, such as `ros2`.
+        command: the words that start it.
         entry: what it calls, as `module:function`.
         packages: whose modules are imported before, with all that are below them.
     """
 
-    def __init__(self, name: str, entry: str, *packages: str) -> None:
-        self._path = str(Path(sysconfig.get_path("scripts"), name))
-        self._words = [self._path, entry, *packages]
+    def __init__(self, command: Sequence[str], entry: str, *packages: str) -> None:
+        self._command = command
+        self._served = [command[-1], entry, *packages]
         self._connection: socket.socket | None = None
         self._settings: dict[str, str] = {}
 
@@ -62,7 +61,7 @@ class WarmCommand:
         assert self._connection is not None
         if _read_at_start(environ) != self._settings:
             return subprocess.run(
-                [self._path, *words],
+                [*self._command, *words],
                 cwd=cwd,
                 env=environ,
                 input=text,
@@ -90,7 +89,7 @@ class WarmCommand:
             for file in (out, err):
                 file.seek(0)
                 said.append(file.read().decode().replace("\r\n", "\n"))
-        return subprocess.CompletedProcess([self._path, *words], code, *said)
+        return subprocess.CompletedProcess([*self._command, *words], code, *said)
 
     def close(self) -> None:
         """End the process that is forked; a further run begins another one."""
@@ -107,7 +106,7 @@ class WarmCommand:
         self._connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, LARGEST_REQUEST)
         with its_end:
             subprocess.run(
-                [sys.executable, __file__, str(its_end.fileno()), *self._words],
+                [sys.executable, __file__, str(its_end.fileno()), *self._served],
                 env=own,
                 pass_fds=[its_end.fileno()],
                 stdin=subprocess.DEVNULL,

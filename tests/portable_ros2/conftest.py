@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+import sysconfig
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,8 @@ def warm_ros2() -> Iterator[WarmCommand]:
     """The command with all of its verbs, and the messages that tests use, imported once."""
     ros = ("rclpy.node", "rclpy.executors", "rclpy.parameter_client")
     messages = ("std_msgs.msg", "geometry_msgs.msg", "rcl_interfaces.srv", "std_srvs.srv")
-    command = WarmCommand("ros2", "portable_ros2.command:main", "portable_ros2.commands", *ros, *messages)
+    ros2 = str(Path(sysconfig.get_path("scripts"), "ros2"))
+    command = WarmCommand([ros2], "portable_ros2.command:main", "portable_ros2.commands", *ros, *messages)
     yield command
     command.close()
 
