@@ -5,13 +5,15 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+from functools import partial
 from pathlib import Path
 
 from ros2lab import course
 from ros2lab.classroom import report
-from ros2lab.classroom.gradebook import Seen, opened
+from ros2lab.classroom.gradebook import Row, Seen, opened
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
+from ros2lab.classroom.similarity import Line, Shared
 from ros2lab.grading.collect import nothing
 from ros2lab.grading.evidence_json import evidence_json
 from ros2lab.grading.questions import QUESTIONS
@@ -59,14 +61,31 @@ def test_the_page_escapes_names_and_sources_and_runs_only_its_own_script(tmp_pat
     assert len([*(tmp_path / "reports").iterdir()]) == 2
 
 
+def test_who_shares_what_many_have_is_named_and_nobody_is_accused() -> None:
+    rows = [
+        Row(HandedIn(key, name), "", "waiting", "", None, 0, "", 0)
+        for key, name in (("1", HOSTILE), ("2", "Bob"), ("3", "Cy"))
+    ]
+    page = partial(
+        report.page, rows, grades={}, looks={row.handed.key: [] for row in rows}, links={}, lost=[], alike=[]
+    )
+    assert "Code that many have" not in page()
+    shared = page(shared=[Shared(["1", "2"], {"a.py": [Line(7, "x = 1  # <script>", is_alike=True)]})])
+    (summary,) = re.findall(r"<summary>(.*?)</summary>", shared, re.DOTALL)
+    assert "2 hand-ins" in summary
+    assert "Bob" in summary
+    assert "Cy" not in summary
+    assert "# &lt;script&gt;" in shared
+    assert "It may be what all were given" in shared
+    assert HOSTILE not in shared
+
+
 def test_every_question_is_taught_in_a_lesson_that_there_is() -> None:
     assert report.lessons().keys() == QUESTIONS.keys()
     assert {*report.lessons().values()} <= {path.stem for path in course.notebooks()}
 
 
 def test_files_of_students_have_names_of_their_own() -> None:
-    from ros2lab.classroom.gradebook import Row
-
     names = [
         report.file_name(Row(HandedIn(key, name), "", "waiting", "", None, 0, "", 0))
         for key, name in (("1", "Ä/../b"), ("2", "Ä-b"), ("3", ""), ("4", "x" * 500), ("5", ".."))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import random
 import re
+from collections.abc import Mapping
 
 import pytest
 
+from portable_ros2.new_package import File, NewPackage
 from ros2lab.classroom import similarity
-from ros2lab.classroom.similarity import pairs
+from ros2lab.classroom.similarity import Shared, pairs
 
 OWN = '''"""A filter of my own."""
 
@@ -77,6 +80,32 @@ def area(corners):
 """
 
 
+def of_ones_own(seed: int, functions: int = 6) -> str:
+    """Return functions that nobody else has."""
+    chance = random.Random(seed)
+
+    def value(depth: int) -> str:
+        if depth == 0:
+            return chance.choice(["a", "b", "1", "'x'", "len(a)", "b[0]", "self.a"])
+        left, right = value(depth - 1), value(depth - 1)
+        forms = (
+            "({} + {})",
+            "({} < {})",
+            "[{}, {}]",
+            "{}.get({})",
+            "({} if {} else 0)",
+            "{} // {}",
+            "f({}, {})",
+        )
+        return chance.choice(forms).format(left, right)
+
+    heads = ("if {}:", "while {}:", "for c in {}:", "with {}:")
+    return "\n\n".join(
+        f"def f(a, b):\n    {chance.choice(heads).format(value(2))}\n        a = {value(3)}\n    return {value(3)}\n"
+        for _ in range(functions)
+    )
+
+
 def disguised(text: str) -> str:
     """Return the same program with other names, comments, strings and another order."""
     for number, name in enumerate(
@@ -108,13 +137,76 @@ def test_the_template_is_no_sign_of_anything() -> None:
     assert pairs({"ann": {"a.py": OWN}, "bob": {"a.py": OWN}}, template=[OWN]) == []
 
 
-def test_what_most_of_a_class_has_is_nobodys_own() -> None:
-    """Whose code that is, is told; whoever has little but the lessons, or code of their own besides, is not among them."""
+def test_what_most_of_a_class_has_is_told_once_and_makes_no_pairs() -> None:
+    """Whoever has little else is named, too; whoever has little but the lessons, or code of their own, is not."""
     common: list[str] = []
+    shared: list[Shared] = []
     many = {str(number): {"a.py": OWN} for number in range(6)}
     others = {"own": {"a.py": OWN, "b.py": OTHER}, "tiny": {"a.py": "x = 1\nprint(x)\n"}}
-    assert pairs({**many, **others}, common=common.append) == []
+    assert pairs({**many, **others}, common=common.append, shared=shared.append) == []
     assert common == [*many]
+    assert [piece.students for piece in shared] == [[*many, "own"]]
+    assert any("10 * weight" in line.text and line.is_alike for line in shared[0].files["a.py"])
+
+
+def class_of(size: int, *rings: Mapping[int, Mapping[str, str]]) -> dict[str, dict[str, str]]:
+    """Return a class in which each has something of their own, and some, by number, what they share."""
+    whole = {str(number): {"own.py": of_ones_own(number)} for number in range(size)}
+    for ring in rings:
+        for number, files in ring.items():
+            whole[str(number)] |= files
+    return whole
+
+
+def left_out_in_turn(number: int) -> dict[str, str]:
+    parts = [of_ones_own(900 + part, 4) for part in range(7)]
+    return {f"{part}.py": text for part, text in enumerate(parts) if part != number}
+
+
+FIRST, SECOND = range(6), range(10, 16)
+MUCH = of_ones_own(1000, 30)
+SHARING = {
+    "a quarter and more, each with much of their own": (
+        class_of(20, {n: {"node.py": OWN, "more.py": of_ones_own(100 + n, 40)} for n in FIRST}),
+        [FIRST],
+    ),
+    "one file in each": (class_of(20, {n: {f"my_{n}.py": disguised(OWN)} for n in range(8)}), [range(8)]),
+    "two rings": (
+        class_of(20, {n: {"a.py": MUCH} for n in FIRST}, {n: {"b.py": OTHER} for n in SECOND}),
+        [FIRST, SECOND],
+    ),
+    "each leaves out another part": (
+        class_of(20, {n: left_out_in_turn(n) for n in range(7)}),
+        [range(7)],
+    ),
+    "a ring in a class that has a skeleton": (
+        class_of(20, {n: {"skeleton.py": OTHER} for n in range(20)}, {n: {"a.py": MUCH} for n in FIRST}),
+        [FIRST, range(20)],
+    ),
+    "nothing": (class_of(20), []),
+    "some lines": (class_of(20, {n: {"main.py": OWN[:250]} for n in range(20)}), []),
+    "a few": (class_of(8, {n: {"a.py": OWN} for n in range(5)}), []),
+}
+
+
+@pytest.mark.parametrize("name", SHARING)
+def test_who_shares_what_many_have_is_named(name: str) -> None:
+    sources, expected = SHARING[name]
+    found: list[Shared] = []
+    pairs(sources, shared=found.append)
+    assert [piece.students for piece in found] == [[*map(str, students)] for students in expected]
+    assert all(any(line.is_alike for lines in piece.files.values() for line in lines) for piece in found)
+
+
+def test_a_new_package_and_the_template_are_shared_by_nobody() -> None:
+    new = NewPackage("robot_controller", "ament_python", 3, "Drives.", "MIT", "Ann", "a@b.org", [])
+    files = {step.path: new.render(step.template) for step in new.steps if isinstance(step, File)}
+    sources = {path: text for path, text in files.items() if path.endswith(".py")}
+    found: list[Shared] = []
+    assert pairs({"ann": sources, "bob": sources}) == []
+    everybody = class_of(8, {n: {**sources, "given.py": OWN} for n in range(8)})
+    assert pairs(everybody, template=[OWN], shared=found.append) == []
+    assert found == []
 
 
 def test_little_code_and_none_say_nothing() -> None:

@@ -22,7 +22,7 @@ from ros2lab import course
 from ros2lab.classroom.a_look import Looked, reasons
 from ros2lab.classroom.gradebook import Gradebook, Row
 from ros2lab.classroom.judging import Judging, read_grade
-from ros2lab.classroom.similarity import Pair, pairs, template_texts
+from ros2lab.classroom.similarity import Pair, Shared, pairs, template_texts
 from ros2lab.grading.evidence_json import read_evidence
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.reports.html import html
@@ -79,12 +79,13 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
         links[row.handed.key] = f"{REPORTS}/{file_name(row)}.html"
         course.write_whole(path.parent / links[row.handed.key], html(grade, evidence).encode())
     too_long = "Its code takes too long to be read, and was compared with nobody else's."
-    common = list[str]()
+    common, shared = list[str](), list[Shared]()
     alike = pairs(
         _sources(book, rows),
         template_texts(template),
         lambda student: looks[student].append(too_long),
         common.append,
+        shared.append,
     )
     text = page(
         rows,
@@ -94,6 +95,7 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
         lost=[*_lost(judging, grades.values())],
         alike=alike,
         common=common,
+        shared=shared,
     )
     course.write_whole(path, text.encode())
     return path
@@ -122,6 +124,7 @@ def page(
     lost: Sequence[Lost],
     alike: Sequence[Pair],
     common: Sequence[str] = (),
+    shared: Sequence[Shared] = (),
 ) -> str:
     """Return the page.
 
@@ -133,6 +136,7 @@ def page(
         lost: by criterion.
         alike: pairs that are alike.
         common: the keys of those of whose code too little is left to be compared, without what many have.
+        shared: pieces of that.
     """
     script = resources.files(__package__).joinpath("class.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
@@ -148,6 +152,7 @@ def page(
             lost=sorted(lost, key=lambda loss: -loss.mean),
             pairs=alike,
             common=common,
+            shared=shared,
             names={row.handed.key: row.handed.name for row in rows},
             script=Markup(script),  # noqa: S704 -- a file of ours
             digest=digest,

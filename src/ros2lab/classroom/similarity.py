@@ -1,18 +1,20 @@
 """Who has handed in the same as somebody else: names, comments, strings and the order of functions do not count.
 
 copydetect writes each file as a row of tokens without names, and chooses fingerprints of it (winnowing: Schleimer,
-Wilkerson and Aiken, SIGMOD 2003). What is in the template, in the lessons, or with many of the class, is taken out.
+Wilkerson and Aiken, SIGMOD 2003). What is in the template, in the lessons or in a new package is taken out; what many of
+the class have is told once, with those who have it, and makes no pairs.
 """
 
 from __future__ import annotations
 
 import contextlib
+import copy
 import io
 import json
 import signal
 import threading
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -20,6 +22,7 @@ from pathlib import Path
 from copydetect import CodeFingerprint, compare_files
 from copydetect.utils import filter_code, hashed_kgrams
 
+from portable_ros2.new_package import File, NewPackage
 from ros2lab import course
 
 NOISE = 25  # characters of the row of tokens; a match that is shorter is chance
@@ -28,8 +31,9 @@ FEW = 25  # fingerprints of a submission's own, below which nothing can be said
 ALIKE = 0.5  # of the smaller submission's own fingerprints
 MOST_PAIRS = 50
 PATIENCE = 10.0  # s of CPU time for a submission, and for a pair; 1 MB of what somebody writes takes 5
-COMMON = 0.25  # of a class: what more have is nobody's own,
+COMMON = 0.25  # of a class: what more have makes no pairs,
 COMMON_LEAST = 5  # and so many, at least
+SAME = 0.7  # of those who have one mark or another and have both: then the two are of one piece
 AROUND = 2  # lines around a passage that are shown
 MOST_LINES = 400  # of a submission, in a pair
 
@@ -62,33 +66,47 @@ class Pair:
     right: Mapping[str, list[Line]]
 
 
+@dataclass(frozen=True)
+class Shared:
+    """Code that many of a class have, and that neither the template, the lessons nor a new package has.
+
+    Attributes:
+        students: keys of those who have most of it.
+        files: the first one's, with this code; none where it takes longer to find than anybody's own does.
+    """
+
+    students: Sequence[str]
+    files: Mapping[str, list[Line]]
+
+
 def pairs(
     classes_sources: Mapping[str, Mapping[str, str]],
     template: Iterable[str] = (),
     left_out: Callable[[str], None] = lambda _student: None,
     common: Callable[[str], None] = lambda _student: None,
+    shared: Callable[[Shared], None] = lambda _code: None,
 ) -> list[Pair]:
     """Return the pairs of a class that are alike, the most alike first.
 
     Args:
         classes_sources: Python files by path, by the key of a student.
-        template: texts that all were given; likeness to them, and to the lessons, does not count.
+        template: texts that all were given; likeness to them, to the lessons, and to a new package, does not count.
         left_out: told the key of each student whose files take longer to be read than anybody's own do.
         common: told the key of each student of whose own files too little is left without what many of the class have.
+        shared: told each piece of what many of the class have, the largest first.
     """
     marks = _marks(classes_sources, left_out)
-    given = {mark for text in (*template, *_lessons()) for mark in _all_marks(text)}
-    holders = Counter(mark for files in marks.values() for mark in _union(files.values()))
-    many = max(COMMON_LEAST, COMMON * len(marks))
-    known = given | {mark for mark, count in holders.items() if count > many}
-    for student, files in marks.items():
-        if len(_union(files.values()) - known) < FEW <= len(_union(files.values()) - given):
+    given = {mark for text in (*template, *_lessons(), *_created()) for mark in _all_marks(text)}
+    whole = {student: _union(files.values()) - given for student, files in marks.items()}
+    many = _held_by_many(whole)
+    for piece in _pieces(many):
+        students = [student for student in whole if len(whole[student] & piece) > len(piece) / 2]
+        shown = (_only(marks[student], piece) for student in students[:2])
+        shared(Shared(students, _in_time(*shown)[0]))
+    own = {student: found - many.keys() for student, found in whole.items()}
+    for student, left in own.items():
+        if len(left) < FEW <= len(whole[student]):
             common(student)
-    for files in marks.values():
-        for file in files.values():
-            file.hashes = file.hashes - known
-            file.hash_idx = {mark: places for mark, places in file.hash_idx.items() if mark not in known}
-    own = {student: _union(files.values()) for student, files in marks.items()}
     found = []
     for first, second in combinations(own, 2):
         smaller = min(len(own[first]), len(own[second]))
@@ -97,9 +115,45 @@ def pairs(
             found.append((share, first, second))
     found.sort(key=lambda pair: (-pair[0], pair[1:]))
     return [
-        Pair(first, second, share, *_in_time(marks[first], marks[second]))
+        Pair(
+            first,
+            second,
+            share,
+            *_in_time(_only(marks[first], own[first]), _only(marks[second], own[second])),
+        )
         for share, first, second in found[:MOST_PAIRS]
     ]
+
+
+def _held_by_many(whole: Mapping[str, Collection[int]]) -> dict[int, frozenset[str]]:
+    """Return the marks that many of a class have, with those who have them."""
+    holders = defaultdict[int, set[str]](set)
+    for student, marks in whole.items():
+        for mark in marks:
+            holders[mark].add(student)
+    many = max(COMMON_LEAST, COMMON * len(whole))
+    return {mark: frozenset(students) for mark, students in holders.items() if len(students) > many}
+
+
+def _pieces(many: Mapping[int, frozenset[str]]) -> list[set[int]]:
+    """Return the marks that nearly the same students have, the most first; few ones are chance."""
+    by_holders = defaultdict[frozenset[str], set[int]](set)
+    for mark, students in many.items():
+        by_holders[students].add(mark)
+    found: dict[frozenset[str], set[int]] = {}
+    for students, marks in sorted(by_holders.items(), key=lambda one: (-len(one[1]), sorted(one[0]))):
+        alike = (held for held in found if len(students & held) > SAME * len(students | held))
+        found.setdefault(next(alike, students), set()).update(marks)
+    return sorted((marks for marks in found.values() if len(marks) >= FEW), key=len, reverse=True)
+
+
+def _only(files: Mapping[str, CodeFingerprint], marks: Collection[int]) -> dict[str, CodeFingerprint]:
+    """Return files with no fingerprints but these."""
+    found = {path: copy.copy(file) for path, file in files.items()}
+    for file in found.values():
+        file.hashes = file.hashes & marks
+        file.hash_idx = {mark: places for mark, places in file.hash_idx.items() if mark in marks}
+    return found
 
 
 def _marks(
@@ -158,6 +212,13 @@ def _lessons() -> Iterable[str]:
         code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
         # The first line of a cell that writes a file is not Python.
         yield "\n".join(cell.partition("\n")[2] if cell.startswith("%%") else cell for cell in code)
+
+
+def _created() -> Iterable[str]:
+    """Yield the Python that `ros2 pkg create` writes."""
+    package = NewPackage("new", "ament_python", 3, "", "", "", "", [], node="node")
+    files = (step for step in package.steps if isinstance(step, File))
+    yield from (package.render(file.template) for file in files if file.path.endswith(".py"))
 
 
 def _in_time(
