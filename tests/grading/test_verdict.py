@@ -1487,6 +1487,37 @@ def test_a_readme_tells_of_what_there_is(rubric: Rubric) -> None:
         assert judged(given, rubric, "documentation.interface").points == points
 
 
+SOMEWHERE = [WrittenEnd("", "", is_publisher=False, periods=[])]
+BROKEN = [["node-syntax", "It is no Python.", "robot_controller/talks.py:3", "close it"]]
+
+
+@pytest.mark.parametrize(
+    ("elsewhere", "findings", "unread", "points"),
+    [
+        ([], [], {}, 1),
+        ([], BROKEN, {}, 2),
+        ([], [], {"ends": "It is nested too deeply."}, 2),
+        (SOMEWHERE, [], {}, 2),
+        (None, [], {}, 2),
+    ],
+    ids=["no code makes any", "no Python", "not read", "not followed", "not asked"],
+)
+def test_a_readme_names_no_topic_that_no_code_makes(
+    rubric: Rubric,
+    elsewhere: list[WrittenEnd] | None,
+    findings: list[list[str]],
+    unread: dict[str, str],
+    points: float,
+) -> None:
+    """A program that only prints its topic's name has none; one whose code could not be read may have."""
+    names = (evidences.STATUS, evidences.COMMAND, evidences.VELOCITY)
+    ended = evidences.both(*(evidences.without(name) for name in names))(right())
+    ended = replace(ended, runs=[run for run in ended.runs if run.setting == "alone"])
+    given = evidences.files(ends=[], ends_elsewhere=elsewhere, findings=findings, unread=unread)(ended)
+    one = judged(given, rubric, "documentation.interface")
+    assert (one.points, "that was seen" in one.reason) == (points, points == 1), one.reason
+
+
 def test_a_command_of_a_package_that_is_not_graded_is_named_as_untried(rubric: Rubric) -> None:
     given = right()
     other = replace(given.submission.packages[0], folder="src/other", name="other")

@@ -120,10 +120,20 @@ class Case:
 
     def _is_unread(self, modules: Collection[str]) -> bool:
         """Return whether one of some modules has a syntax error, or was not read, so that it is unknown what it makes."""
-        if "ends" in self.evidence.files.unread:
-            return True
+        return "ends" in self.evidence.files.unread or not self._broken.isdisjoint(modules)
+
+    @cached_property
+    def _broken(self) -> set[str]:
+        """The modules that have a syntax error."""
         places = {finding.place for finding in self.evidence.files.told() if finding.code == "node-syntax"}
-        return any(PurePosixPath(place.partition(":")[0]).stem in modules for place in places)
+        return {PurePosixPath(place.partition(":")[0]).stem for place in places}
+
+    @property
+    def has_whole_code_read(self) -> bool:
+        """Whether reading has found some ends, or that no code of the submission can make any."""
+        files = self.evidence.files
+        is_empty = files.ends_elsewhere == [] and "ends" not in files.unread and not self._broken
+        return bool(files.ends) or is_empty
 
     @cached_property
     def shut_out(self) -> dict[str, str]:

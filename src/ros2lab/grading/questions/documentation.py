@@ -17,7 +17,7 @@ _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 LEAST_TEXTS, LEAST_ABOUT = 10, 0.25  # docstrings and comments, and how many of them are about the code
-_NOTHING = "what was asked for, of which nothing was seen"
+_NOTHING = "a topic or a node that was seen"
 
 # A container or a script of the student's may do both; we do not try what it does.
 _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:bash +)?\./?\S+\.sh\b"
@@ -234,10 +234,10 @@ def _told(case: Case) -> str:
 def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
     """Yield what a README must name, each part's topic and node, with the names that it may use."""
     modules = [executable.stem for executable in case.executables.values()]
-    lost = set[str]() if case.evidence.files.ends else case.lost(case.players)
+    lost = set[str]() if case.has_whole_code_read else case.lost(case.players)
     for name, part in case.assignment.parts.items():
         players = case.players[name]
-        # A part that was never written has cost its points; a node that could not be seen must be described.
+        # A part that was never written is not there to be described; a node that could not be seen is.
         if not players and (case.written(part) or any(case.may_be(program, part) for program in lost)):
             yield part.topic, {part.topic}
         elif players:
