@@ -332,6 +332,28 @@ def test_a_csv_names_paths_and_git_addresses(tmp_path: Path) -> None:
     assert not rows["6"].paths
 
 
+def test_a_bare_repository_is_no_folder_of_files(tmp_path: Path) -> None:
+    subprocess.run(["git", "init", "-q", "--bare", "ann.git"], cwd=tmp_path, check=True)
+    made(tmp_path, "bob/HEAD")
+    (tmp_path / "class.csv").write_text("name,path\nAnn,ann.git\nBob,bob\n")
+    rows = found(tmp_path / "class.csv", tmp_path)
+    said = "Line 2 of class.csv names ann.git, which is a bare repository of git; write file://ann.git."
+    assert rows["Ann"].reason == said
+    assert not rows["Bob"].reason
+
+
+def test_a_line_without_name_and_id_is_called_by_its_address_or_its_number(tmp_path: Path) -> None:
+    made(tmp_path, "ann/x", "bob/x", "cy/x")
+    (tmp_path / "class.csv").write_text("name,path,email\n,ann,ann@x.org\n,bob,\nCy,cy,cy@x.org\n")
+    rows = found(tmp_path / "class.csv", tmp_path)
+    names = {key: (row.name, row.label, row.student_id) for key, row in rows.items()}
+    assert names == {
+        "ann@x.org": ("ann@x.org", "ann@x.org", ""),
+        "line 3": ("line 3", "line 3", ""),
+        "Cy": ("Cy", "Cy", ""),
+    }
+
+
 def test_each_line_of_a_csv_says_where_it_is_in_one_of_several_columns(tmp_path: Path) -> None:
     made(tmp_path, "ann/package.xml", "bob/package.xml", "cy/package.xml")
     (tmp_path / "class.csv").write_text("name,path,git\nAnn,ann,\nBob,,bob\nCy,cy,bob\nDi,,\n")

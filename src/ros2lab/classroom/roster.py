@@ -76,7 +76,7 @@ def _rows(
     for number, cells in enumerate(table, start=2):
         if not any(cells.values()):
             continue
-        label = key = cells["id"] or cells["name"]
+        label = key = cells["id"] or cells["name"] or cells["email"] or f"line {number}"
         notes: tuple[str, ...] = ()
         if not cells["id"] and key in namesakes:
             key = f"{key} ({cells['email'] or cells['where'] or f'line {number}'})"
@@ -86,7 +86,7 @@ def _rows(
         except ValueError as error:
             place, reason = Path(), f"Line {number} of {path.name} names {error}."
         yield HandedIn(
-            key or f"line {number}",
+            key,
             cells["name"] or label,
             cells["id"],
             cells["email"],
@@ -137,6 +137,8 @@ def _handed_in(where: str, folder: Path, received: Path) -> tuple[Path, str]:
             raise ValueError(
                 f"{where}, which is a link to {above.readlink()}; put the files themselves there"
             )
+    if not is_repository and all((named / part).exists() for part in ("HEAD", "objects", "refs")):
+        raise ValueError(f"{where}, which is a bare repository of git; write {_FILE}{where}")
     return checked_out(place.as_uri(), received) if is_repository else (named, "")
 
 
