@@ -218,12 +218,20 @@ class _Command:
         elif place in ("node", "topic", "service") and f"/{word.lstrip('/')}" in self.known.at(place):
             return
         elif (names := self.known.at(place)) and word not in names and not self.known.is_foreign(place, word):
-            near = _meant(word, names)
+            near = _meant(word, self._with_the_program(names) if place == "package" else names)
             # Only a launch file knows the namespace of a topic or a service.
             is_named = place in ("topic", "service")
             if near and not (is_named and f"/{word}".endswith(f"/{near.lstrip('/')}")):
                 why = f"There is no {place} {word}; there is {near}."
                 yield Corrected(self._with(word, near), why)
+
+    def _with_the_program(self, packages: list[str]) -> list[str]:
+        """Return the packages that may have the executable or the launch file that is named after the package."""
+        if self.verb not in ("run", "launch") or len(self.plain) < 2:
+            return packages
+        others = (_Known(self.known.look, [name]) for name in packages)
+        place = _PLACES[self.verb][1]
+        return [other.first for other in others if _meant(self.plain[1], other.at(place))]
 
     def _type(self, word: str) -> Iterator[Corrected]:
         right_verb = {"srv": "service call", "msg": "topic pub"}.get(word.partition("/")[2].partition("/")[0])

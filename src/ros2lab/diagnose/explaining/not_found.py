@@ -18,6 +18,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.packaging.layout_faults import hidden, outside
 from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
+from ros2lab.diagnose.packaging.whereabouts import in_another_workspace, nowhere_seen
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.interfaces import (
@@ -112,8 +113,10 @@ def _unknown_package(name: str, look: Look) -> Finding:
     if look and (found := next(outside(look.root, name), None)):
         return found
     named = [f for f in look.findings if f.code == "package-name" and name in f.about]
-    if named:
-        return named[0]
+    if found := next(iter(named), None) or nowhere_seen(look.root, name):
+        return found
+    if look and (found := in_another_workspace(look.root, name)):
+        return found
     names = [package.name for package in look.packages]
     cause = f"ROS finds no package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
     near = nearest(name, names)
@@ -217,18 +220,25 @@ def no_module(name: str, place: str, look: Look) -> Finding | None:
         return Finding("command-not-found", cause, place, fix)
     if not look:
         return None
-    if found := _own_module(name, place, look):
-        return found
-    if top in PACKAGES and not is_installed(top):
-        brings = package_of(top)
-        cause = f"{top} comes with the package {brings} of ROS, which is not installed here."
-        fix = f"{install_of(brings)}, and declare it in package.xml: <depend>{brings}</depend>"
-        return Finding("module-missing", cause, place, fix)
+    if known := _own_module(name, place, look) or _not_installed(top, place):
+        return known
     own = {part for package in look.packages for module in package.sources for part in module.split(".")}
+    if found := in_another_workspace(look.root, top) if top not in own else None:
+        return replace(found, place=place)
     if top in own or nearest_module(name) or any(is_near_miss(top, own_name) for own_name in own):
         return None
     cause = f"Nothing in the workspace or in ROS is called {top}: it is a library that is not installed here, or a misspelled name."
     fix = f"install the library that provides {top}, following its documentation, and name it in package.xml; or fix the name"
+    return Finding("module-missing", cause, place, fix)
+
+
+def _not_installed(top: str, place: str) -> Finding | None:
+    """Say which package of ROS has a module, and how to install it; None if it is installed, or not of ROS."""
+    if top not in PACKAGES or is_installed(top):
+        return None
+    brings = package_of(top)
+    cause = f"{top} comes with the package {brings} of ROS, which is not installed here."
+    fix = f"{install_of(brings)}, and declare it in package.xml: <depend>{brings}</depend>"
     return Finding("module-missing", cause, place, fix)
 
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from shlex import quote
 
 from ros2lab.diagnose.code.syntax import syntax_finding
-from ros2lab.diagnose.finding import Finding, shown_path
+from ros2lab.diagnose.finding import Finding, in_a_row, shown_path
 from ros2lab.diagnose.packaging.installed import edited, prefix_of
 from ros2lab.diagnose.packaging.own_test_faults import own_test_faults
 from ros2lab.diagnose.sources.package import PassedOver, SourcePackage, takes_for_package
+from ros2lab.diagnose.sources.python_source import read_text
 
 _LAYOUT = ".colcon_install_layout"  # which colcon writes into each install folder
 
@@ -72,9 +74,32 @@ def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[
         for package in packages if old not in names and prefix_of(root, old) else ():
             now = {point.name for point in package.points}
             if programs and programs <= now:
-                cause = f"install/{old} is left over from a package no longer in src, and `ros2 run {old}` still starts the old build; the package is now called {package.name}."
-                fix = f"rm -r build/{old} install/{old}, and type `ros2 run {package.name} ...`"
-                yield Finding("left-over", cause, f"install/{old}", fix)
+                yield _left_under(old, package, packages)
+
+
+def _left_under(old: str, package: SourcePackage, packages: Iterable[SourcePackage]) -> Finding:
+    """Say that a package is installed under its old name, too, and who still asks for that one."""
+    new, remove = package.name, f"rm -r build/{old} install/{old}"
+    asks = re.compile(
+        rf"(?:[Pp]ackage\w*\s*[=(]\s*|pkg\s*[=:]\s*|find-pkg-\w+ |import |from |depend>\s*)['\"]?{re.escape(old)}\b"
+    )
+    files = [(other, path) for other in packages for path in other.own_files() if path.suffix in _ASKING]
+    places = [
+        f"{other.shown(str(path.relative_to(other.folder)))}:{number}"
+        for other, path in files
+        for number, line in enumerate(read_text(path).splitlines(), 1)
+        if asks.search(line)
+    ]
+    left = f"install/{old} is left over from a package no longer in src, and"
+    if not places:
+        cause = f"{left} `ros2 run {old}` still starts the old build; the package is now called {new}."
+        return Finding("left-over", cause, f"install/{old}", f"{remove}, and type `ros2 run {new} ...`")
+    cause = f"{left} {places[0].partition(':')[0]} still asks for {old}, so what runs is the old build; the package is now called {new}."
+    fix = f"write {new} instead of {old} in {in_a_row(places)}, build again, and {remove}"
+    return Finding("launch-package", cause, places[0], fix)
+
+
+_ASKING = frozenset((".py", ".xml", ".yaml", ".yml"))  # the endings of files that name packages
 
 
 def hidden(skipped: PassedOver, copies: Sequence[str] = ()) -> Finding:
