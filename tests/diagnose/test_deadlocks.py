@@ -45,6 +45,12 @@ OWED = [
 RIGHT = [
     (TIMER, "future = self.cli.call_async(self.req)\nfuture.add_done_callback(self.got)"),
     (TIMER, "rclpy.spin_until_future_complete(self.other, self.other_cli.call_async(self.req))"),
+    (TIMER, "tmp = rclpy.create_node('tmp')\ncli = tmp.create_client(T, 't')\nrclpy.spin_until_future_complete(tmp, cli.call_async(1))"),
+    (TIMER, "vision = Vision()\nwhile rclpy.ok():\n    rclpy.spin_once(vision)\n    if vision.future.done():\n        break"),
+    (TIMER, "vision = Vision()\nwhile not vision.future.done():\n    rclpy.spin_once(vision)"),
+    (TIMER, "while not answer.done():\n    executor.spin_once()"),
+    (f"self.own = self.create_client(T, 't', callback_group=self.group)\n{TIMER}", SPIN.format("self.own.call_async(1)")),
+    (f"self.group = MutuallyExclusiveCallbackGroup()\nself.create_subscription(T, 't', self.hear, 1, callback_group=self.group)\n{TIMER}", "while self.turns < 4:\n    rclpy.spin_once(self)"),
     (TIMER, "if self.future.done():\n    print(self.future.result())"),
     (TIMER, "self.table.call(self.req)"),
     ("self.button.add_command(command=self.ask)", "self.cli.call(self.req)"),
@@ -64,7 +70,7 @@ RIGHT = [
         "done = threading.Event()\nself.button.add_done_callback(lambda _: done.set())\ndone.wait(1.0)",
     ),
     ("pass", "self.cli.call(self.req)"),
-]
+]  # fmt: skip
 
 
 SERVER = "self.server = ActionServer(self, Fibonacci, 'mine', self.ask)"
@@ -78,6 +84,7 @@ ASKED = "answer = self.cli.call_async(self.req)\n" + SPIN.format("answer")
 AS_TASKS = [
     (SERVER, ASKED, False),
     (SERVER, "while self.turns < 4:\n    rclpy.spin_once(self)", False),
+    (SERVER, "answer = self.cli.call_async(1)\nwhile not answer.done():\n    rclpy.spin_once(self)", False),
     (SERVER, "self.cli.call(self.req)", True),
     (SERVER, "answer = self.cli.call_async(self.req)\nwhile not answer.done():\n    pass", True),
     (f"{THREADS}\n{SERVER}", "self.cli.call(self.req)", False),
@@ -150,6 +157,20 @@ def test_a_method_that_a_callback_calls_waits_as_well() -> None:
 @pytest.mark.parametrize(("init", "body"), RIGHT)
 def test_what_waits_for_nothing_is_right(init: str, body: str) -> None:
     assert told(init, body)[1] == []
+
+
+@pytest.mark.parametrize("spun", ["tmp", "self.sub", "self"])
+def test_no_spin_brings_what_the_running_callback_holds_back(spun: str) -> None:
+    body = f"tmp = rclpy.create_node('tmp')\nanswer = self.cli.call_async(1)\nrclpy.spin_until_future_complete({spun}, answer)"
+    assert len(told(TIMER, body)[1]) == 1
+
+
+@pytest.mark.parametrize(("before", "is_told"), [("", True), ("    node = rclpy.create_node('b')\n", False)])
+def test_a_function_spins_the_node_that_calls_it_back(before: str, *, is_told: bool) -> None:
+    spin = "rclpy.spin_until_future_complete(node, reply)"
+    asks = f"def ask(given):\n{before}    cli = node.create_client(T, 't')\n    reply = cli.call_async(1)\n    {spin}\n"
+    text = f"import rclpy\n\n\n{asks}\n\nnode = rclpy.create_node('a')\nnode.create_timer(1.0, ask)\n"
+    assert bool(found_in(text)) is is_told
 
 
 @pytest.mark.parametrize(("init", "body", "is_told"), AS_TASKS)

@@ -15,8 +15,10 @@ from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     argument,
+    assigned_to,
     given_to,
     last_name,
+    names_bound,
     own_nodes,
     returns_value,
 )
@@ -105,21 +107,39 @@ def deadlocks(sources: NodeSources) -> Iterator[Finding]:
         source, function = callback.source, callback.function
         if id(function) in seen or _REENTRANT in names[source]:
             continue
-        waits = [*_waits(source, function)]
-        if callback.is_task:
-            waits = [wait for wait in waits if not has_threads and not _spins(source, wait.node)]
-        elif has_threads:
-            waits = [wait for wait in waits if _is_in_its_group(callback, wait)]
-        if waits:
+        found = _waits(source, function)
+        if waits := [wait for wait in found if _is_held(callback, wait, has_threads=has_threads)]:
             seen.add(id(function))
             yield _told(callback, waits, sources, has_threads=has_threads)
 
 
-def _is_in_its_group(callback: _Callback, wait: _Wait) -> bool:
-    """Return whether the client whose answer a callback waits for is in the callback's own callback group."""
-    made = _made_by(callback, wait)
-    call = made.value if made else None
-    return isinstance(call, ast.Call) and _group_of(call) == _group_of(callback.given)
+def _is_held(callback: _Callback, wait: _Wait, *, has_threads: bool) -> bool:
+    """Return whether no other thread and no spin in a wait itself can bring the answer that a callback waits for.
+
+    Both bring what belongs to another node or to another callback group than the running callback; a task has no group.
+    """
+    spun, own, made = _spun(wait), _node_of(callback.given), _made_by(callback, wait)
+    if callback.is_task:
+        return not has_threads and not spun
+    if not spun and not has_threads:
+        return True
+    if own in names_bound(own_nodes(callback.function)):
+        return False  # there, the name stands for another node
+    if made is None:
+        return not has_threads and spun == {own} and "callback_group" not in callback.source.text
+    return _node_of(made) == own and _group_of(made) == _group_of(callback.given)
+
+
+def _spun(wait: _Wait) -> set[str]:
+    """Return what a wait itself spins, as written: nodes, or executors."""
+    calls = [n for n in calls_in(ast.walk(wait.node)) if last_name(n.func).startswith("spin")]
+    return {ast.unparse(argument(call, 0, "node") or call.func) for call in calls}
+
+
+def _node_of(call: ast.Call) -> str:
+    """Return the node for which a call makes something, as written."""
+    is_given = "Action" in last_name(call.func)
+    return ast.unparse((argument(call, 0, "node") if is_given else getattr(call.func, "value", None)) or call)
 
 
 def _group_of(call: ast.Call) -> str:
@@ -156,16 +176,9 @@ def _is_task(call: ast.Call, given: ast.expr) -> bool:
     return bool(name) and argument(call, place, name) is given
 
 
-def _spins(source: PythonSource, node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and source.resolve(node.func) in _SPINS
-
-
 def _plain(source: PythonSource, given: ast.expr) -> Function | None:
-    functions = (n for n in source.nodes if isinstance(n, Function))
-    return next(
-        (function for function in functions if isinstance(given, ast.Name) and function.name == given.id),
-        None,
-    )
+    name = given.id if isinstance(given, ast.Name) else ""
+    return next((n for n in source.nodes if isinstance(n, Function) and n.name == name), None)
 
 
 def _is_of_ros(source: PythonSource, call: ast.Call) -> bool:
@@ -182,8 +195,7 @@ def _waits(source: PythonSource, function: Function) -> Iterator[_Wait]:
             yield _Wait(statement, statement, future)
         for call in _calls_in(statement):
             name = source.resolve(call.func) or ast.unparse(call.func)
-            # A node other than self may exist only for this.
-            if name in _SPINS and not any(map(is_self_attribute, call.args[:1])):
+            if name in _SPINS:
                 future = argument(call, 1, "future") if name == _SPINS[0] else None
                 yield _Wait(statement, call, future or ast.Constant(None))
             elif name.rpartition(".")[2] in ("call", "send_goal") and name.rpartition(".")[0] in clients:
@@ -225,18 +237,11 @@ def _calls_in(statement: ast.stmt) -> list[ast.Call]:
     return calls_in(ast.walk(whole))
 
 
-def _clients(source: PythonSource) -> dict[str, ast.Assign]:
-    """Return the assignments that create a file's clients, by the clients' names."""
-    found = {}
-    for node in source.nodes:
-        match node:
-            case ast.Assign(targets=[target], value=ast.Call(func=func)) if ast.unparse(func).rpartition(".")[
-                2
-            ] in ("create_client", "ActionClient"):
-                # Clients of other nodes do not count: the executor may not spin them.
-                if not is_self_attribute(getattr(func, "value", None)):
-                    found[ast.unparse(target)] = node
-    return found
+def _clients(source: PythonSource) -> dict[str, ast.Call]:
+    """Return the calls that create a file's clients, by the clients' names, without those of other nodes kept by self."""
+    kinds = ("create_client", "ActionClient")
+    made = [(name, call) for name, call in source.made if last_name(call.func) in kinds]
+    return {name: call for name, call in made if not is_self_attribute(getattr(call.func, "value", None))}
 
 
 def _told(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources, *, has_threads: bool) -> Finding:
@@ -334,9 +339,9 @@ def _awaited(callback: _Callback, waits: Sequence[_Wait]) -> str:
 def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSources) -> str:
     """Say how to receive the answer in another thread: a multi-threaded executor and a callback group."""
     edits = []
-    for wait in (
-        wait for wait in waits if wait.future is not None and not isinstance(wait.future, ast.Constant)
-    ):
+    for wait in waits:
+        if wait.future is None or isinstance(wait.future, ast.Constant):
+            continue
         last = wait.statement.end_lineno or wait.statement.lineno
         name = ast.unparse(wait.future) if isinstance(wait.future, ast.Name) else "future"
         made = "" if isinstance(wait.future, ast.Name) else f"{name} = {ast.unparse(wait.asked)}`, and `"
@@ -345,10 +350,7 @@ def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSource
         )
     if edits and "time" not in callback.source.names:
         edits[-1] += ", with `import time` at the top"
-    homes = [
-        callback.source,
-        *(source for source in sources.sources.values() if source is not callback.source),
-    ]
+    homes = sorted(sources.sources.values(), key=lambda home: home is not callback.source)
     calls = ((home, n) for home in homes for n in home.calls if n.args)
     for home, spin in [pair for pair in calls if pair[0].resolve(pair[1].func) == "rclpy.spin"][:1]:
         node, where = ast.unparse(spin.args[0]), "" if home is callback.source else f" of {home.shown}"
@@ -363,22 +365,18 @@ def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
     """Say how to give the clients a callback group of their own, without the node's other callbacks."""
     rows = []
     for made in dict.fromkeys(found for wait in waits if (found := _made_by(callback, wait))):
-        grouped = copy.deepcopy(made)
-        call = grouped.value
-        kept = [keyword for keyword in call.keywords if keyword.arg != "callback_group"]  # type: ignore[attr-defined]
-        group = ast.keyword("callback_group", ast.parse("MutuallyExclusiveCallbackGroup()", mode="eval").body)
-        call.keywords = [*kept, group]  # type: ignore[attr-defined]
-        rows.append(f"`{ast.unparse(grouped)}` on line {made.lineno}")
+        kept = [keyword for keyword in made.keywords if keyword.arg != "callback_group"]
+        group = ast.keyword("callback_group", ast.Call(ast.Name("MutuallyExclusiveCallbackGroup"), [], []))
+        call = ast.Call(made.func, made.args, [*kept, group])
+        rows.append(f"`{callback.source.name_of(made)} = {ast.unparse(call)}` on line {made.lineno}")
     written = " and ".join(rows) or "a callback group of its own for the client"
     return f"{written}, with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
 
 
-def _made_by(callback: _Callback, wait: _Wait) -> ast.Assign | None:
-    """Return the statement that makes the client whose answer is waited for; None if that is not seen."""
-    assigned = {
-        ast.unparse(n.targets[0]): n.value for n in own_nodes(callback.function) if isinstance(n, ast.Assign)
-    }
-    client = wait.client or _client_of(assigned.get(ast.unparse(wait.asked)))
+def _made_by(callback: _Callback, wait: _Wait) -> ast.Call | None:
+    """Return the call that makes the client whose answer is waited for; None if that is not seen."""
+    given = assigned_to(own_nodes(callback.function), ast.unparse(wait.asked))
+    client = wait.client or _client_of(given[-1] if given else None)
     return _clients(callback.source).get(ast.unparse(client)) if client else None
 
 
