@@ -53,6 +53,12 @@ def test_a_logger_says_what_was_printed(line: str) -> None:
     assert said[0] == said[1]
 
 
+@pytest.mark.parametrize("text", ["'{} m'.format(self.n)", "'n ' + str(self.n)", "'%d m' % self.n"])
+def test_a_text_that_is_put_together_stays_as_it_is(text: str) -> None:
+    source = PythonSource("a", "a.py", f"class A:\n    def tic(self):\n        print({text})\n")
+    assert as_logged(source.calls[0], source) == f"self.get_logger().info({text})"
+
+
 def test_without_a_node_at_hand_nothing_is_logged() -> None:
     source = PythonSource("a", "a.py", "def main():\n    print('on')\n")
     assert as_logged(next(node for node in source.nodes if isinstance(node, ast.Call)), source) == ""

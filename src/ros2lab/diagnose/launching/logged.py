@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.syntax_parts import makes_text
 
 
 def as_logged(call: ast.Call, source: PythonSource) -> str:
@@ -25,6 +26,8 @@ def _text_of(call: ast.Call) -> str:
     if any(isinstance(argument, ast.Starred) for argument in call.args):
         given = f"[{', '.join(map(ast.unparse, call.args))}]"
         return f"{sign!r}.join(map(str, {given}))"
+    if len(call.args) == 1 and makes_text(call.args[0]):
+        return ast.unparse(call.args[0])
     parts: list[ast.expr] = []
     for number, value in enumerate(call.args):
         parts += [ast.Constant(sign)] if number else []

@@ -9,6 +9,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import makes_text
 from ros2lab.diagnose.sources.uses import State
 
 
@@ -24,13 +25,13 @@ def computed_once(state: State) -> Iterator[Finding]:
             for method, node in state.loads.get(text if base == "self" else base, ())
             if id(method) in state.uses.callbacks
         ]
-        if not readers or not (_is_text(value) or isinstance(value, ast.BinOp)):
+        if not readers or not (makes_text(value) or isinstance(value, ast.BinOp)):
             continue
         used = {dotted(node) or "" for node in walk(value) if isinstance(node, ast.Attribute)}
         changed = next(
             ((attribute, by) for attribute in sorted(used) if (by := state.changes(attribute))), None
         )
-        if changed is None or (not _is_text(value) and not _is_shown(readers)):
+        if changed is None or (not makes_text(value) and not _is_shown(readers)):
             continue
         attribute, by = changed
         if _is_of_use(state, attribute, value):
@@ -48,15 +49,6 @@ def _is_of_use(state: State, attribute: str, value: ast.expr) -> bool:
     inside = {id(node) for node in walk(value)}
     reads = [node for _, node in state.loads.get(attribute, ()) if id(node) not in inside]
     return bool(reads) or attribute.rpartition(".")[2] in state.uses.read_of_others
-
-
-def _is_text(value: ast.expr) -> bool:
-    match value:
-        case ast.JoinedStr() | ast.Call(func=ast.Name(id="str") | ast.Attribute(attr="format")):
-            return True
-        case ast.BinOp(left=left, right=right):
-            return any(_is_text(n) or isinstance(getattr(n, "value", None), str) for n in (left, right))
-    return False
 
 
 def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:

@@ -25,6 +25,16 @@ def stores_in(nodes: Iterable[ast.AST]) -> Iterator[ast.Name | ast.Attribute]:
             yield node
 
 
+def makes_text(value: ast.expr) -> bool:
+    """Return whether an expression puts a text together."""
+    match value:
+        case ast.JoinedStr() | ast.Call(func=ast.Name(id="str") | ast.Attribute(attr="format")):
+            return True
+        case ast.BinOp(left=left, right=right):
+            return any(makes_text(n) or isinstance(getattr(n, "value", None), str) for n in (left, right))
+    return False
+
+
 def all_parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     """Return a function's parameters, also those that are only given by keyword."""
     return [*parameters(function), *function.args.kwonlyargs]
