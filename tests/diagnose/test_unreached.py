@@ -80,3 +80,35 @@ def test_what_something_begins_is_called(
     for finding in found:  # it may be meant to go on, or as a delay
         assert "if it is to fire again and again" in finding.fix
         assert "cancel it in its own callback" in finding.fix
+
+
+BASE = NODE.replace("BODY", "def reset(self):\n        self.out.publish(String())").replace("AFTER", "pass")
+BASE = BASE.replace("BEGIN", "self.out = self.create_publisher(String, 'tea', 10)")
+DERIVED = "from {} import Tea\n\n\nclass Green(Tea):\n    pass\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "is_told"),
+    [
+        ("", "", True),
+        ("PACKAGE/green.py", DERIVED.format("PACKAGE.MODULE"), False),
+        ("PACKAGE/green.py", DERIVED.format("MODULE"), False),
+        ("PACKAGE/green.py", "from PACKAGE.MODULE import main\n\nmain()\n", True),
+        ("../shop/shop/sell.py", "from PACKAGE.MODULE import Tea\n\nprint(Tea)\n", False),
+    ],
+)
+def test_a_class_that_others_inherit_or_import_is_theirs_to_use(
+    tmp_path: Path, name: str, other: str, *, is_told: bool
+) -> None:
+    files = Files.right(NAMES[0]).put("node", BASE)
+    if name:
+        files.put(name, other)
+    if name.startswith("../shop"):
+        about = "<package format='3'>\n  <name>shop</name>\n  <export><build_type>ament_python</build_type></export>\n</package>\n"
+        files.put("../shop/package.xml", about)
+        files.put(
+            "../shop/setup.py", "from setuptools import setup\n\nsetup(name='shop', packages=['shop'])\n"
+        )
+        files.put("../shop/shop/__init__.py", "")
+    found = [one.code for one in of_workspace(files.write(tmp_path))]
+    assert ("never-called" in found) is is_told

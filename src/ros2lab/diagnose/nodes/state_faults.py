@@ -10,6 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.read_once import meant_to_change
 from ros2lab.diagnose.nodes.stale_values import computed_once
+from ros2lab.diagnose.nodes.unreached import is_seen_whole, unreached
 from ros2lab.diagnose.sources.commented_out import disabled
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, Creation, is_self_attribute
@@ -168,10 +169,8 @@ def _never_called(state: State) -> Iterator[Finding]:
     """
     inherited = node_members()
     sources = state.uses.sources
-    if sources.is_managed(state.owner):
-        return  # rclpy calls its methods by name
-    if not sources.lineage(state.owner)[2] or sources.hands_itself_on(state.source):
-        return  # a library may, too
+    if not is_seen_whole(sources, state.owner) or sources.hands_itself_on(state.source):
+        return  # others may
     # A name that is used without self is reported elsewhere.
     bare = {node.id for node in walk(state.owner.definition) if isinstance(node, ast.Name)}
     # So may one be whose name stands in a text, such as in a table of commands.

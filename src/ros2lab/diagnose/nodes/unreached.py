@@ -10,7 +10,7 @@ from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.sources.interfaces import members_of, node_members
 from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.syntax_parts import own_parameters
 from ros2lab.diagnose.sources.uses import named
 
@@ -22,7 +22,7 @@ def unreached(sources: NodeSources) -> Mapping[int, tuple[NodeClass, Function]]:
     alone = {
         id(method): (owner, method)
         for owner in sources.nodes
-        if _is_seen_whole(sources, owner)
+        if is_seen_whole(sources, owner) and len(sources.lineage(owner)[0]) == 1
         for name, method in owner.methods.items()
         if not name.startswith("__") and name not in inherited and not method.decorator_list
     }
@@ -35,37 +35,35 @@ def unreached(sources: NodeSources) -> Mapping[int, tuple[NodeClass, Function]]:
         for node in source.nodes:
             for name in named(node):
                 here.setdefault(name, set()).add(inside.get(id(node), 0))
-    elsewhere = _named_beyond(sources) if alone else frozenset()
     by: dict[int, set[int]] = {}
     for key, (owner, method) in alone.items():
         files = sources.together(owner.source.name)
         by[key] = {user for file in files for user in naming[file].get(method.name, ())}
-        by[key] |= {0} if method.name in elsewhere else set()
     while reached := [key for key in alone if not by[key] <= alone.keys()]:
         for key in reached:
             del alone[key]
     return alone
 
 
-def _is_seen_whole(sources: NodeSources, owner: NodeClass) -> bool:
-    """Return whether only the package's own files decide which methods of a node are called."""
-    families = (sources.lineage(other) for other in sources.classes.values() if other is not owner)
-    is_base = any(owner in chain for chain, *_ in families)
-    return (
-        sources.lineage(owner)[2]
-        and len(sources.lineage(owner)[0]) == 1
-        and not is_base
-        and not sources.is_managed(owner)
-        and may_run(sources, owner.source, owner)
+def is_seen_whole(sources: NodeSources, owner: NodeClass) -> bool:
+    """Return whether a node may run, and no base, subclass or user elsewhere decides which of its methods are called."""
+    is_own = sources.lineage(owner)[2] and not sources.is_managed(owner)
+    return is_own and may_run(sources, owner.source, owner) and not _is_for_others(sources, owner)
+
+
+def _is_for_others(sources: NodeSources, owner: NodeClass) -> bool:
+    """Return whether a class is there to be used: by a subclass, by another package, or with no program of its own.
+
+    Subclasses and users are known by its name, because their import may be the fault.
+    """
+    module, name = owner.source.name, owner.definition.name
+    files = {**sources.beyond.modules, **sources.sources}.values()
+    bases = (base for file in files for definition in file.classes.values() for base in definition.bases)
+    own = sources.sources if f"{module}.main" in sources.functions else {module}
+    targets = (i.target for file in files if file.name not in own for i in file.imports)
+    return name in map(last_name, bases) or any(
+        target.endswith(f".{name}") or f"{target}.".startswith(f"{module}.") for target in targets
     )
-
-
-def _named_beyond(sources: NodeSources) -> frozenset[str]:
-    """Return the names that the files of other packages read which import something of these files."""
-    own = {name.partition(".")[0] for name in sources.sources}
-    files = (file for name, file in sources.beyond.modules.items() if name not in sources.sources)
-    using = (f for f in files if any(i.target.partition(".")[0] in own for i in f.imports))
-    return frozenset(name for file in using for node in file.nodes for name in named(node))
 
 
 def unreached_faults(sources: NodeSources) -> Iterator[Finding]:
