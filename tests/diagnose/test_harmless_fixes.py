@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import pytest
@@ -148,6 +149,35 @@ def test_a_transition_calls_the_base_class_where_it_is_reached(tmp_path: Path, b
     ]
 
 
+OTHER = "class Other(Node):\n    def __init__(self):\n        super().__init__('other')\n        # self.create_timer(1.0, self.drive)\n\n\n"
+
+
+@pytest.mark.parametrize(
+    ("made", "more", "way"),
+    [
+        (f"{PUB}\n# self.create_timer(1.0, self.drive)", "", "remove the # from line 23"),
+        (PUB, "# self.create_timer(1.0, self.drive)", ""),
+        (f"{PUB}\n# self.create_timer(\n#     1.0, self.drive)\n# self.create_timer(2.0, self.drive)", "", "remove the # from line 25"),
+        (PUB, "def later(self):\n    # self.create_timer(1.0, self.drive)\n    self.later()", ""),
+        (f"{PUB}\n# a timer calls self.drive() once more", "", ""),
+        (f"{PUB}\n# self.other.drive()", "", ""),
+        (f"{PUB}\n# if self.pub:\n#     self.drive()", "", ""),
+    ],
+)  # fmt: skip
+def test_what_is_put_back_is_in_the_class_and_is_reached(
+    tmp_path: Path, made: str, more: str, way: str
+) -> None:
+    text = robot(made, *[more] * bool(more), SEND.format("drive"), before=OTHER)
+    ((_, fix),) = found(text, tmp_path, "never-called")
+    assert fix == (f"{way}, which uses it, or remove drive()" if way else TIMER.format("drive"))
+
+
+def test_the_methods_of_a_class_that_is_never_made_are_no_fault_of_their_own(tmp_path: Path) -> None:
+    text = robot("self.create_timer(1.0, self.drive)", "def drive(self):\n    print(1)", before=OTHER)
+    lost = f"{OTHER.strip()}\n        self.pub = 1\n\n    def drive(self):\n        self.pub.publish(String())\n\n\n"
+    assert found(text.replace(OTHER, lost), tmp_path, "never-called") == []
+
+
 @pytest.mark.parametrize(
     ("body", "fix"),
     [
@@ -206,7 +236,9 @@ def test_a_value_is_said_in_the_type_of_its_parameter() -> None:
 
 
 def test_code_out_of_use_is_found_with_the_way_back() -> None:
-    code = '"""About run()."""\nx = 1  # run()\n"""\nrun(2)\n"""\n'
-    assert disabled(code, r"run\(\)") == (2, "remove the # from line 2")
-    assert disabled(code, r"run\(2") == (4, "take line 4 out of the quotes around it")
-    assert disabled(code, "stop") == disabled("def (", "") == (0, "")
+    code = 'def main():\n    """About run()."""\n    x = 1  # run()\n    # run()\n    """\n    run(2)\n    """\n    # run(\n    #     3\n    # )\n'
+    main = ast.parse(code).body
+    assert disabled(code, main, r"run\(\)") == (4, "remove the # from line 4")
+    assert disabled(code, main, r"run\(2") == (6, "take line 6 out of the quotes around it")
+    assert disabled(code, main, r"run\($") == (8, "remove the # from lines 8 to 10")
+    assert disabled(code, main, "stop") == disabled("def (", main, "") == disabled(code, [], "run") == (0, "")

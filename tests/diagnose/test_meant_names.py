@@ -209,6 +209,24 @@ def test_an_attribute_that_nothing_sets_is_given_what_its_uses_need(line: str, f
 
 
 @pytest.mark.parametrize(
+    ("before", "line", "fix"),
+    [
+        ("# import RPi.GPIO as GPIO\n", "GPIO.cleanup()", "remove the # from line 1, or remove this line"),
+        ("", "GPIO.cleanup()", "import or define GPIO above"),
+        ("", "# speed = 0.5\n    self.now = 1 + speed", "remove the # from line 6"),
+        ("", "'''\n    arm = make(\n        1)\n    '''\n    arm.stop(self)", "take lines 7 to 8 out of the quotes around it, or remove this line"),
+        ("", "# speed = top\n    self.now = 1 + speed", "write a line above it that gives speed its value"),
+        ("", "# speed = what it drives\n    self.now = 1 + speed", "write a line above it that gives speed its value"),
+        ("", "self.now = 1 + speed\n    # speed = 0.5", "write a line above it that gives speed its value"),
+        ("def other():\n    # speed = 0.5\n    return 1\n", "self.now = 1 + speed", "write a line above it that gives speed its value"),
+    ],
+)  # fmt: skip
+def test_a_line_out_of_use_that_would_define_a_name_is_put_back(before: str, line: str, fix: str) -> None:
+    text = f"{before}def make(n):\n    return n\n\n\ndef move(self):\n    {line}\n"
+    assert fixes(text) == [fix]
+
+
+@pytest.mark.parametrize(
     ("line", "fix"),
     [
         ("angle - angle_prev", "write a line above it that gives angle_prev its value"),

@@ -509,13 +509,14 @@ UNREAD = "        self.declare_parameter('pitch', 0.7)\n        self.speed = 0.5
 def commented(name: str) -> Files:
     """Return a workspace whose node publishes with an attribute that only a comment sets."""
     files = right().change("node", PUBLISHES, f"self.{name}.publish(msg)")
-    return files.change("node", "        self.PUBLISHER =", f"        # self.{name} = self.create_publisher(")
+    lost = f"# self.{name} = self.create_publisher(\n        #     String, 'x', 10\n        # )"
+    return files.change("node", "        self.PUBLISHER =", f"        {lost}\n        self.PUBLISHER =")
 
 
 @pytest.mark.parametrize(
     ("files", "code", "way"),
     [
-        (commented("warnings"), "attribute-missing", "remove the # from line 10, and the lines below"),
+        (commented("warnings"), "attribute-missing", "remove the # from lines 10 to 12"),
         (
             Files.right(NAMES[2]).change(
                 "node", PUBLISHES, f"{PUBLISHES}\n        self.warning_out.publish(msg)"

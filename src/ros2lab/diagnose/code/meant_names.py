@@ -14,6 +14,7 @@ from ros2lab.diagnose.code.similar_names import as_another, as_foreign
 from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of, compared, first_value
 from ros2lab.diagnose.code.unquoted_texts import as_path, as_text
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.commented_out import put_back
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
@@ -53,6 +54,7 @@ def meant(
         _as_of_python,
         _as_parameter,
         _as_package,
+        _as_out_of_use,
         _as_object,
         partial(as_another, is_class_meant=True),
         as_text,
@@ -294,6 +296,20 @@ def _names_package(unknown: Unknown, use: ast.AST) -> bool:
     return False
 
 
+def _as_out_of_use(unknown: Unknown) -> Reading | None:
+    """A name that a statement above binds, in a comment or in a text, and that is known once it is put back."""
+    source, name = unknown.source, unknown.name
+    known = {other for other, _ in undefined_names(source)} - {name}
+    for line, back, whole in put_back(
+        source.text, rf"\b{re.escape(name)}\b *=[^=]|\bimport\b.*\b{re.escape(name)}\b"
+    ):
+        again = {other for other, _ in undefined_names(PythonSource(source.name, source.shown, whole))}
+        if line < unknown.statement.lineno and again <= known:
+            either = ", or remove this line" if isinstance(unknown.statement, ast.Expr) else ""
+            return f"{cause_of(unknown)} Line {line} would do that, but is out of use.", back + either
+    return None
+
+
 def _as_object(unknown: Unknown) -> Reading | None:
     """A variable whose assignment is missing, if its uses tell what it holds."""
     made = _sent(unknown) or _unused_class(unknown) or first_value(unknown.source, unknown.uses)
@@ -380,7 +396,7 @@ def _unexplained(unknown: Unknown) -> Reading:
         return f"{cause_of(unknown)} It exists only inside a method.", fix
     if unknown.is_called:
         fix = f"write the object that {unknown.name} belongs to, and a dot, before it; otherwise import or define it above"
-    elif unknown.name[:1].isupper() and not unknown.name.isupper():
+    elif unknown.name[:1].isupper() and (unknown.attributes or not unknown.name.isupper()):
         fix = f"import or define {unknown.name} above"
     else:
         fix = f"write a line above it that gives {unknown.name} its value"

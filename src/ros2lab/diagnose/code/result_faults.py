@@ -113,7 +113,7 @@ def _never_sent(
             fix = f"write {ast.unparse(calls[0].func)}({name})"
             yield Finding("never-sent", f"{cause}: it publishes {given} instead.", source.at(calls[0]), fix)
         elif not calls and (publisher := _publisher(uses, owner, str(kind))):
-            line, back = disabled(source.text, rf"\.publish\({name}\)")
+            line, back = disabled(source.text, [function], rf"\.publish\({name}\)")
             where = _sending_place(function, node, fills[-1].lineno)
             fix = back if line else f"write `{publisher}.publish({name})` {where}"
             yield Finding("never-sent", f"{cause}.", source.at(fills[-1]), fix)

@@ -24,7 +24,7 @@ from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_
 from ros2lab.diagnose.launching.plain_values import plain_value_faults, takers
 from ros2lab.diagnose.launching.unlisted import unlisted
 from ros2lab.diagnose.sources.calls import as_list
-from ros2lab.diagnose.sources.commented_out import comments_in
+from ros2lab.diagnose.sources.commented_out import put_back
 from ros2lab.diagnose.sources.interfaces import launch_homes_of
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, read_source, read_text
 from ros2lab.diagnose.sources.signatures import LISTS, heads_of, signature_of
@@ -213,33 +213,20 @@ def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Findin
             if nodes := takers(source, name):
                 line = f"the Node on line {nodes[0].lineno}" if len(nodes) == 1 else "a node"
                 fix = f"pass it to {line}: parameters=[{{'{name}': {value}}}]"
-            elif used_by := [
-                n
-                for n, said in comments_in(source.text)
-                if f"LaunchConfiguration('{name}')" in said and _holds_without_mark(source.text, n)
-            ]:
-                fix = f"remove it, or remove the # from line {used_by[0]}, which would use it"
+            else:
+                used_by = put_back(source.text, re.escape(value))
+                ways = [back for _, back, whole in used_by if not _gives_twice(whole)]
+                fix = f"remove it, or {ways[0]}, which would use it" if ways else fix
             yield Finding("launch-unused", cause, source.at(declared[name]), fix)
 
 
-def _holds_without_mark(text: str, line: int) -> bool:
-    """Return whether a file can be read without the # of a line, and then gives no list a key twice."""
-    lines = text.splitlines()
-    lines[line - 1] = re.sub(r"^(\s*)#+ ?", r"\1", lines[line - 1])
-    try:
-        tree = ast.parse("\n".join(lines))
-    except SyntaxError:
-        return False
-    for node in ast.walk(tree):
-        given = (
-            [inner for inner in node.elts if isinstance(inner, ast.Dict)]
-            if isinstance(node, ast.List)
-            else []
-        )
-        keys = [ast.unparse(key) for inner in given for key in inner.keys if key]
+def _gives_twice(code: str) -> bool:
+    """Return whether a list of dictionaries gives a key twice."""
+    for items in (node.elts for node in ast.walk(ast.parse(code)) if isinstance(node, ast.List)):
+        keys = [ast.unparse(key) for d in items if isinstance(d, ast.Dict) for key in d.keys if key]
         if len(keys) > len({*keys}):
-            return False
-    return True
+            return True
+    return False
 
 
 def _nodes(source: PythonSource) -> Iterator[Launched]:

@@ -218,7 +218,8 @@ def _is_message(state: State, method: Function, name: str) -> bool:
 def _begun(state: State, method: Function, takes: list[str]) -> str:
     """Return where a method that looks like a callback may be used, by what it does with what it takes."""
     name = method.name
-    line, back = disabled(state.source.text, rf"(?<!def )\b{name}\b(?=[(),])")
+    reached = [m for m in state.owner.methods.values() if id(m) not in unreached(state.uses.sources)]
+    line, back = disabled(state.source.text, reached, rf"\bself\.{name}\b(?=[(),])")
     if line:
         return f"{back}, which uses it, or remove {name}()"
     if not takes:
@@ -330,7 +331,8 @@ def _never_published(state: State) -> Iterator[Finding]:
 
 def _sent_there(state: State, creation: Creation, kept: str) -> str:
     """Return where a publisher may publish: in a callback that receives its type, unless it hears the same topic."""
-    line, back = disabled(state.source.text, rf"{re.escape(kept)}\.publish\(")
+    methods = state.owner.methods.values()
+    line, back = disabled(state.source.text, methods, rf"{re.escape(kept)}\.publish\(")
     if line:
         return f"{back}, or remove the publisher"
     kind, topic = (_text(state, creation, name) for name in ("msg_type", "topic"))

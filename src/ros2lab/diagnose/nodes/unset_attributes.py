@@ -53,8 +53,8 @@ def no_such_member(owner: NodeClass, node: ast.Attribute, what: str, members: Co
     meant = f" Did you mean {close}?" if close else ""
     cause = f"{owner.definition.name} has no {what} {name}.{meant}"
     guess = Guess(f"self.{name}", f"self.{close}", f"define self.{name} in __init__") if close else None
-    is_disabled = _disabled(owner.source, owner.definition, name)[0] > 0
     told = unset(owner.source, owner.definition, name)
+    is_disabled = bool(told and "out of use" in told[0])
     if told and (is_disabled or not close or "==" in told[0]):
         cause, fix = told
         guess = None if is_disabled else guess
@@ -121,11 +121,9 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
         if told := compared(source, use):
             return f"`==` only compares, so nothing sets self.{name}; a single `=` assigns.", told
     cause = f"self.{name} is used here, but nothing in the class sets it."
-    line, back = _disabled(source, definition, name)
+    line, back = disabled(source.text, definition.body, rf"^\s*self\.{re.escape(name)}\s*=[^=]")
     if line:
-        opened = source.text.splitlines()[line - 1]
-        more = ", and the lines below that belong to it" if opened.count("(") > opened.count(")") else ""
-        return f"{cause} Line {line} does, but is out of use.", back + more
+        return f"{cause} Line {line} does, but is out of use.", back
     if there := _there(source, definition, name):
         return cause, there
     value = _sender(source, definition, name) or first_value(source, uses)
@@ -135,12 +133,6 @@ def unset(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[st
     where = f"below line {line}, in __init__()" if line else "as the first line of __init__()"
     blank = ", with the name that the others use instead of the dots" * ("'...'" in value)
     return cause, f"write `self.{name} = {value}` {where}{blank}"
-
-
-def _disabled(source: PythonSource, definition: ast.ClassDef, name: str) -> tuple[int, str]:
-    """Return the line of a class that would set an attribute of self but is out of use, and how to put it back; else 0."""
-    line, back = disabled(source.text, rf"^\s*self\.{re.escape(name)}\s*=[^=]")
-    return (line, back) if definition.lineno < line <= (definition.end_lineno or 0) else (0, "")
 
 
 def _constructed(definition: ast.ClassDef) -> Iterator[int]:
