@@ -115,6 +115,7 @@ BRIDGE = {"config/bridge.yaml": "- ros_topic_name: /number\n"}
             package("b", {"hear": sub(SECOND, "number")}),
             package("c", {"hear": sub(SECOND, "number")}),
         ],
+        [package("a", {"talk": pub(FIRST, "robot_news")})],
         [package("a", {"talk": pub(FIRST, "number"), "hear": sub(SECOND, "number")}, CPP)],
         [package("a", {"talk": pub(FIRST, "number"), "hear": sub(SECOND, "number")}, BRIDGE)],
         [package("a", {"talk": pub(FIRST, "wheel_l/speed"), "hear": sub(FIRST, "wheel_r/speed")})],
@@ -128,6 +129,38 @@ def test_an_end_that_has_or_may_have_a_partner_is_not_told(
     assert not told(tmp_path, *packages)
 
 
+SLOW = "self.pub = self.create_publisher(String, '/robot/status', 10); self.create_timer(1.0, self.tick)"
+TICK = "\n    def tick(self):\n        self.pub.publish(String(data='on'))\n\n    def got"
+STATUS = node(SLOW, SECOND).replace("\n    def got", TICK, 1)
+NEAR = pub(SECOND, "robot_status")
+
+
+@pytest.mark.parametrize(
+    ("modules", "wanted"),
+    [
+        ({"robot_controller": {"talk": NEAR}}, ["topic-near-miss src/robot_controller"]),
+        ({"robot_controller": {"talk": STATUS}}, ["period src/robot_controller"]),
+        ({"bot": {"talk": STATUS, "hear": sub(SECOND, "robot/command")}}, ["period src/bot"]),
+        ({"my_robot_controller": {"talk": pub(SECOND, "robot_new")}}, ["topic-near-miss src/my_robot_controller"]),
+        ({"arm": {"talk": NEAR}, "robot_controller": {"talk": NEAR}}, ["topic-near-miss src/robot_controller"]),
+        ({"robot_controller": {"tell": pub(FIRST, "number")}, "arm": {"talk": STATUS}}, []),
+        ({"brain": {"talk": NEAR, "drive": pub("geometry_msgs.msg.Twist", "cmd_vel")}}, []),
+        ({"my_status": {"talk": STATUS}}, []),
+        ({"my_status": {"hear": sub(SECOND, "robot_command")}}, []),
+        ({"news": {"talk": pub(SECOND, "robot_new")}}, []),
+        ({"wall": {"drive": pub("geometry_msgs.msg.Twist", "cmd_vell")}}, []),
+    ],
+)  # fmt: skip
+def test_the_course_asks_only_of_its_own_packages(
+    tmp_path: Path, modules: dict[str, dict[str, str]], wanted: list[str]
+) -> None:
+    found = found_in(tmp_path, *(package(name, texts) for name, texts in modules.items()))
+    told_of = [
+        f"{one.code} {'/'.join(one.place.split('/')[:2])}" for one in found if one.code in (*CODES, "period")
+    ]
+    assert told_of == wanted
+
+
 TOGETHER = {
     "launch/both.launch.py": LAUNCH.format(
         nodes="Node(package='a', executable='talk'), Node(package='b', executable='hear')"
@@ -139,7 +172,7 @@ TOGETHER = {
     ("packages", "code"),
     [
         ([package("a", {"talk": pub(FIRST, "number"), "hear": sub(SECOND, "number")})], "topic-type"),
-        ([package("a", {"talk": pub(FIRST, "robot_news")})], "topic-type"),
+        ([package("my_robot_controller", {"talk": pub(FIRST, "robot_news")})], "topic-type"),
         (
             [package("a", {"talk": pub(FIRST, "number")}), package("b", {"hear": sub(SECOND, "number")})],
             "topic-type",
@@ -289,11 +322,11 @@ def test_what_is_written_for_the_old_type_changes_with_it(
 ) -> None:
     talk = node(f"{end(TWIST, topic, is_publisher=True)}\n        self.pub.publish(Twist())", TWIST)
     hear = node(f"{end(SECOND, topic, is_publisher=False)}\n        {hears}", SECOND)
-    found = found_in(
-        tmp_path, package("a", {"talk": talk, "hear": hear.replace("str(msg)", f"str({reads})")})
-    )
+    name = "robot_controller" if topic == "cmd_vel" else "a"
+    hear = hear.replace("str(msg)", f"str({reads})")
+    found = found_in(tmp_path, package(name, {"talk": talk, "hear": hear}))
     (one,) = (one for one in found if one.code == "topic-type")
-    assert one.place.startswith(f"src/a/a/{'talk' if hears else 'hear'}.py:")
+    assert one.place.startswith(f"src/{name}/{name}/{'talk' if hears else 'hear'}.py:")
     assert one.fix == fix
 
 
@@ -307,6 +340,11 @@ def test_what_is_written_for_the_old_type_changes_with_it(
         ("talker", "rclpyy", "rclpy"),
         ("talker", "exmaple_interfaces", "example_interfaces"),
         ("talker", "math", "remove"),
+        ("talker", "rclpy_action", "remove this line: rclpy is declared as well"),
+        ("talker", "std_srvs_srv", "write std_srvs instead of std_srvs_srv"),
+        ("talker", "rclpy_message_converter", ""),
+        ("talker", "numpy", ""),
+        ("talker", "lz4", ""),
     ],
 )
 def test_a_declared_name_that_is_not_known(tmp_path: Path, name: str, declared: str, meant: str) -> None:
@@ -318,6 +356,59 @@ def test_a_declared_name_that_is_not_known(tmp_path: Path, name: str, declared: 
     codes = ("dependency-unknown", "dependency-not-ros")
     found = [finding for finding in found_in(tmp_path, files) if finding.code in codes]
     assert [meant in finding.fix for finding in found] == [True] * bool(meant)
+
+
+@pytest.mark.parametrize(
+    ("module", "tags", "fix"),
+    [
+        ("numpy", ["numpy"], "write python3-numpy instead of numpy"),
+        ("cv2", ["cv2"], "write python3-opencv instead of cv2"),
+        ("cv2", ["cv2", "python3-opencv"], "remove this line: python3-opencv is declared as well"),
+        ("psutil", ["psutil"], "remove the line with psutil, or write rosdep's name for it"),
+        ("nothing_like_it", ["nothing_like_it"], ""),
+        ("std_srvs", ["std_srvs"], ""),
+        ("numpy", ["python3-numpy"], ""),
+    ],
+)
+def test_a_module_that_is_declared_by_its_own_name(
+    tmp_path: Path, module: str, tags: list[str], fix: str
+) -> None:
+    files = package("a", {"talk": f"import {module}\n{pub(SECOND, 'x')}\n\nprint({module})\n"})
+    rows = "".join(f"  <exec_depend>{tag}</exec_depend>\n" for tag in tags)
+    files["src/a/package.xml"] = files["src/a/package.xml"].replace("  <export>", f"{rows}  <export>")
+    found = [finding.fix for finding in found_in(tmp_path, files) if finding.code == "dependency-not-ros"]
+    assert found == [fix] * bool(fix)
+
+
+@pytest.mark.parametrize(
+    ("written", "fix"),
+    [
+        ("examples_interfaces.msg", "write `<depend>example_interfaces</depend>`"),
+        ("geometry_msg.msg.Twist", "write `<depend>geometry_msgs</depend>`"),
+        ("libgstreamer1.0-dev", ""),
+        ("my_own.msg", ""),
+    ],
+)
+def test_a_misspelt_package_with_a_module_behind_it(tmp_path: Path, written: str, fix: str) -> None:
+    files = package("a", {"talk": pub(SECOND, "x")})
+    text = files["src/a/package.xml"].replace("  <depend>geometry_msgs</depend>\n", "")
+    files["src/a/package.xml"] = text.replace("  <export>", f"  <depend>{written}</depend>\n  <export>")
+    found = [finding.fix for finding in found_in(tmp_path, files) if finding.code == "dependency-joined"]
+    assert found == [fix] * bool(fix)
+
+
+def test_a_package_that_a_launch_file_keeps_in_a_variable(tmp_path: Path) -> None:
+    launch = LAUNCH.format(nodes="Node(package=package_, executable='talk')")
+    launch = launch.replace("    return", "    package_ = 'catch_the_turtle_cpp'\n    return")
+    other = package("catch_the_turtle_cpp", {"talk": pub(SECOND, "y")})
+    files = package("a", {"talk": pub(SECOND, "x")}, {"launch/a.launch.py": launch})
+    manifest = files["src/a/package.xml"]
+    for declared, code in (("catch_the_turtles_cpp", "dependency-unknown"), ("rviz2", "dependency-launched")):
+        tag = f"  <exec_depend>{declared}</exec_depend>\n  <export>"
+        files["src/a/package.xml"] = manifest.replace("  <export>", tag)
+        found = [one for one in found_in(tmp_path, files, other) if one.code.startswith("dependency-")]
+        assert [one.code for one in found] == [code]
+        assert "catch_the_turtle_cpp" in found[0].fix
 
 
 ROWS = "            'talk = a.talk:main',\n"

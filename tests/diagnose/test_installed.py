@@ -14,6 +14,7 @@ from deadlines import DEADLINE
 from ros2lab import environment
 from ros2lab.diagnose import Finding, of_text, of_workspace
 from ros2lab.diagnose.packaging.installed import to_build
+from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.workspace import Workspace
 
 
@@ -251,8 +252,32 @@ def test_dashes_that_setuptools_takes_are_no_fault_once_it_is_built(tmp_path: Pa
         files.change("setup.cfg", name, name.replace("_", "-"))
     root = files.write(tmp_path)
     assert {one.code for one in of_workspace(root)} == {"setup-cfg-dashes"}
-    (root / "install" / NAMES[0].package / "lib" / NAMES[0].package).mkdir(parents=True)
+    marker = root / "install" / NAMES[0].package / INDEX / NAMES[0].package
+    marker.parent.mkdir(parents=True)
+    marker.touch()
     assert "setup-cfg-dashes" not in {one.code for one in of_workspace(root)}
+
+
+@pytest.mark.parametrize(
+    ("rows", "fix"),
+    [
+        ("[develop]\nscript-dir=$base/lib/a\n", "write script_dir instead of script-dir"),
+        (
+            "[develop]\nscript-dir=a\n[install]\nscript-dir=a\n",
+            "write script_dir instead of script-dir, and on line 4 script_dir instead of script-dir",
+        ),
+        ("[metadata]\nauthor-email=a@b.org\n", "write author_email instead of author-email"),
+        ("[options.packages.find]\nto-find=a\n", "write to_find instead of to-find"),
+        ("[options.data_files]\nshare/a-b=c\n", ""),
+        ("[flake8]\nmax-line-length=99\n[tool:pytest]\njunit-family=xunit2\n", ""),
+    ],
+)
+def test_dashes_stop_setuptools_wherever_it_reads(tmp_path: Path, rows: str, fix: str) -> None:
+    files = Files.right(NAMES[0])
+    setup = files.texts[files.path("setup.py")]
+    files.put("setup.py", re.sub(r"(?s)'console_scripts': \[.*?\],", "", setup)).put("setup.cfg", rows)
+    found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "setup-cfg-dashes"]
+    assert found == [fix] * bool(fix)
 
 
 def test_both_wrong_lines_of_a_copied_setup_cfg_are_told_at_once(tmp_path: Path) -> None:

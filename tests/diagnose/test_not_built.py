@@ -66,7 +66,10 @@ def test_what_setup_leaves_out_no_build_installs(
     [
         ("packages =\n    bot\n", "write bot.inner on a line of its own below bot,"),
         ("packages = find:\n[options.packages.find]\ninclude = bot\n", "and below it bot, bot.inner, each"),
-        ("packages = find:\n[options.packages.find]\nwhere = bot/away\n", "and below it bot.inner, each"),
+        (
+            "packages = find:\n[options.packages.find]\nwhere = bot/away\n",
+            "and below it bot, bot.inner, each",
+        ),
     ],
 )
 def test_a_list_in_setup_cfg_is_mended_there(tmp_path: Path, cfg: str, fix: str) -> None:

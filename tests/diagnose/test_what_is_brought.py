@@ -153,6 +153,8 @@ DEEP = {"PACKAGE/a/__init__.py": "X = 1\n", "PACKAGE/a/b/__init__.py": "", "PACK
         ("[package_name, os.path.join(package_name, 'sub')]", SUB, USES, []),
         ("['my_bot', 'my_bot.sub']", SUB, USES, []),
         ("['my_bot']", SUB, USES, ["['my_bot', 'my_bot.sub']"]),
+        ("['my_bot']", SUB | DEEP, f"{USES}\nfrom my_bot.a import X\nprint(X)", ["['my_bot', 'my_bot.sub', 'my_bot.a', 'my_bot.a.b']"]),
+        ("find_packages(include=['my_bot'])", SUB | DEEP, f"{USES}\nfrom my_bot.a import X\nprint(X)", ["find_packages(include=['my_bot', 'my_bot.sub', 'my_bot.a', 'my_bot.a.b'])"]),
         ("find_packages()", {"my-tools/__init__.py": "", "my-tools/a.py": "A = 1\n"}, "", []),
         ("['my_bot']", DEEP, "from my_bot.a.b.u import L\nprint(L)", ["['my_bot', 'my_bot.a', 'my_bot.a.b']"]),
         ("['my_bot']", DEEP | {"PACKAGE/a/__init__.py": "from .b import u\nprint(u)\n"}, "", []),

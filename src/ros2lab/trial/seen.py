@@ -16,9 +16,9 @@ from ros2lab import every_node
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.graph import EXPECTED_TOPICS, finding_of
+from ros2lab.diagnose.nodes.graph import finding_of
 from ros2lab.diagnose.nodes.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
-from ros2lab.diagnose.nodes.topic_faults import COURSE_TOPICS, ends_of, goes_on, timers_of, word_sources
+from ros2lab.diagnose.nodes.topic_faults import asked_of, ends_of, goes_on, timers_of, word_sources
 from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.grading.code.compared import compared
@@ -208,10 +208,11 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         yield from _rhythms(seen, run)
     yield from ended_together(seen)
     yield from _words(seen)
+    asked = {f"/{topic}" for package in seen.look.packages for topic in asked_of(seen.look.sources(package))}
     for run in seen.together or seen.alone:
         faults = [
             fault
-            for fault in graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
+            for fault in graph_of(_observation(run), everything=True, expected_topics=sorted(asked)).faults
             if not seen.is_of_run(fault)
             if not (isinstance(fault, SharedName) and len(run.programs) == 1)
         ]
@@ -303,10 +304,9 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
             yield fault
             continue
         gap = median_gap(heard.times)
-        wanted = COURSE_TOPICS.get(topic.lstrip("/"), ("", 0.0))[1]
-        place = next(
-            (t.source.at(t.call) for e in seen.ends(topic, is_publisher=True) for t, _ in timers_of(e)), ""
-        )
+        ends = seen.ends(topic, is_publisher=True)
+        wanted = max((asked_of(end.sources).get(topic[1:], ("", 0.0))[1] for end in ends), default=0.0)
+        place = next((timer.source.at(timer.call) for end in ends for timer, _ in timers_of(end)), "")
         place = place or seen.place(topic)
         if topic in run.stalled and _has_no_end(seen, topic):
             cause = f"{heard.count} messages came on {topic} and then no more, although its timer is never cancelled."

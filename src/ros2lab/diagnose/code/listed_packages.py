@@ -10,7 +10,7 @@ from pathlib import Path
 from shlex import quote
 
 from ros2lab.diagnose.code.bare_imports import finds_more
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, in_a_row
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.setup_script import SetupScript
@@ -52,59 +52,80 @@ def _beside_setup(setup: SetupScript, module: str) -> Finding | None:
 
 
 def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding:
-    """Return that setup.py does not install a Python package, and how to change that."""
+    """Return that setup.py does not install a Python package, nor others that it lacks likewise, and how to change that."""
     names = package.packages or []
-    folder = package.folder_of(name).relative_to(package.folder).as_posix()
     # A package that is listed by name is installed even without an __init__.py.
     cfg = package.setup_cfg
     in_cfg = (
         cfg.get("options", "packages", fallback="").strip() if cfg and setup.line("packages") is None else ""
     )
-    if ("find_packages(" in setup.source.text or in_cfg == "find:") and not package.has(
-        f"{folder}/__init__.py"
-    ):
-        cause = f"The folder {folder} has no __init__.py, so {in_cfg or 'find_packages()'} skips it, and an installed program cannot import anything in it."
-        fix = (
-            f"mv {quote(package.shown(called))} {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
-            if (called := alike(package.folder, f"{folder}/__init__.py"))
-            else f"touch {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
-        )
-        if package.has(f"{folder}.py"):
-            old, new = package.shown(folder), package.shown(f"{folder}_parts")
-            cause = f"The folder {folder} and the file {folder}.py are both {name} for Python, which imports the file and nothing of the folder, as it has no __init__.py."
-            fix = f"mv {quote(old)} {quote(new)} && touch {quote(new)}/__init__.py, write {name}_parts instead of {name} where something of the folder is imported, and build again"
-        return Finding("init-file-missing", cause, package.shown(f"{folder}/__init__.py"), fix)
-    inner = (source for source in package.sources.values() if source.name.startswith(f"{name}."))
-    below = {source.name if source.is_package else source.name.rpartition(".")[0] for source in inner}
-    above = [name[:end] for end, sign in enumerate(name) if sign == "." and name[:end] not in names]
-    above = [outer for outer in above if (package.folder_of(outer) / "__init__.py").is_file()]
-    written = _with(setup, [*above, name, *sorted(below - {name, *names})])
-    fix = f"write {name!r} into the list of packages in setup.py"
+    search = in_cfg or "find_packages()" * ("find_packages(" in setup.source.text)
+
+    def is_skipped(name: str) -> bool:
+        return search.startswith("find") and not (package.folder_of(name) / "__init__.py").is_file()
+
+    if is_skipped(name):
+        return _skipped(package, name, search)
+    needed = [other for other in needed_packages(package) if not is_skipped(other)]
+    lacking = [*dict.fromkeys(other for other in [*needed, name] if other not in names)]
+    if in_cfg:
+        return _not_in_cfg(package, in_cfg, lacking)
+    written = _with(setup, _with_inner(package, lacking))
+    fix = f"write {in_a_row([*map(repr, lacking)])} into the list of packages in setup.py"
     if not names:
-        fix = f"write packages={[name]!r} instead of what is there"
+        fix = f"write packages={lacking!r} instead of what is there"
     elif written:
         fix += f": `packages={written},`"
-    if in_cfg:
-        return _not_in_cfg(package, in_cfg, name)
     return Finding(
         "package-not-listed",
-        f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
+        _not_held("setup.py does", lacking, "`packages`", names),
         at(setup.source.shown, setup.line("packages")),
         f"{fix}, and build again" if names else fix,
     )
 
 
-def _not_in_cfg(package: SourcePackage, in_cfg: str, name: str) -> Finding:
-    """Return that the `packages` of setup.cfg do not hold a Python package, and how to change that."""
+def _skipped(package: SourcePackage, name: str, search: str) -> Finding:
+    """Return that a search for packages skips a folder without an __init__.py, and how to change that."""
+    folder = package.folder_of(name).relative_to(package.folder).as_posix()
+    cause = f"The folder {folder} has no __init__.py, so {search} skips it, and an installed program cannot import anything in it."
+    called = alike(package.folder, f"{folder}/__init__.py")
+    made = f"mv {quote(package.shown(called))}" if called else "touch"
+    fix = f"{made} {quote(package.shown(f'{folder}/__init__.py'))}, and build again"
+    if package.has(f"{folder}.py"):
+        old, new = package.shown(folder), package.shown(f"{folder}_parts")
+        cause = f"The folder {folder} and the file {folder}.py are both {name} for Python, which imports the file and nothing of the folder, as it has no __init__.py."
+        fix = f"mv {quote(old)} {quote(new)} && touch {quote(new)}/__init__.py, write {name}_parts instead of {name} where something of the folder is imported, and build again"
+    return Finding("init-file-missing", cause, package.shown(f"{folder}/__init__.py"), fix)
+
+
+def _with_inner(package: SourcePackage, lacking: list[str]) -> list[str]:
+    """Return Python packages that are not listed with those around them and inside them that are not, either."""
+    homes = {s.name if s.is_package else s.name.rpartition(".")[0] for s in package.sources.values()}
+    found: list[str] = []
+    for name in lacking:
+        above = [name[:end] for end, sign in enumerate(name) if sign == "."]
+        found += [outer for outer in above if (package.folder_of(outer) / "__init__.py").is_file()]
+        found += [name, *sorted(home for home in homes if home.startswith(f"{name}."))]
+    return [name for name in dict.fromkeys(found) if name not in (package.packages or ())]
+
+
+def _not_held(does: str, lacking: list[str], where: str, names: list[str]) -> str:
+    """Say which Python packages a list lacks, and what it holds."""
+    what = f"package{'s' * (len(lacking) > 1)} {in_a_row(lacking)}"
+    return f"{does} not install the Python {what}: {where} holds {', '.join(names) or 'nothing'}."
+
+
+def _not_in_cfg(package: SourcePackage, in_cfg: str, lacking: list[str]) -> Finding:
+    """Return that the `packages` of setup.cfg do not hold some Python packages, and how to change that."""
     names = package.packages or []
     lines = read_text(package.folder / "setup.cfg").splitlines()
     line = next((n for n, text in enumerate(lines, 1) if text.startswith("packages")), None)
-    cause = f"setup.cfg does not install the Python package {name}: its `packages` holds {', '.join(names) or 'nothing'}."
+    cause = _not_held("setup.cfg does", lacking, "its `packages`", names)
     if in_cfg.startswith("find"):
-        each = ", ".join([*names, name])
+        each = ", ".join([*names, *lacking])
         fix = f"write `packages =` instead of `packages = {in_cfg}`, and below it {each}, each on an indented line of its own, and build again"
     else:
-        fix = f"write {name} on a line of its own below {names[-1]}, as far to the right, and build again"
+        fix = f"write {in_a_row(lacking)} on a line of its own below {names[-1]}, as far to the right, and build again"
     return Finding("package-not-listed", cause, at(package.shown("setup.cfg"), line), fix)
 
 

@@ -20,7 +20,7 @@ from ros2lab.diagnose.nodes.topic_faults import COURSE_TOPICS
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-EXPECTED_TOPICS = tuple(f"/{name}" for name in COURSE_TOPICS)
+EXPECTED_TOPICS = tuple(f"/{name}" for name in sorted(COURSE_TOPICS))
 
 
 def graph_findings(node: Node) -> list[Finding]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from ros2lab import assignments
 from ros2lab.diagnose.finding import Finding
@@ -22,11 +22,16 @@ from ros2lab.diagnose.sources.qualities import POLICIES, policies_of
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.rhythm import has_period
 
-# The course's topics, each with its type and, if fixed, its period in s; the last is from lesson 4.
-COURSE_TOPICS: Mapping[str, tuple[str, float]] = {
-    part.topic.lstrip("/"): (part.type_name.replace("/", "."), part.period)
-    for part in assignments.load().parts.values()
-} | {"robot_news": ("std_msgs.msg.String", 0.0)}
+_ASSIGNMENT = assignments.load()
+# What the course asks of its packages, that of the assignment and that of lesson 4: topics with their types and, if fixed, periods in s.
+_ASKED: Mapping[str, Mapping[str, tuple[str, float]]] = {
+    _ASSIGNMENT.package: {
+        part.topic.lstrip("/"): (part.type_name.replace("/", "."), part.period)
+        for part in _ASSIGNMENT.parts.values()
+    },
+    "my_robot_controller": {"robot_news": ("std_msgs.msg.String", 0.0)},
+}
+COURSE_TOPICS = frozenset(topic for topics in _ASKED.values() for topic in topics)
 
 
 @dataclass(frozen=True)
@@ -94,6 +99,19 @@ def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
             is_publisher = creation.method == "create_publisher"
             found.append(End(topic, name, is_publisher, qos, creation, sources))
     return found
+
+
+@lru_cache(maxsize=32)
+def asked_of(sources: NodeSources) -> Mapping[str, tuple[str, float]]:
+    """Return what the course asks of a package or a file: topics with types and periods; nothing of other work.
+
+    The course's are the packages with its names, and whatever uses two topics of the assignment with their types.
+    """
+    tops = {name.partition(".")[0] for name in sources.sources}
+    parts = _ASKED[_ASSIGNMENT.package]
+    used = {end.topic for end in ends_of(sources) if parts.get(end.topic, ("",))[0] == end.type}
+    named = next((topics for name, topics in _ASKED.items() if name in tops), {})
+    return parts if len(used) > 1 else named
 
 
 def word_sources(sources: NodeSources) -> list[PythonSource]:
@@ -168,12 +186,13 @@ def _near_misses(
         facing = [(name, ends) for name, ends in near if _may_face(there, ends)]
         others = [ends[0].name for name, ends in facing if not _has_partner(name, ends, unnamed, partners)]
         course = [
-            name
-            for name, (kind, _) in COURSE_TOPICS.items()
-            if is_near_miss(topic, name) and name not in by_topic and end.type in (None, kind)
+            (name, own)
+            for own in there
+            for name, (kind, _) in asked_of(own.sources).items()
+            if not own.is_private and is_near_miss(topic, name) and own.type in (None, kind)
         ]
-        meant = [*others, *([] if end.is_private else course)]
-        wanted = next(iter(meant), None)
+        meant = [*((name, end) for name in others), *(pair for pair in course if pair[0] not in by_topic)]
+        wanted, end = next(iter(meant), ("", end))
         if wanted and not _has_partner(topic, there, unnamed, partners):
             verb = "publishes on" if end.is_publisher else "subscribes to"
             reached = "reach subscribers to" if end.is_publisher else "receive what is published on"
@@ -260,13 +279,13 @@ def _users(end: End, right: str) -> str:
 
 def _types(topic: str, there: list[End], unnamed: list[End], partners: Partners) -> Iterator[Finding]:
     """Yield ends without a partner of their type: what they are compared with has another type, or the course has."""
-    wanted = COURSE_TOPICS[topic][0] if topic in COURSE_TOPICS else None
-    if topic == "cmd_vel" and any(str(end.type).endswith("TwistStamped") for end in there):
-        wanted = None  # what newer robots take
+    # Newer robots take another type.
+    is_newer = topic == "cmd_vel" and any(str(end.type).endswith("TwistStamped") for end in there)
     alone = [end for end in there if end.type and not any(_may_connect(end, other) for other in there)]
     for end in alone:
         facing = [other for other in there if other.is_publisher is not end.is_publisher]
         others = [other for other in facing if partners.are_together(end, other, there)]
+        wanted = asked_of(end.sources).get(topic, ("", 0.0))[0] if not is_newer else ""
         right = wanted if wanted and (others or not facing) else _right_type(end, others, there, alone)
         if not right or end.type == right or _has_partner(topic, [end], unnamed, partners):
             continue
@@ -318,12 +337,10 @@ def _alike(publisher: End, listener: End, policy: str) -> str:
 
 
 def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
-    period = COURSE_TOPICS[topic][1] if topic in COURSE_TOPICS else 0.0
-    if not period:
-        return
     for end in there:
+        period = asked_of(end.sources).get(topic, ("", 0.0))[1]
         for timer, seconds in timers_of(end):
-            if not has_period(seconds, period):
+            if period and not has_period(seconds, period):
                 cause = f"'/{topic}' is published every {seconds:g} s, but the course asks for every {period:g} s."
                 fix = f"write create_timer({period}, ...)"
                 yield Finding("period", cause, timer.source.at(timer.call), fix, (topic,))

@@ -23,10 +23,11 @@ from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import build_type_written, repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
 from ros2lab.diagnose.sources.commented_out import without_comments, without_texts
-from ros2lab.diagnose.sources.interfaces import PACKAGES, meant, package_of
+from ros2lab.diagnose.sources.interfaces import PACKAGES, is_library, is_module, meant, package_of
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, read_text
 from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss, nearest, same_letters
+from ros2lab.manifest_words import KEYS
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
 # What rclpy depends on, and what a launch file needs: hardly anybody declares these, and nothing breaks.
@@ -245,6 +246,8 @@ def _dependency_faults(
         )
     ]
     known = PACKAGES | {*workspace_names}
+    used = {launched for launched, _ in launched_packages(package)}
+    used |= {i.target.partition(".")[0] for source in package.sources.values() for i in source.imports}
     for export in (e for e in manifest.exports if e.tagname.endswith("depend") and e.content):
         name = str(export.content).strip()
         element = f"<{export.tagname}>{name}</{export.tagname}>"
@@ -261,22 +264,41 @@ def _dependency_faults(
             continue
         if name in known:
             continue
+        key = KEYS.get(name, "")
         if name in sys.stdlib_module_names - _LIBRARIES:
-            cause = f"package.xml declares {name}, which is part of Python, not a package, so rosdep cannot find it."
-            fix = f"remove the line with {name}"
-            yield Finding("dependency-not-ros", cause, place, fix, (name,))
+            code, wanted, otherwise = "dependency-not-ros", "", ""
+            what = "which is part of Python, not a package, so rosdep cannot find it"
+        elif name in used and (key.startswith("python3-") or is_library(name)):
+            code, wanted, otherwise = "dependency-not-ros", key, ", or write rosdep's name for it"
+            what = "which is a Python module, not a package of ROS: rosdep has names of its own for modules"
+        elif wanted := _meant(package, name, known, used):
+            code, otherwise = "dependency-unknown", ""
+            what = f"but there is no such package; the name is {wanted}"
+            what += f", which has the module {name[len(wanted) + 1 :]}" * name.startswith(f"{wanted}_")
+        else:
             continue
-        # The name of a package of ROS 1 often gets a 2, as in rviz2.
-        slips = (candidate for candidate in sorted(known) if _is_slip(package, name, candidate))
-        of_ros_2 = ROS_1.get(name) or (f"{name}2" if f"{name}2" in PACKAGES else "")
-        if not package.is_built_by_cmake:
-            of_ros_2 = package_of(of_ros_2)
-        if wanted := of_ros_2 or next(slips, None):
-            cause = f"package.xml declares {name}, but there is no such package; the name is {wanted}."
-            fix = f"write {wanted} instead of {name}"
-            if wanted in declared:
-                fix = f"remove this line: {wanted} is declared as well"
-            yield Finding("dependency-unknown", cause, place, fix, (name,))
+        fix = f"write {wanted} instead of {name}" if wanted else f"remove the line with {name}{otherwise}"
+        fix = f"remove this line: {wanted} is declared as well" if wanted in declared else fix
+        yield Finding(code, f"package.xml declares {name}, {what}.", place, fix, (name,))
+
+
+def _meant(package: SourcePackage, name: str, known: Set[str], used: Set[str]) -> str:
+    """Return the package that a declared name means, which is that of none; empty if it is not known.
+
+    A public package that is not installed here may differ from one in the workspace by one letter: a slip it is
+    only if the package uses the other one and not this one, or if the other one's name is standard and long.
+    """
+    # The name of a package of ROS 1 often gets a 2, as in rviz2.
+    of_ros_2 = ROS_1.get(name) or (f"{name}2" if f"{name}2" in PACKAGES else "")
+    of_ros_2 = of_ros_2 if package.is_built_by_cmake else package_of(of_ros_2)
+    if of_ros_2 or name in used:
+        return of_ros_2
+    near = [other for other in sorted(known) if is_near_miss(name, other)]
+    standard = {other for other in PACKAGES if len(other) >= _LONG or same_letters(name, other)}
+    slips = [other for other in near if other != package.name and other in used | standard]
+    splits = ((name[:end], name[end + 1 :]) for end, sign in enumerate(name) if sign == "_")
+    homes = (top for top, inner in splits if top in PACKAGES and is_module(f"{top}.{inner}"))
+    return next(iter(slips), "") or next(homes, "")
 
 
 _KEY = re.compile(r"[\w.+-]+")  # a name as rosdep has it, such as libgstreamer1.0-dev or libstdc++6
@@ -286,9 +308,8 @@ def _named_in(word: str, known: Collection[str]) -> list[str]:
     """Return the packages that a word of a tag names: as a whole, `rcl.py` for rclpy, or by the parts of a path."""
     path = re.split(r"[./:]+", word)
     whole = [name for name in sorted(known) if same_letters(name, word)]
-    return (
-        whole[:1] or [part for part in path if part in known] or [word if _KEY.fullmatch(word) else path[0]]
-    )
+    parts = [part if part in known else meant(part) for part in path]
+    return whole[:1] or [*filter(None, parts)] or [word if _KEY.fullmatch(word) else path[0]]
 
 
 def _joined(
@@ -313,24 +334,9 @@ def _joined(
         yield Finding("dependency-joined", cause, place, fix, (*names,))
 
 
-def _is_slip(package: SourcePackage, name: str, candidate: str) -> bool:
-    """Return whether a declared name is a misspelling of another package's.
-
-    A public package that is not installed here may differ from one in the workspace by one letter: a slip it is
-    only if the package uses the other one and not this one, or if the other one's name is standard and long.
-    """
-    if candidate == package.name or not is_near_miss(name, candidate):
-        return False
-    launched = {launched for launched, _ in launched_packages(package)}
-    imported = {i.target.partition(".")[0] for source in package.sources.values() for i in source.imports}
-    used = launched | imported
-    is_standard = candidate in PACKAGES and (len(candidate) >= _LONG or same_letters(name, candidate))
-    return name not in used and (candidate in used or is_standard)
-
-
 # How a launch file names another package, in Python, XML and YAML.
 _NAMED_BY_LAUNCH = re.compile(
-    r"(?:\bpackage=|\bpkg[=:] *|FindPackageShare\( *|get_package_share_\w+\( *|\$\(find-pkg-share )['\"]?(?P<name>[\w-]+)"
+    r"(?:\b(?:package|pkg)\w* ?[=:] *|FindPackageShare\( *|get_package_share_\w+\( *|\$\(find-pkg-share )['\"]?(?P<name>[\w-]+)"
 )
 
 
@@ -350,8 +356,10 @@ def _undeclared(package: SourcePackage, own: Collection[str], homes: Mapping[str
     told: set[str] = set()
     declared = {dependency.name for dependency in needed(package)} | package.conditional
     known = PACKAGES.union(own)
+    strange = [name for name in declared if name not in known]
     for name, place in launched_packages(package):
-        if name in own and name not in launched | declared | {package.name}:
+        is_declared = name in declared or _is_like(name, strange)
+        if name in own and not is_declared and name not in launched | {package.name}:
             launched.add(name)
             cause = f"{place.partition(':')[0]} uses the package {name}, but package.xml does not declare it, so `colcon build --packages-up-to {package.name}` leaves it out."
             fix = f"add <exec_depend>{name}</exec_depend> to {package.shown('package.xml')}"
@@ -369,8 +377,8 @@ def _undeclared(package: SourcePackage, own: Collection[str], homes: Mapping[str
             is_interface = name.endswith(("_msgs", "_srvs", "_interfaces")) and name not in package.sources
             if name in known or (is_interface and not meant(name)):
                 told.add(name)
-                if difflib.get_close_matches(name, [d for d in declared if d not in known], n=1, cutoff=0.85):
-                    continue  # it is declared but misspelt, which is reported already
+                if _is_like(name, strange):
+                    continue
                 what = (
                     f"{module}, but package.xml does not declare it"
                     if name == module
@@ -379,6 +387,11 @@ def _undeclared(package: SourcePackage, own: Collection[str], homes: Mapping[str
                 cause = f"{source.shown} imports {what}: it may be missing on another machine, and colcon may build in the wrong order."
                 fix = f"add <depend>{name}</depend> to package.xml"
                 yield Finding("dependency-undeclared", cause, source.at(imported.line), fix, (name,))
+
+
+def _is_like(name: str, strange: Collection[str]) -> bool:
+    """Return whether a package is declared but misspelt, which is reported already."""
+    return bool(difflib.get_close_matches(name, strange, n=1, cutoff=0.85))
 
 
 def homes_of(packages: Iterable[SourcePackage]) -> Mapping[str, str]:

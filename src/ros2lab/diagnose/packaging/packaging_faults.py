@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from configparser import RawConfigParser
-from contextlib import suppress
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import distributions
 from pathlib import Path
 from shlex import quote
 
@@ -20,9 +19,10 @@ from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.refused_keywords import refused_keywords
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
-from ros2lab.diagnose.finding import Finding, at, line_with
+from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
+from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, meant_name, shape_faults
 from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.interfaces import INDEX
@@ -67,6 +67,7 @@ def packaging_faults(
     yield from _package_faults(package, setup)
     yield from _missing_files(package, setup)
     yield from _cfg_form(package)
+    yield from _dashes(package)
     if is_for_ros:
         yield from _places_for_ros(package, setup)
     is_library = setup.entry_points == [] and "scripts" not in setup.keywords
@@ -138,9 +139,8 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         )
         fix = f"create the folder {name} in {package.shown('')} with an empty __init__.py, and put the nodes into it"
         yield Finding("package-folder-missing", cause, place, fix)
-    for name in needed_packages(package):
-        if name not in names:
-            yield not_listed(package, setup, name)
+    lacking = (name for name in needed_packages(package) if name not in names)
+    yield from dict.fromkeys(not_listed(package, setup, name) for name in lacking)
 
 
 def _missing_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
@@ -277,10 +277,6 @@ def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
         return
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
     sections = _scripts(package) if fault is None else {}  # otherwise `_cfg_form` reports it
-    pairs = ((name, key) for name, (key, _) in sections.items() if not config.has_option(name, key))
-    yield from _dashes(
-        package, [key for name, key in pairs if config.has_option(name, key.replace("_", "-"))]
-    )
     found = [one for section in sections for one in _cfg_section(package, config, section, lost)]
     match found:
         case [other, last] if all(re.fullmatch("write `[^`]+`", one.fix) for one in found):
@@ -345,24 +341,28 @@ def _cfg_section(
 _REFUSES_DASHES = "78.0.1"  # the version of setuptools that stops at them; the next one only warns again
 
 
-def _dashes(package: SourcePackage, keys: Sequence[str]) -> Iterator[Finding]:
-    """Yield the options of a setup.cfg that are written with a dash; where setuptools has taken them, that is no fault."""
-    has_worked = package.root and (package.root / "install" / package.name / "lib" / package.name).is_dir()
-    if not keys or has_worked:
+def _dashes(package: SourcePackage) -> Iterator[Finding]:
+    """Yield the options of a setup.cfg that setuptools reads and that are written with a dash; where it has taken them, that is no fault."""
+    config, tool = package.setup_cfg, next(iter(distributions(name="setuptools")), None)
+    if not config or not tool or (package.root and prefix_of(package.root, package.name)):
         return
-    used = ""
-    (first, line), *more = [(key, _cfg_line(package, key.replace("_", "-"))) for key in keys]
-    with suppress(PackageNotFoundError):
-        used = version("setuptools")
-    does = f"takes this with a warning, but {_REFUSES_DASHES} stopped at it, and later ones may"
-    does = "stops at this" if used == _REFUSES_DASHES else does
-    dashed = " and ".join(key.replace("_", "-") for key in keys)
-    cause = f"setup.cfg has {dashed} with a dash, where an underscore belongs: setuptools {used} {does}."
-    fix = f"write {first} instead of {first.replace('_', '-')}"
-    fix += "".join(f", and on line {row} {key} instead of {key.replace('_', '-')}" for key, row in more)
-    yield Finding("setup-cfg-dashes", cause, at(package.shown("setup.cfg"), line), fix)
+    names = ("metadata", r"options(?!\.(?:extras_require|data_files)$).*", *tool.entry_points.names)
+    sections = [name for name in config.sections() if re.fullmatch("|".join(names), name)]
+    options = [(section, key) for section in sections for key in config.options(section) if "-" in key]
+    rows = [(_cfg_line(package, key, section), key) for section, key in options]
+    for line, key in rows[:1]:
+        does = f"takes this with a warning, but {_REFUSES_DASHES} stopped at it, and later ones may"
+        does = "stops at this" if tool.version == _REFUSES_DASHES else does
+        dashed = in_a_row([*dict.fromkeys(key for _, key in rows)])
+        cause = f"setup.cfg has {dashed} with a dash, where an underscore belongs: setuptools {tool.version} {does}."
+        fix = f"write {key.replace('-', '_')} instead of {key}"
+        fix += "".join(f", and on line {n} {key.replace('-', '_')} instead of {key}" for n, key in rows[1:])
+        yield Finding("setup-cfg-dashes", cause, at(package.shown("setup.cfg"), line), fix)
 
 
-def _cfg_line(package: SourcePackage, key: str) -> int | None:
+def _cfg_line(package: SourcePackage, key: str, section: str = "") -> int | None:
+    """Return the line of an option in a section of a setup.cfg, or in any; None if there is none."""
     lines = read_text(package.folder / "setup.cfg").splitlines()
-    return next((number for number, line in enumerate(lines, 1) if line.strip().startswith(key)), None)
+    begin = next((number for number, line in enumerate(lines) if line.startswith(f"[{section}]")), 0)
+    rows = enumerate(lines[begin:], begin + 1)
+    return next((number for number, line in rows if line.strip().startswith(key)), None)

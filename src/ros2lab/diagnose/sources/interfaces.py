@@ -11,6 +11,7 @@ import sys
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from importlib import metadata
 from pathlib import Path
 from types import ModuleType
 
@@ -90,6 +91,14 @@ def is_installed(module: str) -> bool:
         return importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
         return False
+
+
+def is_library(module: str) -> bool:
+    """Return whether a top-level module was installed as a distribution of Python that is no package of ROS."""
+    names = metadata.packages_distributions().get(module, ())
+    homes = (Path(str(metadata.distribution(name).locate_file(""))) for name in names)
+    prefixes = [prefix for home in homes for prefix in home.parents[2:4]]
+    return bool(prefixes) and not any((prefix / INDEX / module).is_file() for prefix in prefixes)
 
 
 def is_module(name: str) -> bool:
