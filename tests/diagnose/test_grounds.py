@@ -376,7 +376,7 @@ def test_a_module_that_is_declared_by_its_own_name(
     files = package("a", {"talk": f"import {module}\n{pub(SECOND, 'x')}\n\nprint({module})\n"})
     rows = "".join(f"  <exec_depend>{tag}</exec_depend>\n" for tag in tags)
     files["src/a/package.xml"] = files["src/a/package.xml"].replace("  <export>", f"{rows}  <export>")
-    found = [finding.fix for finding in found_in(tmp_path, files) if finding.code == "dependency-not-ros"]
+    found = [finding.fix for finding in found_in(tmp_path, files) if finding.code == "dependency-key"]
     assert found == [fix] * bool(fix)
 
 

@@ -158,6 +158,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "marker-not-installed",
         "dependency-unknown",
         "dependency-not-ros",
+        "dependency-key",
         "dependency-undeclared",
         "dependency-launched",
     ),

@@ -115,7 +115,7 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     meaning(
         r"rosdep definition for \[(?P<name>[^\]]+)\]",
-        "dependency-unknown dependency-not-ros",
+        "dependency-unknown dependency-not-ros dependency-key",
         "package.xml declares {name}, which rosdep does not know.",
         "write the package's correct name in package.xml (such as std_msgs), or remove the line",
     ),

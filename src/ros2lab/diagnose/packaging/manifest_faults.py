@@ -269,7 +269,7 @@ def _dependency_faults(
             code, wanted, otherwise = "dependency-not-ros", "", ""
             what = "which is part of Python, not a package, so rosdep cannot find it"
         elif name in used and (key.startswith("python3-") or is_library(name)):
-            code, wanted, otherwise = "dependency-not-ros", key, ", or write rosdep's name for it"
+            code, wanted, otherwise = "dependency-key", key, ", or write rosdep's name for it"
             what = "which is a Python module, not a package of ROS: rosdep has names of its own for modules"
         elif wanted := _meant(package, name, known, used):
             code, otherwise = "dependency-unknown", ""
