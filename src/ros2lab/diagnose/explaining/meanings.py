@@ -130,8 +130,8 @@ MEANINGS: tuple[Meaning, ...] = (
     meaning(
         r"executable '(?P<name>[^']+)' not found on the libexec directory",
         "launch-executable setup-cfg-missing entry-points-key entry-points-missing install-stale",
-        "The launch file starts {name}, but the package has no such executable.",
-        "write the executable's name as it is in entry_points in setup.py, and build again",
+        "The launch file starts {name}, but there is no such executable.",
+        "write the executable's name as it is in entry_points in setup.py, or mark the file of that path with `chmod +x`, and build again",
     ),
     meaning(
         r"file '(?P<name>[^']+)' was not found in the share directory of package '(?P<package>[^']+)'",

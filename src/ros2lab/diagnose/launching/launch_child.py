@@ -71,8 +71,8 @@ def _noting(refused: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
 
 # Such an error may only mean that a file, module, package, variable or argument is not on this machine.
 _OUTSIDE = (OSError, ImportError, LookupError, RuntimeError, SystemExit)
-# But an error raised in this module is a fault of the launch file.
-_READ_IN = "launch.launch_description"
+# But an error raised in these modules is a fault of the launch file.
+_READ_IN = ("launch.launch_description", "launch.launch_description_entity", "launch.utilities")
 
 
 def _words_of(problem: BaseException) -> str:
@@ -85,7 +85,7 @@ def _words_of(problem: BaseException) -> str:
 
 def _is_outside(problem: BaseException) -> bool:
     modules = [frame.f_globals["__name__"] for frame, _ in traceback.walk_tb(problem.__traceback__)]
-    return _asks_the_machine(problem) or (isinstance(problem, _OUTSIDE) and modules[-1] != _READ_IN)
+    return _asks_the_machine(problem) or (isinstance(problem, _OUTSIDE) and modules[-1] not in _READ_IN)
 
 
 # Substitutions that fail because of the launch file itself; all others ask the machine.
@@ -329,6 +329,7 @@ class _Loading:
                 "given": in_order,
                 "is_wrapped": bool(given.get("prefix") or context.launch_configurations.get("launch-prefix")),
                 "line": line,
+                "file": os.path.realpath(getattr(context.locals, "current_launch_file_path", self.path)),
             }
         )
 

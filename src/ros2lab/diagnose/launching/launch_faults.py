@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
@@ -31,6 +33,8 @@ def launch_faults(
     for node in (node for node in launch_file.nodes if node.is_listed):
         if isinstance(node.package, str) and node.package not in packages:
             yield from _package_fault(node, node.package, packages, executables, declared)
+        elif "/" in str(node.executable):
+            yield from _file_fault(node, packages)
         elif isinstance(node.package, str) and isinstance(node.executable, str):
             others = [name for name, there in executables.items() if node.executable in (there or ())]
             yield from _executable_fault(
@@ -90,6 +94,25 @@ def _executable_fault(
         yield Finding("launch-executable", cause, node.place, fix)
 
 
+def _file_fault(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
+    """Yield a file below a share folder that cannot be started; launch takes a name with a slash as the path of a file."""
+    match = re.match(r"(?:share:|/.*/share/)(?P<package>[\w.-]+)/(?P<path>.+)", str(node.executable))
+    package = packages.get(match["package"]) if match else None
+    file = _installed_at(package, match["path"]) if match and package else None
+    if not match or not package or file is None or (file and os.access(package.folder / file, os.X_OK)):
+        return
+    path, shown = match["path"], package.shown(file)
+    row = f"('{PurePosixPath('share', package.name, path).parent}', ['{path}'])"
+    why = f"{shown} is not marked as executable" if file else "setup.py installs no such file"
+    cause = f"The launch file starts the file {path} of {package.name}, but {why}."
+    fix = (
+        f"type `chmod +x {shown}`"
+        if file
+        else f"add {row} to data_files in setup.py, with the file in its place"
+    )
+    yield Finding("launch-executable", cause, node.place, f"{fix}, and build again")
+
+
 def _without_ending(node: Launched, package: SourcePackage, executable: str) -> Iterator[Finding]:
     """Yield a script that CMakeLists.txt installs under the name of its file, of which a launch file leaves out the `.py`."""
     text = package.cmake
@@ -139,28 +162,26 @@ def _no_entry_point(package: SourcePackage, node: Launched, executable: str, mod
 
 
 def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
-    """Yield what is wrong with the parameter files that a launch file gives a node."""
-    for package, path in node.files:
-        if path.startswith("/"):
-            continue  # an absolute path is reported elsewhere
-        if package in packages and not _is_installed(packages[package], path):
-            folder = (packages[package].folder / path).parent
-            there = sorted(file.name for file in folder.glob("*.y*ml")) if folder.is_dir() else []
-            wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
-            if elsewhere := lies_elsewhere(packages[package], path):
-                cause = f"The launch file gives the parameter file {path} of {package}, and the file lies in {elsewhere.folder}: the nodes keep their defaults."
-                row = f"({f'share/{package}/{path}'.rpartition('/')[0]!r}, [{path!r}])"
-                fix = f"{elsewhere.command}, with {row} in data_files of setup.py, and build again"
-                yield Finding("parameter-file-missing", cause, node.place, fix)
-                continue
-            cause = (
-                f"The launch file uses the parameter file {path} of {package}, but there is no such file"
-                + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults.")
-            )
-            fix = f"create the file {path}, and add it to data_files in setup.py"
-            if wanted:
-                fix = f"write {wanted} instead of {path.rpartition('/')[2]} in the launch file"
-            yield Finding("parameter-file-missing", cause, node.place, fix)
+    """Yield what is wrong with the parameter files that a launch file gives a node.
+
+    An absolute path is reported elsewhere, and a file that is only in the source as not-in-data-files.
+    """
+    for name, path in node.files:
+        package = packages.get(name)
+        if package is None or path.startswith("/") or package.has(path) or _installed_at(package, path) != "":
+            continue
+        folder, file = (package.folder / path).parent, path.rpartition("/")[2]
+        there = sorted(other.name for other in folder.glob("*.y*ml")) if folder.is_dir() else []
+        cause = f"The launch file uses the parameter file {path} of {name}, but there is no such file"
+        fix = f"create the file {path}, and add it to data_files in setup.py"
+        end = ": the nodes keep their defaults."
+        if elsewhere := lies_elsewhere(package, path):
+            cause = f"The launch file gives the parameter file {path} of {name}, and the file lies in {elsewhere.folder}"
+            row = f"({f'share/{name}/{path}'.rpartition('/')[0]!r}, [{path!r}])"
+            fix = f"{elsewhere.command}, with {row} in data_files of setup.py, and build again"
+        elif wanted := nearest(file, there, 0.4) or (there[0] if len(there) == 1 else ""):
+            end, fix = f"; there is {wanted}.", f"write {wanted} instead of {file} in the launch file"
+        yield Finding("parameter-file-missing", cause + end, node.place, fix)
 
 
 def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
@@ -182,13 +203,10 @@ def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
         yield Finding("never-shown", cause, source.at(prints[0]), fix)
 
 
-def _is_installed(package: SourcePackage, path: str) -> bool:
+def _installed_at(package: SourcePackage, path: str) -> str | None:
+    """Return the file that setup.py installs at a path below the share folder; empty if none, None if that is not known."""
     if package.setup is None or not package.setup.are_data_files_known:
-        return True
-    below = f"share/{package.name}/"
-    targets = {
-        f"{folder}/{file.rpartition('/')[2]}" for folder, files in package.setup.data_files for file in files
-    }
-    return (
-        below + path in targets or (package.folder / path).is_file()
-    )  # a file that is only in the source is reported as not-in-data-files
+        return None
+    rows = ((folder, file) for folder, files in package.setup.data_files for file in files)
+    target = f"share/{package.name}/{path}"
+    return next((file for folder, file in rows if f"{folder}/{file.rpartition('/')[2]}" == target), "")

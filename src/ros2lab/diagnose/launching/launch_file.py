@@ -35,7 +35,7 @@ _LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
 # Actions that may read or set any launch argument.
 _MAY_READ_ANY = ("Include", "OpaqueFunction", "SetLaunchConfiguration", "Push", "Group")
 _ACTIONS = ("launch_ros.actions", "launch.actions")
-_SHARE = "share:"  # stands for a package's share folder in a path
+SHARE = "share:"  # stands for a package's share folder in a path
 
 
 @dataclass(frozen=True)
@@ -271,21 +271,21 @@ def _words(arguments: Any) -> tuple[str, ...]:
 
 def _files(parameters: Any) -> Iterator[tuple[str, str]]:
     for parameter in parameters if isinstance(parameters, list) else ():
-        if isinstance(parameter, str) and parameter.startswith(_SHARE):
-            package, _, path = parameter.removeprefix(_SHARE).partition("/")
+        if isinstance(parameter, str) and parameter.startswith(SHARE):
+            package, _, path = parameter.removeprefix(SHARE).partition("/")
             yield package, path
 
 
 def _calls(source: PythonSource) -> Mapping[str, Any]:
     def share(package: str) -> str:
-        return f"{_SHARE}{package}"
+        return f"{SHARE}{package}"
 
     def joined(*parts: Any) -> Any:
         flat = [inner for part in parts for inner in (part if isinstance(part, list) else [part])]
         if not all(isinstance(part, str) for part in flat):
             return UNKNOWN
         # An absolute path, such as a share folder, replaces what is before it.
-        whole = [number for number, part in enumerate(flat) if part.startswith((_SHARE, "/"))]
+        whole = [number for number, part in enumerate(flat) if part.startswith((SHARE, "/"))]
         return "/".join(flat[max(whole, default=0) :])
 
     known = {
@@ -366,7 +366,7 @@ def _nodes_below(content: Any, seen: set[int]) -> Iterator[Mapping[str, Any]]:
 
 def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
     executable = _text(node.get("exec"))
-    line = re.search(rf"exec\s*[:=]\s*[\"']?{re.escape(str(executable))}(?![\w.])", text)
+    line = re.search(rf"exec\s*[:=]\s*[\"']?{re.escape(str(node.get('exec')))}(?![\w.])", text)
     renamed = [(_text(remap.get("from")), _text(remap.get("to"))) for remap in _several(node.get("remap"))]
     return Launched(
         _text(node.get("pkg")),
@@ -385,5 +385,5 @@ def _text(value: Any) -> Any:
     """Return the text of an attribute; UNKNOWN if it holds a substitution that only launch can evaluate."""
     if not isinstance(value, str):
         return UNKNOWN
-    known = re.sub(r"^\$\(find-pkg-share ['\"]?([\w.-]+)['\"]?\)", rf"{_SHARE}\1", value.strip())
+    known = re.sub(r"^\$\(find-pkg-share ['\"]?([\w.-]+)['\"]?\)", rf"{SHARE}\1", value.strip())
     return UNKNOWN if "$(" in known else known

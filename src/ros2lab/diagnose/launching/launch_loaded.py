@@ -19,7 +19,7 @@ from ros2lab.diagnose.finding import SAID, Finding, at, line_with
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.entity_shapes import shapes
 from ros2lab.diagnose.launching.in_vain import set_late, unknown_arguments
-from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.launching.launch_file import SHARE, Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.launching.own_modules import own_module
 from ros2lab.diagnose.launching.unlisted import unlisted
@@ -38,8 +38,8 @@ def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) ->
 
     The folders of the packages stand for their installed share folders.
     """
-    told = _ask([path for path, file in files.items() if not file.faults], packages)
-    return [_as_told(path, file, told.get(str(path)), packages) for path, file in files.items()]
+    told = _ask([*files], packages)
+    return [_as_told(path, files, told.get(str(path)), packages) for path in files]
 
 
 def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePackage]) -> list[int | None]:
@@ -128,40 +128,53 @@ def _as_installed(said: str, prefix: Path, packages: Sequence[SourcePackage]) ->
     return said.replace(str(prefix), str(install)).replace(str(prefix.parent), str(install.parent))
 
 
-def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourcePackage]) -> LaunchFile:
+def _as_told(
+    path: Path, files: Mapping[Path, LaunchFile], told: Any, packages: Sequence[SourcePackage]
+) -> LaunchFile:
     """Return a file with what launch told of it; unchanged where that is nothing or malformed."""
     with contextlib.suppress(AttributeError, LookupError, TypeError, ValueError):
-        return _joined(path, file, told, packages) if told else file
-    return file
+        return _joined(path, files, told, packages) if told else files[path]
+    return files[path]
 
 
 def _joined(
-    path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
+    path: Path, files: Mapping[Path, LaunchFile], told: Mapping[str, Any], packages: Sequence[SourcePackage]
 ) -> LaunchFile:
+    file = files[path]
     if "lacks" in told:
         return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
     source = read_source(path, path.stem, file.shown)
     paths = [other for package in packages for other in package.launch_files]
+    if (told["error"] or told["faults"]) and file.faults:
+        return file  # its text says why
     if told["error"] or told["faults"]:
         refusal = (told["error"] or {}).get("message", "")
         lost = lost_argument(refusal, path, source, paths)
         faults = tuple(_refusals(path, file, told, packages) if lost is None else lost)
         return replace(file, faults=faults, refusal=refusal)
-    nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
+    real = {other.resolve(): known for other, known in files.items()}
+    nodes = tuple(_launched(node, real.get(Path(node["file"]), file), packages) for node in told["nodes"])
     given = [wanted for node in told["nodes"] for wanted in node["files"]]
-    faults = (*_never_added(source, told["lost"]), *_torn(source, given, packages))
-    faults += (*_from_here(source, given, packages),)
-    faults += (*set_late(path, file.shown, told["late"], paths),)
-    faults += (*unknown_arguments(path, file.shown, told["unknown"]),)
+    faults = (
+        *_never_added(source, told["lost"]),
+        *_torn(source, given, packages),
+        *_from_here(source, given, packages),
+        *set_late(path, file.shown, told["late"], paths),
+        *unknown_arguments(path, file.shown, told["unknown"]),
+    )
     for lacking in told["later"]:
         faults += (*_lacking(path, file, lacking, packages, is_later=True),)
-    loaded = LaunchFile(file.shown, nodes, faults, is_loaded=True, arguments=tuple(told["arguments"]))
+    # Where the text has faults, these others may come of them.
+    loaded = LaunchFile(
+        file.shown, nodes, file.faults or faults, is_loaded=True, arguments=tuple(told["arguments"])
+    )
     return replace(loaded, choices=tuple(tuple(map(tuple, choice)) for choice in told["choices"]))
 
 
 def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
-    started = (node["package"], node["executable"])
-    read = [known for known in file.nodes if (known.package, known.executable) == started]
+    started = [node["executable"], re.sub(r"^/.*/share/", SHARE, str(node["executable"]))]
+    alike = (known for known in file.nodes if known.package == node["package"])
+    read = [known for known in alike if known.executable in started]
     files = [
         (package.name, str(path.relative_to(package.folder.resolve())))
         for path in map(Path, node["files"])
