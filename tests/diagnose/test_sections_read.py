@@ -77,7 +77,7 @@ def test_a_section_that_no_node_of_the_files_reads(
 def test_one_program_under_two_names(tmp_path: Path) -> None:
     actions = ", ".join(START.replace("MORE", f"name='{name}'") for name in ("left", "right"))
     (found,) = of_files(workspace(tmp_path, DRIVER, "", actions))
-    assert "/left: or /right:" in found.fix
+    assert "/left: and /right:" in found.fix
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from ros2lab.diagnose.launching.started_faults import (
     Started,
     alternatives,
     are_alone,
+    sections_apart,
     started_faults,
     started_in,
 )
@@ -47,7 +48,7 @@ from ros2lab.diagnose.sources.made_modules import is_made, written_modules
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.other_files import OtherFiles
 from ros2lab.diagnose.sources.package import SourcePackage, discover
-from ros2lab.diagnose.sources.python_source import PythonSource, read_source
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 
 
 def workspace_around(folder: Path) -> Path | None:
@@ -247,10 +248,17 @@ class Look:
         return service_faults(ends, names, moved | self._remapped(), self._partners, is_alone=is_alone)
 
     def _started_faults(self) -> Iterator[Finding]:
-        for launch_file, path in self.launches:
+        started = [(file, path, started_in(file, self._with_sources)) for file, path in self.launches]
+        # Where launch lacks a package, the text tells as much of a file in which nothing sets a namespace.
+        known = [
+            (file, nodes)
+            for file, path, nodes in started
+            if file.is_loaded or (file.lacks and "namespace" not in read_text(path).lower())
+        ]
+        yield from guarded(sections_apart, known)
+        for launch_file, path, nodes in started:
             if launch_file.is_loaded:
                 yield from guarded(self._faults_of_started, launch_file)
-                nodes = started_in(launch_file, self._with_sources)
                 yield from guarded(unknown_names, launch_file, nodes)
                 yield from guarded(keyboard_faults, launch_file, nodes)
                 if path.suffix == ".py":

@@ -6,7 +6,7 @@ import ast
 import functools
 import itertools
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -176,10 +176,7 @@ def started_faults(file: LaunchFile, packages: Packages, *, is_alone: bool) -> I
     They are alone if nothing but the workspace's own nodes is ever started with them.
     """
     nodes = started_in(file, packages)
-    renamed = {id(node): told for node in nodes if (told := _renamed(node))}
-    # What is told of such a name also mends the sections that no node of that name takes.
-    yield from _parameters(nodes, but=renamed)
-    yield from renamed.values()
+    yield from filter(None, map(_renamed, nodes))
     if len(nodes) == len(file.nodes):  # otherwise another program may have the other end of a topic
         yield from _without_clock(nodes) if is_alone else ()
         yield from _started_twice(nodes)
@@ -250,36 +247,60 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
             yield Finding("period", cause, place, fix)
 
 
-def _parameters(nodes: Sequence[Started], *, but: Collection[int]) -> Iterator[Finding]:
-    """Yield a section of a parameter file that no node takes, where some node takes none of its sections.
+def sections_apart(started: Sequence[tuple[LaunchFile, list[Started]]]) -> Iterator[Finding]:
+    """Yield the sections of parameter files that nodes do not take which are plainly meant for them.
 
-    Nothing is told of what is meant for some nodes, given by `id`.
+    A parameter file is one for all starts of all launch files, so each section is told once.
     """
-    given: dict[tuple[str, str], list[Started]] = {}
-    for node in nodes:
-        for package, path in node.launched.files:
-            if package == node.package.name:
-                given.setdefault((package, path), []).append(node)
-    for (_, path), takers in given.items():
-        home = takers[0].package
+    given: dict[tuple[str, str], list[tuple[str, Started]]] = {}
+    for file, nodes in started:
+        for node in nodes:
+            for package, path in node.launched.files:
+                if package == node.package.name:
+                    given.setdefault((package, path), []).append((file.shown, node))
+    for (_, path), starts in given.items():
+        home = starts[0][1].package
         text = read_text(home.folder / path)
         keys = [key for key, _ in sections_in(text)]
-        unused = [key for key in keys if all(n.runs_as and not is_for(key, n.runs_as) for n in takers)]
-        without = [n for n in takers if n.runs_as and not any(is_for(key, n.runs_as) for key in keys)]
-        shown = home.shown(path)
-        is_only_one = len(takers) == 1 and len(unused) == len(keys) == 1
-        for key in unused:
-            meant = _meant(key, without) or (takers[0] if is_only_one else None)
-            if meant is None or id(meant) in but:
-                continue
-            names = dict.fromkeys(taker.runs_as for taker in without if taker.module == meant.module)
+        lost: dict[str, dict[str, tuple[str, Started]]] = {}
+        for shown in dict.fromkeys(shown for shown, _ in starts):
+            takers = [node for other, node in starts if other == shown]
+            for key, node in _lost(keys, takers):
+                lost.setdefault(key, {}).setdefault(node.runs_as, (shown, node))
+        for key, those in lost.items():
+            files = " and ".join(dict.fromkeys(shown for shown, _ in those.values()))
+            _, node = next(iter(those.values()))
             cause = (
-                f"{shown} sets parameters for {key}, but the launch file starts {meant.launched.executable} as "
-                f"{' and '.join(names)}, so it silently keeps its defaults."
+                f"{home.shown(path)} sets parameters for {key}, but {node.launched.executable} is started as "
+                f"{' and '.join(those)} ({files}), so it silently keeps its defaults."
             )
-            sections = " or ".join(f"{name}:" for name in names)
-            fix = f"write {sections} instead of {key}:, or /**: for every node"
-            yield Finding("parameter-file-node", cause, at(shown, line_of(key, text)), fix)
+            every = {*those, *(node.runs_as for _, node in starts if is_for(key, node.runs_as))}
+            place = at(home.shown(path), line_of(key, text))
+            yield Finding("parameter-file-node", cause, place, _section_for(sorted(every), key))
+
+
+def _section_for(names: Sequence[str], key: str) -> str:
+    """Say how to write the key of a section so that every node takes it that should."""
+    last = {name.rpartition("/")[2] for name in names}
+    if len(names) == 1:
+        return f"write {names[0]}: instead of {key}:, or /**: for every node"
+    if len(last) == 1:
+        return f"write /**/{last.pop()}: instead of {key}:"
+    return f"write {' and '.join(f'{name}:' for name in names)} instead of {key}:, each with what is below it"
+
+
+def _lost(keys: Sequence[str], takers: Sequence[Started]) -> Iterator[tuple[str, Started]]:
+    """Yield sections with the nodes of one launch file that they are meant for and that take none of the sections.
+
+    A program that makes several nodes has no section of its own; what is told of its name mends that, too.
+    """
+    without = [n for n in takers if n.runs_as and not any(is_for(key, n.runs_as) for key in keys)]
+    for key in keys:
+        is_unused = all(n.runs_as and not is_for(key, n.runs_as) for n in takers)
+        is_only_one = len(takers) == 1 and is_unused and len(keys) == 1
+        meant = _meant(key, without) or (takers[0] if is_only_one else None)
+        if meant and not _renamed(meant) and (is_unused or key == meant.name):
+            yield from ((key, node) for node in without if node.module == meant.module)
 
 
 def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
