@@ -341,3 +341,21 @@ def test_an_operator_of_a_substitution_makes_a_substitution(
         for text in re.findall(r"\(context\):\n(.*?)\n  Then", one.fix, re.DOTALL):
             ast.parse(textwrap.dedent(text.replace("return", "x =")))
             assert "'.perform" not in text
+
+
+@pytest.mark.parametrize(
+    ("here", "before", "fix"),
+    [
+        ("'''Node(package='my_bot',\n        executable='talker')'''", "pass", "remove lines "),
+        ("'talker'", "pass", "remove 'talker'"),
+        ("TimerAction(period=1.0, actions=['talker'])", "pass", "remove 'talker'"),
+        ("name", "name = 'talker'", "remove 'talker'"),
+        ("*more", "more = [Node(package='my_bot', executable='talker')]", ""),
+        ("node", "node = Node(package='my_bot', executable='talker')", ""),
+    ],
+)
+def test_a_text_is_no_action(tmp_path: Path, here: str, before: str, fix: str) -> None:
+    text = FILE.replace("HERE", f"{here},").replace("INSIDE", "pass").replace("BEFORE", before)
+    root = Files.right(NAMES[1]).put("launch/robot.launch.py", text).write(tmp_path)
+    found = [f for f in of_workspace(root) if "a text is among them" in f.cause]
+    assert [finding.fix.startswith(fix) for finding in found] == [True] * bool(fix)

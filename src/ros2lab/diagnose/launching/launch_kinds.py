@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import heads_of, signature_of
@@ -41,6 +41,25 @@ def kind_faults(source: PythonSource) -> Iterator[Finding]:
                 yield Finding("launch-argument", cause, source.at(value), fix)
     yield from _plain_words(source)
     yield from _included_kinds(source)
+    yield from _texts_for_actions(source)
+
+
+def _texts_for_actions(source: PythonSource) -> Iterator[Finding]:
+    """Yield texts in lists of actions, often code that was put out of use by quotes."""
+    for call in calls_of_launch(source):
+        given = [
+            v
+            for n, v in named_arguments(source, call)
+            if "LaunchDescriptionEntity]" in _type(source, call, n)
+        ]
+        for item in (item for value in given for item in getattr(source.written(value), "elts", ())):
+            text = source.written(item)
+            if isinstance(text, ast.JoinedStr) or isinstance(getattr(text, "value", None), str):
+                last = text.end_lineno or text.lineno
+                what = lines_in_words(text.lineno, last) if last > text.lineno else ast.unparse(text)
+                cause = f"{ast.unparse(call.func)} takes actions, such as Node(...), but a text is among them, so launch stops."
+                fix = f"remove {what}; code that is to be left out is marked with # instead of quotes"
+                yield Finding("launch-argument", cause, source.at(text), fix)
 
 
 def _included_kinds(source: PythonSource) -> Iterator[Finding]:
@@ -91,11 +110,15 @@ def _wanted(source: PythonSource, call: ast.Call, name: str) -> str:
 
     Actions hand their `condition` on; a substitution may have a parameter of that name for something else.
     """
-    signature = signature_of(source, call)
-    named = signature.named(name) if signature else None
-    wanted = named.type if named else "Condition" if name == "condition" else ""
+    wanted = _type(source, call, name) or "Condition" * (name == "condition")
     kinds = {_WANTED.get(head, "") for head in heads_of(wanted)}
     return kinds.pop() if len(kinds) == 1 else ""
+
+
+def _type(source: PythonSource, call: ast.Call, name: str) -> str:
+    signature = signature_of(source, call)
+    named = signature.named(name) if signature else None
+    return named.type if named else ""
 
 
 def _class(source: PythonSource, value: ast.expr) -> tuple[str, str]:
