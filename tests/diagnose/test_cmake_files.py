@@ -32,3 +32,24 @@ def test_a_file_that_cmake_takes_is_there(tmp_path: Path, line: str, lost: str) 
     files.put("CMakeLists.txt", CMAKE.format(f"{line}\n")).put("src/there.cpp", "int main() {}\n")
     found = [f.cause for f in of_workspace(files.write(tmp_path)) if f.code == "data-file-missing"]
     assert [cause.startswith(f"CMakeLists.txt takes {lost}, but") for cause in found] == [True] * bool(lost)
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("", "install(DIRECTORY config launch DESTINATION"),
+        ("add_executable(driver src/there.cpp)\ninstall(TARGETS driver DESTINATION lib/my_bot)", "install(DIRECTORY config launch DESTINATION"),
+        ("# install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})", "install(DIRECTORY config launch DESTINATION"),
+        ("install(DIRECTORY config DESTINATION share/${PROJECT_NAME})", "install(DIRECTORY launch DESTINATION"),
+        ("install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})", ""),
+        ("install(FILES launch/robot.launch.py DESTINATION share/${PROJECT_NAME}/launch)", ""),
+        ("install(DIRECTORY . DESTINATION share/${PROJECT_NAME})", ""),
+        ("foreach(name config start)\n  install(DIRECTORY ${name} DESTINATION share/my_bot)\nendforeach()", ""),
+        ("include(cmake/installed.cmake)", ""),
+    ],
+)  # fmt: skip
+def test_launch_files_are_installed(tmp_path: Path, line: str, fix: str) -> None:
+    files = Files.right(NAMES[1]).change("package.xml", "ament_python", "ament_cmake").remove("setup.py")
+    files.put("CMakeLists.txt", CMAKE.format(f"{line}\n")).put("src/there.cpp", "int main() {}\n")
+    found = [f for f in of_workspace(files.write(tmp_path)) if f.code == "not-in-data-files"]
+    assert [fix in finding.fix and "ament_package" in finding.fix for finding in found] == [True] * bool(fix)

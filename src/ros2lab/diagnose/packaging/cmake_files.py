@@ -9,6 +9,7 @@ from pathlib import Path
 from portable_ros2.new_package import NewPackage
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import read_text
 
 _TAKES_FILES = re.compile(
     r"^[ \t]*(?:rosidl_generate_interfaces|add_executable|add_library|install)\s*\(([^()]*)\)", re.MULTILINE
@@ -30,6 +31,24 @@ def named_by_cmake(package: SourcePackage) -> Iterator[Finding]:
         yield Finding(
             "data-file-missing", cause, at(package.shown("CMakeLists.txt"), line_with(text, lost[0])), fix
         )
+
+
+def launches_left(package: SourcePackage) -> Iterator[Finding]:
+    """Yield the folders of launch files that a CMakeLists.txt surely does not install, with those that the files name."""
+    text, files = package.cmake, [path for path in package.launch_files if path.parent != package.folder]
+    paths = [path.relative_to(package.folder) for path in files]
+    may_take = re.search(r"\b(?:include|add_subdirectory|foreach|function|macro)\s*\(", text, re.IGNORECASE)
+    words = {*re.findall(r"[\w.-]+", text)}
+    is_named = any(part in words for path in paths for part in path.parts)
+    if not files or may_take or is_named or _installs_by_folder(text, files, package):
+        return
+    folders = {path.parts[0] for path in paths}
+    asked = {name for path in files for name in re.findall(r"(?<=['\"/])\w+(?=['\"/])", read_text(path))}
+    folders |= {name for name in asked if (package.folder / name).is_dir() and name not in words}
+    cause = f"CMakeLists.txt does not install {paths[0]}, so `ros2 launch` does not find it."
+    fix = f"write `install(DIRECTORY {' '.join(sorted(folders))} DESTINATION share/${{PROJECT_NAME}})` above ament_package(), and build again"
+    place = at(package.shown("CMakeLists.txt"), line_with(text, "ament_package"))
+    yield Finding("not-in-data-files", cause, place, fix, tuple(path.name for path in files))
 
 
 _COMMAND = re.compile(r"^\s*(\w+)\s*\(", re.MULTILINE)

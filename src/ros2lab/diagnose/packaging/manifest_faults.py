@@ -18,7 +18,7 @@ from shlex import quote
 from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.build_order import needed
-from ros2lab.diagnose.packaging.cmake_files import named_by_cmake, python_alone
+from ros2lab.diagnose.packaging.cmake_files import launches_left, named_by_cmake, python_alone
 from ros2lab.diagnose.packaging.for_ros import renamed_manifest
 from ros2lab.diagnose.packaging.manifest_repairs import build_type_written, repaired
 from ros2lab.diagnose.packaging.setup_shapes import manifest_line
@@ -79,6 +79,7 @@ def manifest_faults(
     yield from _build_type_faults(package, shown)
     if package.is_built_by_cmake:
         yield from named_by_cmake(package)
+        yield from () if python_alone(package) else launches_left(package)
     yield from _dependency_faults(package, shown, workspace_names)
     yield from _undeclared(package, {*workspace_names} - {*plain}, homes or {})
 
