@@ -48,6 +48,31 @@ def test_a_module_that_is_found(tmp_path: Path, line: str) -> None:
     assert "import-wrong" not in codes(files, tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("use", "is_own"),
+    [
+        ("import helper\nprint(helper.twice(2))", True),
+        ("import helper as aid\nprint(aid.twice(aid.LIMIT))", True),
+        ("from helper import *", True),
+        ("import helper\nprint(helper.Serial('/dev/ttyUSB0'))", False),
+        ("import helper as aid\nprint(aid.solutions.hands)", False),
+        ("from helper import Helper", False),
+        ("from helper import twice, Helper", False),
+        ("import MODULE\nprint(MODULE.CLASS)", False),
+    ],
+)
+def test_a_library_with_the_name_of_a_module_of_ones_own(tmp_path: Path, use: str, is_own: bool) -> None:
+    files = Files.right(NAME).change("node", "import rclpy\n", f"import rclpy\n{use}\n")
+    root = files.put(f"{NAME.package}/helper.py", f"{HELPER}LIMIT = 1\n").write(tmp_path)
+    assert any(one.code == "import-wrong" for one in of_workspace(root)) is is_own
+    module = NAME.module if "MODULE" in use else "helper"
+    path = root / INNER / f"{NAME.module}.py"
+    printed = f'Traceback (most recent call last):\n  File "{path}", line 2, in <module>\n    {use}\nModuleNotFoundError: No module named {module!r}'
+    (found, *_) = of_text(printed, root)
+    assert found.code == ("import-wrong" if is_own else "module-missing")
+    assert found.fix.startswith("write" if is_own else "install the library")
+
+
 BARE = "from helper import twice\n"
 
 

@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Collection, Iterator, Mapping
 
+from ros2lab.diagnose.code.bound_names import MODULE_NAMES, global_names
 from ros2lab.diagnose.code.wrong_imports import used_on
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
@@ -58,13 +59,24 @@ def finds_more(package: SourcePackage) -> bool:
     return is_extended or is_beside or any("PYTHONPATH" in read_text(path) for path in package.launch_files)
 
 
-def bare_sibling(source: PythonSource, imported: Import, own_modules: Collection[str]) -> str:
+def bare_sibling(source: PythonSource, imported: Import, own_modules: Mapping[str, PythonSource]) -> str:
     """Return the full name of a sibling module that is imported without its package; empty if none is."""
     module = imported.target.rpartition(".")[0] if imported.is_from else imported.target
     package = source.name.rpartition(".")[0]
     whole, top = f"{package}.{module}", module.partition(".")[0]
     is_elsewhere = top in own_modules or top in sys.stdlib_module_names or interfaces.is_installed(top)
-    return whole if module and package in own_modules and whole in own_modules and not is_elsewhere else ""
+    is_there = bool(module) and package in own_modules and whole in own_modules and not is_elsewhere
+    return whole if is_there and is_meant(source, module, whole, own_modules) else ""
+
+
+def is_meant(source: PythonSource, module: str, whole: str, own: Mapping[str, PythonSource]) -> bool:
+    """Return whether a module of the workspace has all that a file uses of one called so; else a library is meant."""
+    targets = [imported.target for imported in source.imports]
+    used = (source.resolve(n) for n in source.nodes if isinstance(n, (ast.Name, ast.Attribute)))
+    start = f"{module}."
+    asked = {t.removeprefix(start).partition(".")[0] for t in (*targets, *used) if t and t.startswith(start)}
+    known = global_names(own[whole]) | MODULE_NAMES | {"*"}
+    return own[whole] is not source and all(n in known or f"{whole}.{n}" in own for n in asked)
 
 
 def bare_import(whole: str, name: str, place: str) -> Finding:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
-from ros2lab.diagnose.code.bare_imports import bare_sibling, by_folders
+from ros2lab.diagnose.code.bare_imports import by_folders
 from ros2lab.diagnose.code.bound_names import MODULE_NAMES, global_names, undefined_names
 from ros2lab.diagnose.code.called_back import called_back
 from ros2lab.diagnose.code.meant_names import meant
@@ -90,8 +90,6 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             yield Finding("ros1-import", cause, source.at(imported.line), fix)
         elif top in own_modules and top not in interfaces.PACKAGES:
             yield from _own_module(source, imported, own_modules, sources.beyond)
-        elif bare_sibling(source, imported, own_modules):
-            continue  # whether Python finds it depends on how the file is started
     yield from misspelt_packages(source, {*own_modules, *sources.beyond.modules, *sources.beyond.packages})
     is_run = any(name.rpartition(".")[0] == source.name for name in sources.used)
     # A script that is run by hand finds the files beside it first.

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 
-from ros2lab.diagnose.code.bare_imports import bare_import, by_folders
+from ros2lab.diagnose.code.bare_imports import bare_import, by_folders, is_meant
 from ros2lab.diagnose.code.imports import names_of
 from ros2lab.diagnose.code.listed_packages import not_built
 from ros2lab.diagnose.code.wrong_imports import wrong_imports
@@ -20,7 +20,7 @@ from ros2lab.diagnose.packaging.layout_faults import hidden, outside
 from ros2lab.diagnose.packaging.manifest_faults import manifest_faults
 from ros2lab.diagnose.packaging.whereabouts import in_another_workspace, nowhere_seen
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.printed.spots import Spot, spot_at
 from ros2lab.diagnose.sources.interfaces import (
     PACKAGES,
     install_of,
@@ -227,7 +227,12 @@ def no_module(name: str, place: str, look: Look) -> Finding | None:
         return replace(found, place=place)
     if top in own or nearest_module(name) or any(is_near_miss(top, own_name) for own_name in own):
         return None
-    cause = f"Nothing in the workspace or in ROS is called {top}: it is a library that is not installed here, or a misspelled name."
+    return _of_library(top, place, f"Nothing in the workspace or in ROS is called {top}")
+
+
+def _of_library(top: str, place: str, why: str) -> Finding:
+    """Say that a module is one of a library, or misspelt, and why it can be no other."""
+    cause = f"{why}: it is a library that is not installed here, or a misspelled name."
     fix = f"install the library that provides {top}, following its documentation, and name it in package.xml; or fix the name"
     return Finding("module-missing", cause, place, fix)
 
@@ -272,7 +277,10 @@ def _own_module(name: str, place: str, look: Look) -> Finding | None:
             return unlisted
         for module in package.sources:
             if module.endswith(f".{name}"):
-                return bare_import(module, name, place)
+                source = spot_at(place, look).source
+                is_other = source is not None and not is_meant(source, name, module, package.sources)
+                why = f"{module} does not have what this file uses of {name}"
+                return _of_library(name, place, why) if is_other else bare_import(module, name, place)
             if module == name and place.startswith("cell"):
                 cause = f"{name} is in {package.shown('')}, but the notebook's kernel has sourced no workspace; a cell with ! runs in its own shell."
                 fix = "use it in a %%terminal cell, after source install/setup.bash there"
