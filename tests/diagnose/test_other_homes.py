@@ -77,6 +77,28 @@ def test_a_class_is_told_where_it_is(tmp_path: Path, imports: str, use: str, hom
 
 
 @pytest.mark.parametrize(
+    ("imports", "use", "fix"),
+    [
+        ("import base64", "base64.decodestring(b'x')", "write decodebytes instead of"),
+        ("import base64", "base64.encodestring(b'x')", "write encodebytes instead of"),
+        ("import time", "time.clock()", "fix the spelling of clock"),
+        ("import random", "random.range(1, 5)", "write randrange instead of"),
+        ("import string", "string.atoi('3')", "fix the spelling of atoi"),
+        ("from time import clock", "clock()", "define clock there"),
+        ("from base64 import decodestring", "decodestring(b'x')", "define decodestring there"),
+        ("import random, math", "random.sqrt(2)", "write `math.sqrt(2)` instead of"),
+        ("import math\nfrom os import sleep\nimport time", "sleep(1)", "write `from time import sleep`"),
+        ("import collections", "collections.Enum('Kind', 'a')", "write enum.Enum instead of"),
+    ],
+)  # fmt: skip
+def test_the_same_name_elsewhere_need_not_be_what_is_meant(
+    tmp_path: Path, imports: str, use: str, fix: str
+) -> None:
+    ((_, said),) = told(tmp_path, imports, use)
+    assert said.startswith(fix)
+
+
+@pytest.mark.parametrize(
     ("imports", "use"),
     [
         ("import geometry_msgs.msg", "geometry_msgs.msg.Twist()"),

@@ -50,20 +50,18 @@ def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str
             rest = [*given[:number], *given[number + 1 :], *named]
             for others in (rest, [*own, *rest]):
                 yield f"{given[number]}.{name}({', '.join(others)})", f"{given[number]} has it"
-    for function, clause in _functions(source, name):
+    for function, clause in _functions(source, name, is_of_module=not own):
         for taken in (", ".join([*own, *given, *named]), values):
             yield f"{function}({taken})", clause
-    for called, clause in _elsewhere(source, call, name, own):
-        yield f"{called}({values})", clause
+    # No method is meant as a module's function.
+    elsewhere = _elsewhere(source, call, name, own) if own else ()
+    yield from ((f"{called}({values})", clause) for called, clause in elsewhere)
 
 
 def _elsewhere(
     source: PythonSource, call: ast.Call, name: str, own: Sequence[str]
 ) -> Iterator[tuple[str, str]]:
-    """Yield what may be called with the same arguments: in a module of Python, under a longer name, by what is at hand."""
-    assert isinstance(call.func, ast.Attribute)
-    homes = () if own else interfaces.homes_around(name, source.resolve(call.func.value) or "")
-    yield from ((f"{home}.{name}", f"it is in {home}") for home in homes if home in sys.stdlib_module_names)
+    """Yield what may be called with the same arguments: under a longer name, or by what is at hand."""
     longer = sorted(member for member in interfaces.node_members() if member.startswith(f"{name}_"))
     yield from ((f"{owner}.{member}", f"it is called {member}") for owner in own for member in longer)
     around = source.function_at(call.lineno)
@@ -91,7 +89,7 @@ def _at_hand(source: PythonSource, call: ast.Call, name: str) -> Iterator[str]:
             yield variable
 
 
-def _functions(source: PythonSource, name: str) -> Iterator[tuple[str, str]]:
+def _functions(source: PythonSource, name: str, *, is_of_module: bool) -> Iterator[tuple[str, str]]:
     """Yield the functions of a name that a file can call, each with a clause that says where it is."""
     if name in source.functions:
         yield name, "it is a function of this file"
@@ -99,7 +97,8 @@ def _functions(source: PythonSource, name: str) -> Iterator[tuple[str, str]]:
         is_known = not imported.is_from and imported.target.partition(".")[0] in _KNOWN
         if is_known and interfaces.has_name(imported.target, name):
             yield f"{imported.local}.{name}", f"it is in {imported.target}"
-    if callable(getattr(builtins, name, None)):
+    built_in = getattr(builtins, name, None)  # whose classes, such as range, no module's function is meant as
+    if callable(built_in) and not (is_of_module and isinstance(built_in, type)):
         yield name, "it is a function of Python"
 
 

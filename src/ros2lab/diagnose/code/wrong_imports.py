@@ -174,8 +174,8 @@ def _is_called(source: PythonSource, name: str) -> bool:
 
 def _homes_of(name: str, module: str, source: PythonSource) -> list[str]:
     """Return the modules that define a name: for a module of Python those of Python first."""
-    of_ros = interfaces.homes_for(name, [imported.target for imported in source.imports])
-    around = interfaces.homes_around(name, module)
+    known = [imported.target for imported in source.imports]
+    of_ros, around = interfaces.homes_for(name, known), interfaces.homes_around(name, module, known)
     is_pythons = module.partition(".")[0] in sys.stdlib_module_names
     return [*around, *of_ros] if is_pythons else [*of_ros, *around]
 

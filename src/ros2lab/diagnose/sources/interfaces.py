@@ -9,7 +9,7 @@ import importlib.util
 import re
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
@@ -177,11 +177,8 @@ def own_module(name: str) -> ModuleType | None:
 
 
 def has_name(module: str, name: str) -> bool:
-    """Return whether a name can be imported from an installed module or one of the standard library."""
-    names = names_in(module)
-    if names is None and module in sys.stdlib_module_names:
-        names = importable_names(module)
-    return name in (names or ())
+    """Return whether a module, installed or of the standard library, has a name that is no module itself."""
+    return name in (importable_names(module) or ()) and not is_module(f"{module}.{name}")
 
 
 def importable_names(module: str) -> frozenset[str] | None:
@@ -218,21 +215,20 @@ def module_meant(name: str) -> str:
     return found
 
 
-def homes_around(name: str, module: str) -> list[str]:
+def homes_around(name: str, module: str, imported: Collection[str] = ()) -> list[str]:
     """Return the modules that define a name: those around a module first, then those of Python.
 
-    Of Python's modules, one counts only if no other defines the name, or if the name begins its own.
+    Of Python's modules, one counts only if no other defines the name, or if the name begins its own. What a module is
+    asked for need not be the function that another has under that name: only the classes count of one that there is, and what is `imported`.
     """
     package = module.partition(".")[0]
     near = [package, *(f"{package}.{inner}" for inner in sorted(_submodules(package)))]
-    found = [home for home in near if home != module and _defines(home, name)]
+    found = [home for home in near if home != module and has_name(home, name)]
     of_python = [home for home in _defined_by_python().get(name, ()) if home != module]
+    is_class = not module or (name[:1].isupper() and importable_names(module) is not None)
+    of_python = [home for home in of_python if is_class or home in imported]
     first = [home for home in of_python if home.startswith(name.lower())]
     return found + (first or of_python if len(first or of_python) == 1 else [])
-
-
-def _defines(module: str, name: str) -> bool:
-    return name in (importable_names(module) or ()) and not is_module(f"{module}.{name}")
 
 
 @lru_cache(maxsize=1)
