@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-import pytest
+from pathlib import Path
 
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.refused_keywords import refused_keywords
@@ -243,3 +247,30 @@ def test_a_line_out_of_use_that_would_define_a_name_is_put_back(before: str, lin
 def test_a_name_with_another_word_is_another_thing(line: str, fix: str) -> None:
     head = "def move(self, angle, left_wheel):\n    print(angle, left_wheel)\n"
     assert fixes(f"{head}    self.error = {line}\n") == [fix]
+
+
+@pytest.mark.parametrize(
+    ("lines", "is_text"),
+    [
+        ("move = Twist()\nmove.linear.x = fast", False),
+        ("move = Twist()\nspeed = fast\nmove.linear.x = speed", False),
+        ("self.move = Twist()\nself.move.angular.z = fast", False),
+        ("flag = Bool()\nflag.data = fast", False),
+        ("lift = Lift()\nlift.floor = fast", False),
+        ("self.speed = fast\nself.move = Twist()\nself.move.linear.x = self.speed", False),
+        ("text = String()\ntext.data = fast", True),
+        ("self.text = String()\nself.text.data = fast", True),
+        ("self.get_logger().info(fast)", True),
+        ("self.mode = {'mode': fast}", True),
+    ],
+)
+def test_a_string_is_proposed_only_where_one_may_stand(tmp_path: Path, lines: str, is_text: bool) -> None:
+    imports = "from std_msgs.msg import String\nfrom std_msgs.msg import Bool\nfrom geometry_msgs.msg import Twist\nfrom lift_msgs.msg import Lift\n"
+    files = Files.right(NAMES[1]).change("node", "from std_msgs.msg import String\n", imports)
+    body = "".join(f"        {line}\n" for line in lines.splitlines())
+    root = files.change("node", "        self.count += 1\n", f"        self.count += 1\n{body}").write(
+        tmp_path
+    )
+    (fix,) = (one.fix for one in of_workspace(root) if one.code == "name-undefined")
+    assert ("if it is meant as a string" in fix) is is_text
+    assert fix.endswith("import or define fast above")

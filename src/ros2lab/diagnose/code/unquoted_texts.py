@@ -12,6 +12,7 @@ from ros2lab.diagnose.sources.python_source import last_name
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of, signature_of
 
 _Reading = tuple[str, str]  # the cause, and the fix
+IF_TEXT = " if it is meant as a string; otherwise "  # joins two fixes, of which the first is tried before it is told
 _FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
 _HOLDERS = (ast.List, ast.Tuple, ast.Dict, ast.Set)
 _PATH_SIGNS = (ast.Div, ast.Sub, ast.MatMult)  # `/`, `-` and `@` in a string without quotes
@@ -50,7 +51,7 @@ def as_text(unknown: Unknown) -> _Reading | None:
             return _as_share_folder(unknown)
     fix = unknown.with_text(unknown.node, repr(unknown.name))
     cause = cause_of(unknown)
-    return cause, f"{fix} if it is meant as a string; otherwise import or define {unknown.name} above"
+    return cause, f"{fix}{IF_TEXT}import or define {unknown.name} above"
 
 
 def _as_share_folder(unknown: Unknown) -> _Reading | None:

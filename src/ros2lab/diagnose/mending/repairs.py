@@ -16,7 +16,8 @@ from ros2lab.diagnose.causes.origins import Origin
 from ros2lab.diagnose.checking.checked_copies import RULES, checked
 from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.edits_told import edits_told
-from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Trial, statement_of
+from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Trial, statement_of, type_of
+from ros2lab.diagnose.code.unquoted_texts import IF_TEXT
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.mending.changes import LESS, MOST, MOST_TOLD, Change, changes_of, origins_of
@@ -67,16 +68,22 @@ def worth_typing(finding: Finding, look: Look) -> Finding:
 
 def _without_guess(finding: Finding, spot: Spot) -> Finding:
     """Return a finding with its other fix if what the first one writes makes something else in the file fail."""
-    guess, source = finding.guess, spot.source
+    guess, source, statement = finding.guess, spot.source, statement_of(spot)
     here = [n for n in spot.nodes if isinstance(n, (ast.expr, ast.stmt))]
-    replaced = next((n for n in here if guess and ast.unparse(n) == guess.old), None)
-    if guess is None or source is None or replaced is None:
+    edits = [Edit(n, guess.new) for n in here if guess and ast.unparse(n) == guess.old]
+    first, _, otherwise = finding.fix.partition(IF_TEXT)
+    if is_text := bool(otherwise):
+        edits = [*edits_told(first, statement, [n for n in here if isinstance(n, ast.expr)])]
+    if source is None or not edits:
         return finding
-    before, after = checked(source, [source.text.encode(), Edit(replaced, guess.new).of(source)])
+    before, after = checked(source, [source.text.encode(), edits[0].of(source)])
     known = {(row.rule, row.said) for row in before}
-    new = [row for row in after if row.rule in _FAILS and (row.rule, row.said) not in known]
+    new = [row for row in after if (is_text or row.rule in _FAILS) and (row.rule, row.said) not in known]
+    holders = [n.value for n in getattr(statement, "targets", ()) if is_text and isinstance(n, ast.Attribute)]
+    is_open = any(UNKNOWN_TYPE.search(type_of(source, holder) or "Unknown") for holder in holders)
     cause = finding.cause.partition(" Did you mean")[0]
-    return replace(finding, cause=cause, fix=guess.otherwise) if new else finding
+    otherwise = guess.otherwise if guess else otherwise
+    return replace(finding, cause=cause, fix=otherwise) if new or is_open else finding
 
 
 # Objections of the type checker to what fails whatever the annotations say.
